@@ -1,0 +1,60 @@
+"""What an adapter is. Nothing here knows an engine; `engines` finds the adapters by looking into this folder.
+
+An adapter is one module with
+
+    NAME: str                                       the engine's name in every table
+    routes: tuple[str, ...]                         "native" (the engine's own shapes and contact), "assisted" (our
+                                                    geometry, the engine's contact law and step)
+    refuses(case, route) -> str | None              why this route cannot model the case, in one sentence, or None
+    ladder(case, route) -> tuple[Setting, ...]      from coarse to fine, all knobs tightened together
+    build(case, route, setting) -> model            untimed
+    run(model) -> None                              the only part that is timed
+    read(model) -> Trajectory                       untimed; raises EngineFailure for a run that is no motion
+    version() -> str                                of the engine
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from dataclasses import dataclass
+from types import ModuleType
+
+from cases.errors import unknown
+
+
+class EngineFailure(RuntimeError):
+    """The engine ran and gave no motion: it stopped with an error, or its numbers are not finite."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One rung of a ladder: the engine's knobs by name. Its text stands in the tables."""
+
+    values: tuple[tuple[str, float | int | str], ...]
+
+    @classmethod
+    def of(cls, **values: float | int | str) -> Setting:
+        """A setting from keywords, in the order given."""
+        return cls(tuple(values.items()))
+
+    def __getitem__(self, name: str):
+        return dict(self.values)[name]
+
+    def __str__(self) -> str:
+        return " ".join(f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.values)
+
+
+def engines() -> tuple[str, ...]:
+    """The adapters' names, in alphabetical order."""
+    from . import __path__ as folder
+
+    modules = (m.name for m in pkgutil.iter_modules(folder))
+    return tuple(sorted(name for name in modules if name != "interface" and not name.startswith("_")))
+
+
+def engine(name: str) -> ModuleType:
+    """The adapter of that name; raises UnknownName, or ImportError if its engine is not installed."""
+    if name not in engines():
+        raise unknown("engine", name, engines())
+    return importlib.import_module(f"adapters.{name}")

@@ -1,0 +1,37 @@
+"""The question and the form of the answer: scenes of a plate on a track, and trajectories."""
+
+from .case import Case, Plate, Start, disc
+from .curves import Curve
+from .effects import CoulombFriction, Effect, Gravity, Unilateral
+from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
+from .registry import case, entry, load, load_file, names, select
+from .trajectory import Cost, Mode, State, Trajectory, Transition
+
+__all__ = [
+    "BadCurve",
+    "BadValue",
+    "Case",
+    "CaseError",
+    "Cost",
+    "CoulombFriction",
+    "Curve",
+    "DoesNotFit",
+    "Effect",
+    "Gravity",
+    "Mode",
+    "NotSupported",
+    "Plate",
+    "Start",
+    "State",
+    "Trajectory",
+    "Transition",
+    "Unilateral",
+    "UnknownName",
+    "case",
+    "disc",
+    "entry",
+    "load",
+    "load_file",
+    "names",
+    "select",
+]

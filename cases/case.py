@@ -1,0 +1,135 @@
+"""The question: a plate, its track, the effects that act, how it starts and for how long. Frozen, SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import TypeVar
+
+import numpy as np
+
+from . import curves
+from .curves import Curve
+from .effects import Effect
+from .errors import BadCurve, BadValue, finite, positive
+
+E = TypeVar("E")
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A rigid plate: its outline in its own frame, whose origin is the centre of mass; mass in kg, inertia in kg m².
+
+    The outline runs counter-clockwise around the plate (BadCurve if it is closed and runs the other way).
+    """
+
+    outline: Curve
+    mass: float
+    inertia: float
+
+    def __post_init__(self):
+        if not isinstance(self.outline, Curve):
+            raise BadValue(f"the outline is {self.outline!r}; give a Curve")
+        object.__setattr__(self, "mass", positive("mass of the plate", self.mass))
+        object.__setattr__(self, "inertia", positive("inertia of the plate", self.inertia))
+        if self.outline.period:
+            low, high = self.outline.look
+            if self.outline.tangent_angle(high) < self.outline.tangent_angle(low):
+                raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
+
+    @cached_property
+    def radius(self) -> float | None:
+        """Radius in metres if the outline is a circle about the centre of mass, else None."""
+        s = np.linspace(*self.outline.look, 17)
+        r = np.hypot(*self.outline.point(s))
+        bend = self.outline.curvature(s)
+        # Rounding of a handful of operations; a real outline that round is a disc for every purpose here.
+        round_enough = np.ptp(r) <= 1e-13 * r.max() and np.all(np.abs(bend * r - 1.0) <= 1e-12)
+        return float(r.mean()) if round_enough and self.outline.period else None
+
+
+def disc(radius: float, mass: float, inertia: float | None = None) -> Plate:
+    """A disc about its centre of mass; inertia ½ m r² (homogeneous) if none is given."""
+    radius, mass = positive("radius of the disc", radius), positive("mass of the disc", mass)
+    outline = Curve(lambda s: (radius * curves.cos(s), radius * curves.sin(s)))
+    return Plate(outline, mass, 0.5 * mass * radius**2 if inertia is None else inertia)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where and how the plate touches its track at time zero.
+
+    `xi1`, `xi2`: contact parameters on track and outline (xi2=None: such that θ = 0); `slip`: slip velocity along
+    the track's unit tangent in m/s; `omega`: angular velocity in rad/s.
+    """
+
+    xi1: float
+    xi2: float | None = None
+    slip: float = 0.0
+    omega: float = 0.0
+
+    def __post_init__(self):
+        object.__setattr__(self, "xi1", finite("xi1 of Start", self.xi1))
+        if self.xi2 is not None:
+            object.__setattr__(self, "xi2", finite("xi2 of Start", self.xi2))
+        object.__setattr__(self, "slip", finite("slip of Start", self.slip))
+        object.__setattr__(self, "omega", finite("omega of Start", self.omega))
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene. All checks are made here, before any solver runs.
+
+    `name` and `parameters` are filled in by the catalogue; a case made by hand may leave them out.
+    Raises BadValue, BadCurve or DoesNotFit with one sentence that says what to change.
+    """
+
+    track: Curve
+    plate: Plate
+    effects: tuple[Effect, ...]
+    start: Start
+    duration: float
+    name: str = "unnamed"
+    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self):
+        for what, value, kind in (
+            ("track", self.track, Curve),
+            ("plate", self.plate, Plate),
+            ("start", self.start, Start),
+        ):
+            if not isinstance(value, kind):
+                raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
+        object.__setattr__(self, "effects", _checked_effects(self.effects))
+        object.__setattr__(self, "duration", positive("duration of the case", self.duration))
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        from .contact import check_start  # the geometry is written in terms of cases, so it is imported late
+
+        check_start(self)
+
+    def effect(self, kind: type[E]) -> E | None:
+        """The case's effect of that kind, or None if the case does not ask for it."""
+        return next((e for e in self.effects if isinstance(e, kind)), None)
+
+    @property
+    def label(self) -> str:
+        """`name[parameter=value,…]`: the one text that `cases.load` turns back into this case."""
+        inside = ",".join(f"{key}={value:g}" for key, value in self.parameters.items())
+        return f"{self.name}[{inside}]" if inside else self.name
+
+
+def _checked_effects(effects) -> tuple[Effect, ...]:
+    try:
+        effects = tuple(effects)
+    except TypeError:
+        raise BadValue(f"effects is {effects!r}; give a tuple such as (Gravity(9.81), Unilateral())") from None
+    for e in effects:
+        if not isinstance(e, Effect):
+            raise BadValue(f"{e!r} is not an effect; give objects such as Gravity(9.81), with the brackets")
+    kinds = [type(e).__name__ for e in effects]
+    twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
+    if twice:
+        raise BadValue(f"the case asks for {twice} more than once; give one of each effect")
+    return effects

@@ -1,0 +1,249 @@
+"""Plane curves, authored as one expression: derivatives to third order, curvature, direction of the tangent.
+
+Orientation (paper, section 2): the plate lies on the left of a track's increasing parameter, so the normal force on
+it points along U·R_p; an outline runs counter-clockwise around its plate. Curvature is positive where a curve bends
+to its left: a plate can touch where its outline's curvature exceeds the track's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+
+from .errors import BadCurve, BadValue, finite
+
+__all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
+
+PARAMETER = sp.Symbol("s", real=True)
+
+# Enough samples to see a cusp or a hole of any curve a person would write; a finer feature is found where it matters,
+# by the solver that meets it.
+SAMPLES = 720
+
+# The range looked at when a curve without a domain has no period: a hundred units of its parameter either way would
+# already overflow a cosh; ten are what a drawing shows.
+UNBOUNDED_LOOK = (-10.0, 10.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A smooth plane curve s ↦ (X(s), Y(s)), in metres.
+
+    `function` takes a SymPy symbol and returns a pair of expressions made with the functions of `cases.curves`
+    (sin, cos, exp, …). `domain` is the parameter's range (a, b), or None for all real numbers. Floating-point
+    constants of the expression are its sizes: curves that differ only in them share one compiled system.
+
+    Raises BadCurve for a cusp (R_p = 0), a value that is not finite or an expression without derivatives, BadValue
+    for a bad domain.
+    """
+
+    function: Callable[[Any], tuple[Any, Any]]
+    domain: tuple[float, float] | None = None
+    expression: tuple[sp.Expr, sp.Expr] = field(init=False, repr=False)
+
+    def __post_init__(self):
+        object.__setattr__(self, "domain", _checked_domain(self.domain))
+        object.__setattr__(self, "expression", _expression(self.function))
+        self._check_regular()
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
+
+    def __hash__(self) -> int:
+        return hash((self.expression, self.domain))
+
+    # --- evaluation -------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def structure(self) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]:
+        """The expression with its floating-point constants replaced by symbols c0, c1, …, and those symbols."""
+        floats = sorted({f for e in self.expression for f in e.atoms(sp.Float)}, key=_order_in(self.expression))
+        symbols = tuple(sp.Symbol(f"c{i}", real=True) for i in range(len(floats)))
+        replace = dict(zip(floats, symbols, strict=True))
+        x, y = (e.xreplace(replace) for e in self.expression)
+        return (x, y), symbols
+
+    @cached_property
+    def constants(self) -> tuple[float, ...]:
+        """The values of `structure`'s symbols, in their order."""
+        floats = {f for e in self.expression for f in e.atoms(sp.Float)}
+        return tuple(float(f) for f in sorted(floats, key=_order_in(self.expression)))
+
+    def jet(self, s: float) -> tuple[float, ...]:
+        """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
+        return _compiled_jet(self.structure, "math")(s, self.constants)
+
+    def jets(self, s) -> np.ndarray:
+        """The same for an array of parameters, shape (8, n)."""
+        s = np.atleast_1d(np.asarray(s, dtype=float))
+        rows = _compiled_jet(self.structure, "numpy")(s, self.constants)
+        return np.array([np.broadcast_to(row, s.shape) for row in rows], dtype=float)
+
+    def point(self, s) -> np.ndarray:
+        """Position, shape (2,) for a number, (2, n) for an array."""
+        return np.array(self.jet(s)[:2]) if np.ndim(s) == 0 else self.jets(s)[:2]
+
+    def tangent(self, s) -> np.ndarray:
+        """Unit tangent, shape (2,) for a number, (2, n) for an array."""
+        d = np.array(self.jet(s)[2:4]) if np.ndim(s) == 0 else self.jets(s)[2:4]
+        return d / np.hypot(d[0], d[1])
+
+    def normal(self, s) -> np.ndarray:
+        """Left unit normal U·tangent, shape (2,) for a number, (2, n) for an array."""
+        t = self.tangent(s)
+        return np.array([-t[1], t[0]])
+
+    def speed(self, s):
+        """|R_p| in metres per unit of the parameter."""
+        d = self.jet(s)[2:4] if np.ndim(s) == 0 else self.jets(s)[2:4]
+        return np.hypot(d[0], d[1])
+
+    def curvature(self, s):
+        """Signed curvature in 1/m, positive where the curve bends to its left."""
+        _, _, xp, yp, xs, ys, _, _ = self.jet(s) if np.ndim(s) == 0 else self.jets(s)
+        return (xp * ys - yp * xs) / np.hypot(xp, yp) ** 3
+
+    # --- the curve as a whole ---------------------------------------------------------------------------------------
+
+    @cached_property
+    def period(self) -> float | None:
+        """The parameter's period of a closed curve, else None.
+
+        A curve with a domain is closed if position and three derivatives agree at both ends; one without a domain if
+        they repeat after 2π (looked at in a few places, to rounding).
+        """
+        if self.domain is not None:
+            start, length = self.domain[0], self.domain[1] - self.domain[0]
+            probes = np.array([start])
+        else:
+            length = 2 * np.pi
+            probes = np.array([0.1, 1.3, 2.9])
+        with np.errstate(all="ignore"):
+            here, there = self.jets(probes), self.jets(probes + length)
+        # A closed curve's ends agree to the rounding of its own sizes; 1e-9 of them is far above that and far below
+        # any gap a person would author.
+        closed = np.all(np.abs(here - there) <= 1e-9 * np.max(np.abs(here)))
+        return float(length) if closed else None
+
+    @cached_property
+    def look(self) -> tuple[float, float]:
+        """A range of the parameter that shows the whole curve (one turn of a closed one)."""
+        if self.domain is not None:
+            return self.domain
+        return (0.0, self.period) if self.period else UNBOUNDED_LOOK
+
+    def tangent_angle(self, s):
+        """Direction of the tangent in radians, continuous along the curve (it gains 2π in each turn of a closed one).
+
+        For a number or an array; this is what makes the plate's rotation θ a function of (ξ₁, ξ₂) alone, by (6).
+        """
+        s = np.asarray(s, dtype=float)
+        d = self.jets(s)[2:4]
+        principal = np.arctan2(d[1], d[0]).reshape(s.shape)
+        rough = self._rough_tangent_angle(s)
+        angle = principal + 2 * np.pi * np.round((rough - principal) / (2 * np.pi))
+        return float(angle) if angle.ndim == 0 else angle
+
+    def _rough_tangent_angle(self, s: np.ndarray) -> np.ndarray:
+        """The continuous tangent angle to within much less than half a turn, from a table."""
+        if self.period:
+            start = self.look[0]
+            turns = np.floor((s - start) / self.period)
+            grid, angles = self._angle_table(self.look)
+            return np.interp(s - turns * self.period, grid, angles) + turns * (angles[-1] - angles[0])
+        low, high = self.look
+        if self.domain is None and s.size:
+            while s.min() < low or s.max() > high:
+                low, high = 2 * low, 2 * high
+        grid, angles = self._angle_table((low, high))
+        return np.interp(s, grid, angles)
+
+    @lru_cache(maxsize=64)  # noqa: B019 - curves are few, small and live as long as their case
+    def _angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+        # 32 samples to a unit of the parameter keep the change between two samples below half a turn for every curve
+        # whose radius of curvature is not below a hundredth of its speed; np.unwrap needs no more.
+        count = min(200_000, max(4 * SAMPLES, int(32 * (span[1] - span[0])))) + 1
+        grid = np.linspace(*span, count)
+        d = self.jets(grid)[2:4]
+        angles = np.unwrap(np.arctan2(d[1], d[0]))
+        # The branch is fixed where the look begins, so that wider tables agree with narrower ones.
+        anchor = np.interp(self.look[0], grid, angles)
+        return grid, angles - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
+
+    def _check_regular(self) -> None:
+        s = np.linspace(*self._first_look(), SAMPLES)
+        try:
+            with np.errstate(all="ignore"):
+                jets = self.jets(s)
+        except Exception as problem:
+            raise BadCurve(f"the curve cannot be evaluated ({problem}); use the functions of cases.curves") from problem
+        bad = ~np.all(np.isfinite(jets), axis=0)
+        if bad.any():
+            raise BadCurve(
+                f"the curve or a derivative is not finite at s = {s[bad][0]:.6g}; give a domain that leaves it out"
+            )
+        speed = np.hypot(jets[2], jets[3])
+        slowest = int(np.argmin(speed))
+        # A regular curve's speed varies by a few orders; 1e-9 of the largest is a cusp or a point.
+        if speed[slowest] <= 1e-9 * speed.max():
+            raise BadCurve(
+                f"the curve has a cusp (R_p = 0) near s = {s[slowest]:.6g}; give a domain that leaves it out"
+            )
+
+    def _first_look(self) -> tuple[float, float]:
+        return self.domain if self.domain is not None else (0.0, 2 * np.pi)
+
+
+def _checked_domain(domain) -> tuple[float, float] | None:
+    if domain is None:
+        return None
+    try:
+        low, high = domain
+    except (TypeError, ValueError):
+        raise BadValue(f"domain is {domain!r}; give a pair (a, b) of numbers, or None") from None
+    low, high = finite("start of the domain", low), finite("end of the domain", high)
+    if not low < high:
+        raise BadValue(f"domain is ({low:g}, {high:g}); give the smaller number first")
+    return (low, high)
+
+
+def _expression(function) -> tuple[sp.Expr, sp.Expr]:
+    if not callable(function):
+        raise BadCurve(f"a curve is a function of its parameter, not {function!r}; give lambda s: (X, Y)")
+    try:
+        pair = tuple(function(PARAMETER))
+        x, y = (sp.sympify(part) for part in pair)
+    except Exception as problem:
+        raise BadCurve(
+            f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"
+        ) from problem
+    for part in (x, y):
+        if not isinstance(part, sp.Expr) or part.free_symbols - {PARAMETER}:
+            raise BadCurve(f"the curve's coordinate {part} is not an expression in the parameter alone")
+        if part.has(sp.nan, sp.zoo, sp.oo):
+            raise BadCurve(f"the curve's coordinate {part} is not finite; give finite sizes")
+    return x, y
+
+
+def _order_in(expressions) -> Callable[[sp.Float], int]:
+    """Sort key: where a constant first stands in the expressions, so that equal structures number alike."""
+    seen: dict[sp.Float, int] = {}
+    for e in expressions:
+        for node in sp.preorder_traversal(e):
+            if isinstance(node, sp.Float):
+                seen.setdefault(node, len(seen))
+    return seen.__getitem__
+
+
+@lru_cache(maxsize=512)
+def _compiled_jet(structure, library: str):
+    """A function (s, constants) -> eight rows, compiled from the structure for floats (math) or arrays (numpy)."""
+    (x, y), symbols = structure
+    rows = [sp.diff(part, PARAMETER, order) for order in range(4) for part in (x, y)]
+    return sp.lambdify([PARAMETER, symbols], rows, modules=library, cse=True)

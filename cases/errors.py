@@ -1,0 +1,72 @@
+"""What the suite says when it is asked for something it cannot do: one sentence each, with what to change."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from math import isfinite
+from numbers import Real
+
+
+class CaseError(ValueError):
+    """Base of every error a wrong question raises; its text is one sentence that says what to change."""
+
+
+class BadValue(CaseError):
+    """A number or a type that no scene can have (NaN, a negative mass, a word where a number belongs)."""
+
+
+class BadCurve(CaseError):
+    """A curve that cannot be a track or an outline (a cusp, a value that is not finite, no derivative)."""
+
+
+class DoesNotFit(CaseError):
+    """A plate that cannot touch its track as the start asks."""
+
+
+class UnknownName(CaseError):
+    """A case, parameter, solver or option that does not exist."""
+
+
+class NotSupported(CaseError):
+    """A well-posed question this solver has no equations for."""
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownName:
+    """The error for a name that is not there: the nearest known names, or all of them where none is near."""
+    choices = sorted(known)
+    near = difflib.get_close_matches(name, choices, n=3, cutoff=0.5)
+    if near:
+        return UnknownName(f"there is no {kind} {name!r}; did you mean {' or '.join(near)}?")
+    if not choices:
+        return UnknownName(f"there is no {kind} {name!r}, and none can be given here")
+    return UnknownName(f"there is no {kind} {name!r}; choose from {', '.join(choices)}")
+
+
+def finite(what: str, value: object) -> float:
+    """`value` as a float; raises BadValue unless it is a finite real number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise BadValue(f"{what} is {value!r}; give a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = float("inf")
+    if not isfinite(number):
+        raise BadValue(f"{what} is {number}; give a finite number")
+    return number
+
+
+def positive(what: str, value: object) -> float:
+    """`value` as a float; raises BadValue unless it is finite and greater than zero."""
+    number = finite(what, value)
+    if number <= 0.0:
+        raise BadValue(f"{what} is {number:g}; give a number greater than zero")
+    return number
+
+
+def not_negative(what: str, value: object) -> float:
+    """`value` as a float; raises BadValue unless it is finite and at least zero."""
+    number = finite(what, value)
+    if number < 0.0:
+        raise BadValue(f"{what} is {number:g}; give zero or more")
+    return number

@@ -1,0 +1,141 @@
+"""Cases by name. A function marked `@case` is a case; its name is the case's only name."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import inspect
+import pkgutil
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from .case import Case
+from .errors import BadValue, CaseError, UnknownName, unknown
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A registered case function with its documented variants."""
+
+    name: str
+    function: Callable[..., Case]
+    variants: tuple[Mapping[str, Any], ...]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Parameter names and defaults, from the function's signature."""
+        return {name: p.default for name, p in inspect.signature(self.function).parameters.items()}
+
+    @property
+    def summary(self) -> str:
+        """The first line of the function's docstring."""
+        return (inspect.getdoc(self.function) or "").partition("\n")[0]
+
+
+_entries: dict[str, Entry] = {}
+
+
+def case(function=None, *, variants: Sequence[Mapping[str, Any]] = ({},)):
+    """Mark a function as a case. `variants` names the parameter sets that `--case NAME` runs."""
+
+    def register(function):
+        name = function.__name__
+        known = _entries.get(name)
+        if known and inspect.getsourcefile(known.function) != inspect.getsourcefile(function):
+            raise BadValue(f"there is already a case {name!r}; give this function another name")
+        _entries[name] = Entry(name, function, tuple(dict(v) for v in variants))
+        return function
+
+    return register if function is None else register(function)
+
+
+def entry(name: str) -> Entry:
+    """The registered case of that name; raises UnknownName with the nearest names."""
+    _import_catalogue()
+    if name not in _entries:
+        raise unknown("case", name, _entries)
+    return _entries[name]
+
+
+def names() -> list[str]:
+    """Every case's name, in alphabetical order."""
+    _import_catalogue()
+    return sorted(_entries)
+
+
+def load(name: str, **parameters) -> Case:
+    """The case `name` with some parameters changed; `name` may carry them: "disc_in_circle[mu=0.2]".
+
+    Raises UnknownName for a name or parameter that does not exist, with the nearest ones; CaseError for values no
+    scene can have.
+    """
+    bare, written = _parse(name)
+    found = entry(bare)
+    parameters = {**written, **parameters}
+    for key in parameters:
+        if key not in found.parameters:
+            raise unknown(f"parameter of {bare}", key, found.parameters)
+    made = found.function(**parameters)
+    if not isinstance(made, Case):
+        raise BadValue(f"the case function {bare} returned {type(made).__name__}; return a Case")
+    return replace(made, name=bare, parameters=parameters)
+
+
+def select(text: str) -> list[Case]:
+    """What `--case TEXT` means: all variants of a bare name, or the one case of "name[parameter=value]"."""
+    bare, written = _parse(text)
+    if written or "[" in text:
+        return [load(text)]
+    return [load(bare, **variant) for variant in entry(bare).variants]
+
+
+def load_file(path: str | Path) -> list[str]:
+    """Bring the case functions of a Python file into the catalogue; returns their names.
+
+    Raises CaseError, in one sentence, if the file cannot be read, fails, or holds no case.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise UnknownName(f"there is no case file {str(path)!r}")
+    before = dict(_entries)
+    spec = importlib.util.spec_from_file_location(f"case_file_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise BadValue(f"{path} is not a Python file; a case file ends in .py")
+    try:
+        spec.loader.exec_module(importlib.util.module_from_spec(spec))
+    except CaseError:
+        raise
+    except Exception as problem:
+        raise BadValue(f"the case file {path} fails: {type(problem).__name__}: {problem}") from problem
+    new = [name for name in _entries if _entries[name] is not before.get(name)]
+    if not new:
+        raise BadValue(f"the case file {path} holds no case; mark its function with @case")
+    return new
+
+
+def _import_catalogue() -> None:
+    from . import catalogue
+
+    for module in pkgutil.iter_modules(catalogue.__path__):
+        importlib.import_module(f"{catalogue.__name__}.{module.name}")
+
+
+def _parse(text: str) -> tuple[str, dict[str, float]]:
+    """Split "name[a=1,b=2]" into the name and its numbers."""
+    match = re.fullmatch(r"\s*(\w+)\s*(?:\[(.*)\])?\s*", text)
+    if not match:
+        raise BadValue(f"{text!r} is not a case; write name or name[parameter=value,…]")
+    parameters: dict[str, float] = {}
+    for part in filter(None, (piece.strip() for piece in (match[2] or "").split(","))):
+        key, equals, value = part.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            equals = ""
+        if not equals:
+            raise BadValue(f"{part!r} in {text!r} is not parameter=number")
+        parameters[key.strip()] = number
+    return match[1], parameters

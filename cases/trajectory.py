@@ -1,0 +1,118 @@
+"""The form of every answer, whichever solver gave it. SI units; components along the track as in `cases.contact`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Mode(StrEnum):
+    """What the contact does."""
+
+    SLIDE = "slide"  # without friction
+    SLIP_FORWARD = "slip_forward"  # the plate's point moves along the track's increasing parameter
+    SLIP_BACKWARD = "slip_backward"
+    ROLL = "roll"
+    FLIGHT = "flight"
+
+
+@dataclass(frozen=True)
+class Transition:
+    """One change of mode: when (s), from what to what, where on the two curves, and why (one phrase)."""
+
+    time: float
+    before: Mode
+    after: Mode
+    xi1: float = np.nan
+    xi2: float = np.nan
+    cause: str = ""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What an answer cost: seconds of CPU and wall for the run alone, set-up apart; steps and evaluations."""
+
+    cpu_s: float = np.nan
+    wall_s: float = np.nan
+    setup_s: float = np.nan
+    steps: int = 0
+    evaluations: int = 0
+
+
+class State(NamedTuple):
+    """Everything at one instant (numbers), or at many (arrays of one length)."""
+
+    x: np.ndarray | float
+    y: np.ndarray | float
+    theta: np.ndarray | float
+    vx: np.ndarray | float
+    vy: np.ndarray | float
+    omega: np.ndarray | float
+    slip: np.ndarray | float
+    normal_force: np.ndarray | float
+    friction_force: np.ndarray | float
+    xi1: np.ndarray | float
+    xi2: np.ndarray | float
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A motion, sampled at times `t` (increasing; two equal times mark both sides of a jump), arrays of one length.
+
+    `x`, `y`, `theta`: pose of the centre of mass; `vx`, `vy`, `omega`: its velocities; `slip`: slip velocity along
+    the track's tangent; `normal_force`, `friction_force`: along its left normal and tangent, NaN where a solver
+    cannot tell; `xi1`, `xi2`: contact parameters.
+    `status` is "completed" or names what ended the motion early; `reason` says it in one sentence.
+    `slip_resolution` (m/s) is the creep below which this solver cannot tell stick from slip (0: exact).
+    `dense` maps a time or an array of times inside the range to a State; without it the samples are interpolated.
+    """
+
+    t: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    theta: np.ndarray
+    vx: np.ndarray
+    vy: np.ndarray
+    omega: np.ndarray
+    slip: np.ndarray
+    normal_force: np.ndarray
+    friction_force: np.ndarray
+    xi1: np.ndarray
+    xi2: np.ndarray
+    transitions: tuple[Transition, ...] = ()
+    status: str = "completed"
+    reason: str = "The motion ran to its end."
+    cost: Cost = Cost()
+    slip_resolution: float = 0.0
+    first_mode: Mode | None = None
+    dense: Callable[[np.ndarray], State] | None = field(default=None, repr=False)
+
+    def __post_init__(self):
+        length = len(self.t)
+        for name in State._fields:
+            if np.shape(getattr(self, name)) != (length,):
+                raise ValueError(f"{name} has shape {np.shape(getattr(self, name))}, t has ({length},)")
+
+    def __call__(self, t) -> State:
+        """The state at a time, or at each of an array of times; raises ValueError outside the motion's time span."""
+        times = np.asarray(t, dtype=float)
+        if times.size and not (self.t[0] <= times.min() and times.max() <= self.t[-1]):
+            raise ValueError(f"time {t} is outside the motion, which lasts from {self.t[0]:g} s to {self.t[-1]:g} s")
+        state = (self.dense or self._interpolate)(np.atleast_1d(times))
+        return State(*(float(v[0]) for v in state)) if times.ndim == 0 else state
+
+    def _interpolate(self, times: np.ndarray) -> State:
+        """Pose by cubic Hermite interpolation with the velocities, everything else linearly."""
+        from scipy.interpolate import CubicHermiteSpline
+
+        keep = np.concatenate([np.diff(self.t) > 0, [True]])
+        values = {name: np.interp(times, self.t[keep], getattr(self, name)[keep]) for name in State._fields}
+        for name, rate in (("x", "vx"), ("y", "vy"), ("theta", "omega")):
+            if keep.sum() > 1:
+                spline = CubicHermiteSpline(self.t[keep], getattr(self, name)[keep], getattr(self, rate)[keep])
+                values[name] = spline(times)
+        return State(**values)
