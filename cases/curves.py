@@ -62,18 +62,26 @@ class Curve:
 
     @cached_property
     def structure(self) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]:
-        """The expression with its floating-point constants replaced by symbols c0, c1, …, and those symbols."""
-        floats = sorted({f for e in self.expression for f in e.atoms(sp.Float)}, key=_order_in(self.expression))
-        symbols = tuple(sp.Symbol(f"c{i}", real=True) for i in range(len(floats)))
-        replace = dict(zip(floats, symbols, strict=True))
+        """The expression with its floating-point constants replaced by ±c0, ±c1, … (all positive), and those symbols.
+
+        Curves of one structure share their compiled systems, whatever their sizes.
+        """
+        symbols = tuple(sp.Symbol(f"c{i}", positive=True) for i in range(len(self.constants)))
+        size = dict(zip(self.constants, symbols, strict=True))
+        floats = {f for e in self.expression for f in e.atoms(sp.Float)}
+        replace = {f: size[abs(float(f))] * (1 if f > 0 else -1) for f in floats}
         x, y = (e.xreplace(replace) for e in self.expression)
         return (x, y), symbols
 
     @cached_property
     def constants(self) -> tuple[float, ...]:
-        """The values of `structure`'s symbols, in their order."""
-        floats = {f for e in self.expression for f in e.atoms(sp.Float)}
-        return tuple(float(f) for f in sorted(floats, key=_order_in(self.expression)))
+        """The values of `structure`'s symbols: the sizes in the order in which the expression names them."""
+        sizes: dict[float, None] = {}
+        for part in self.expression:
+            for node in sp.preorder_traversal(part):
+                if isinstance(node, sp.Float):
+                    sizes.setdefault(abs(float(node)))
+        return tuple(sizes)
 
     def jet(self, s: float) -> tuple[float, ...]:
         """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
@@ -229,16 +237,6 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         if part.has(sp.nan, sp.zoo, sp.oo):
             raise BadCurve(f"the curve's coordinate {part} is not finite; give finite sizes")
     return x, y
-
-
-def _order_in(expressions) -> Callable[[sp.Float], int]:
-    """Sort key: where a constant first stands in the expressions, so that equal structures number alike."""
-    seen: dict[sp.Float, int] = {}
-    for e in expressions:
-        for node in sp.preorder_traversal(e):
-            if isinstance(node, sp.Float):
-                seen.setdefault(node, len(seen))
-    return seen.__getitem__
 
 
 @lru_cache(maxsize=512)
