@@ -197,12 +197,27 @@ class Curve:
                 f"the curve or a derivative is not finite at s = {s[bad][0]:.6g}; give a domain that leaves it out"
             )
         speed = np.hypot(jets[2], jets[3])
-        slowest = int(np.argmin(speed))
-        # A regular curve's speed varies by a few orders; 1e-9 of the largest is a cusp or a point.
-        if speed[slowest] <= 1e-9 * speed.max():
-            raise BadCurve(
-                f"the curve has a cusp (R_p = 0) near s = {s[slowest]:.6g}; give a domain that leaves it out"
-            )
+        self._check_speed(s, speed, np.argmin(speed), "has a cusp (R_p = 0)", sign=1.0)
+        self._check_speed(s, speed, np.argmax(speed), "is not finite", sign=-1.0)
+
+    def _check_speed(self, s, speed, index, what: str, sign: float) -> None:
+        """Raises BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
+        typical = float(np.median(speed))
+        # Looked at closely only where the samples leave the ordinary; a regular curve's speed varies by a few orders,
+        # and seven of them within one sample's width is a cusp or a pole.
+        if abs(np.log10(speed[index] / typical)) < 2:
+            return
+        from scipy.optimize import minimize_scalar  # slow to import, seldom needed
+
+        low, high = s[max(index - 1, 0)], s[min(index + 1, len(s) - 1)]
+        with np.errstate(all="ignore"):
+            found = minimize_scalar(
+                lambda v: float(self.speed(v)) ** (2 * sign),
+                bounds=(low, high), method="bounded", options={"xatol": 1e-12 * (high - low)},
+            )  # fmt: skip
+            extreme = float(self.speed(found.x))
+        if not abs(np.log10(extreme / typical)) < 7:
+            raise BadCurve(f"the curve {what} near s = {found.x:.6g}; give a domain that leaves it out")
 
     def _first_look(self) -> tuple[float, float]:
         return self.domain if self.domain is not None else (0.0, 2 * np.pi)

@@ -7,13 +7,12 @@ reverses and comes back) would leave no change of sign at the ends.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
+from .arc import Arc, Stop
 from .modes import Phase
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
@@ -36,23 +35,9 @@ def _interpolation() -> np.ndarray:
 _TO_FINE = _interpolation()
 
 
-class Stop(NamedTuple):
-    """What ended a phase: the guard that reached zero (None: the end of the time span), when, and the state there."""
-
-    guard: str | None
-    time: float
-    state: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Arc:
-    """A phase's motion: its step times, a dense output t ↦ states of shape (variables, n), and the work it took."""
-
-    phase: Phase
-    times: np.ndarray
-    states: Callable[[np.ndarray], np.ndarray]
-    stop: Stop
-    evaluations: int
+def prepare(phase: Phase) -> None:
+    """Compile the phase's equations."""
+    phase.system.rates_of_numbers, phase.system.guards_of_arrays, phase.system.guards_of_numbers  # noqa: B018
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
@@ -69,7 +54,8 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     rtol = max(rtol, 1e-13)
     atol = rtol * _scales(phase, t, y)
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol)
-    times, pieces = [t], []
+    times: list[float] = [t]
+    pieces: list[DenseOutput] = []
     while True:
         message = solver.step()
         if solver.status == "failed":

@@ -5,13 +5,15 @@ coincide, so (27) splits: the n-component of its first constraint rows holds nei
 force by one division; the t-component and the tangency row then give ξ̈₁ and ξ̈₂. Letters: P = |R_p|, a = R_s·t,
 b = R_s·n, c = R_t·n on the track; p, a, b, c on the outline, turned with the plate; h = θr, the arm to the contact.
 
-One symbolic source serves every integrator: sizes, friction, loads and start are runtime parameters.
+Forces are taken per mass, so that mass drops out where it does not matter. One symbolic source serves every
+integrator: sizes, friction, loads and start are runtime parameters.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import cos, sin
 from typing import NamedTuple
 
 import sympy as sp
@@ -22,7 +24,8 @@ from cases.curves import PARAMETER
 from . import series
 
 T, X1, X2, U1, U2 = sp.symbols("t xi1 xi2 u1 u2", real=True)
-MASS, INERTIA = sp.symbols("m J", positive=True)
+GYRATION = sp.Symbol("G", positive=True)  # J/m, the square of the radius of gyration
+NORMAL = sp.Symbol("N", real=True)  # the normal force per mass, while it is being eliminated
 GX, GY = sp.symbols("gx gy", real=True)
 # Friction force per normal force (the paper's μ of (30) with its sign), sign of the slip, sign of the normal force,
 # and the coefficient that bounds friction in roll.
@@ -44,7 +47,7 @@ class Frame(NamedTuple):
 
     @property
     def curvature(self) -> sp.Expr:
-        return self.b / self.P**2
+        return _tidy(self.b / self.P**2)
 
 
 def frame(structure, parameter: sp.Symbol, prefix: str) -> tuple[Frame, tuple[sp.Symbol, ...]]:
@@ -73,15 +76,20 @@ def _frame(x: sp.Expr, y: sp.Expr) -> Frame:
 
 
 def _tidy(expression: sp.Expr) -> sp.Expr:
-    """The shorter of the expression and its trigonometric simplification; long expressions stay as they are."""
-    # Simplification pays for circles, lines and ellipses; beyond a hundred operations it takes seconds and gains none.
+    """The shortest of the expression, its factors and its trigonometric simplification; long ones stay as they are."""
+    # Simplification pays for lines, circles and ellipses; beyond a hundred operations it takes seconds and gains none.
     if sp.count_ops(expression) > 100:
         return expression
-    return min(expression, sp.trigsimp(sp.expand(expression)), key=sp.count_ops)
+    flat = sp.expand(expression)
+    forms = [expression, flat, sp.trigsimp(flat)]
+    # Factors are looked for among polynomials only: a root among the generators makes the search long.
+    if all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
+        forms.append(sp.factor(forms[-1]))
+    return min(forms, key=sp.count_ops)
 
 
 class Motion(NamedTuple):
-    """Symbolic outcome of one mode: accelerations, contact forces, spin and slip with their rates."""
+    """Symbolic outcome of one mode: accelerations, contact forces (per mass), spin and slip with their rates."""
 
     u1_dot: sp.Expr
     u2_dot: sp.Expr
@@ -91,11 +99,11 @@ class Motion(NamedTuple):
     omega_dot: sp.Expr
     slip: sp.Expr
     slip_dot: sp.Expr
-    division: sp.Expr  # the coefficient of the normal force (λ) in its equation, times the mass: Painlevé's number
+    division: sp.Expr  # the coefficient of the normal force in its equation, times the mass: Painlevé's number
 
 
 def _rates(f: Frame, h: Frame, u1, u2):
-    """What the constraints say of the state: spin, Σ and the right-hand sides of (26) in the frame."""
+    """What the constraints say of the state: spin, ξ̇₁²a − ξ̇₂²a, and the right-hand sides of (26) in the frame."""
     omega = u1 * f.b / f.P - u2 * h.b / h.P  # (9)
     along = u1**2 * f.a - u2**2 * h.a
     C_t = omega**2 * h.ht + along
@@ -106,20 +114,23 @@ def _rates(f: Frame, h: Frame, u1, u2):
         + u2**2 * f.P * h.c
         - 2 * u1 * u2 * (f.b * h.a - f.a * h.b)
     )
-    return omega, along, C_t, C_n, C_3
+    return omega, along, C_t, _tidy(C_n), _tidy(C_3)
 
 
 def sliding(f: Frame, h: Frame, u1, u2, force, ratio) -> Motion:
-    """(27) with one multiplier: friction is `ratio` times the normal force. `force` is (F_t, F_n, M₀)."""
+    """(27) with one multiplier: friction is `ratio` times the normal force. `force` is (F_t, F_n, M₀) per mass."""
     F_t, F_n, M_0 = force
     omega, along, C_t, C_n, C_3 = _rates(f, h, u1, u2)
-    division = 1 + MASS / INERTIA * h.ht * (h.ht - h.hn * ratio)
-    N = (MASS * (C_n - h.ht * M_0 / INERTIA) - F_n) / division
-    omega_dot = (M_0 + N * (h.ht - h.hn * ratio)) / INERTIA
-    sigma = (F_t + ratio * N) / MASS - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
-    u1_dot = (C_3 / (f.P * h.P) + omega_dot - sigma * h.curvature) / (f.P * (f.curvature - h.curvature))
-    u2_dot = (u1_dot * f.P - sigma) / h.P
-    return Motion(u1_dot, u2_dot, N, ratio * N, omega, omega_dot, u1 * f.P - u2 * h.P, sigma + along, division)
+    division = _tidy(1 + h.ht * (h.ht - h.hn * ratio) / GYRATION)
+    N = (C_n - h.ht * M_0 / GYRATION - F_n) / division
+    omega_dot = (M_0 + NORMAL * _tidy(h.ht - h.hn * ratio)) / GYRATION
+    sigma = F_t + ratio * NORMAL - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
+    u1_dot = _tidy((C_3 / (f.P * h.P) + omega_dot - sigma * h.curvature) / _tidy(f.P * (f.curvature - h.curvature)))
+    u2_dot = _tidy((u1_dot * f.P - sigma) / h.P)
+    motion = Motion(
+        u1_dot, u2_dot, NORMAL, ratio * NORMAL, _tidy(omega), omega_dot, u1 * f.P - u2 * h.P, sigma + along, division
+    )
+    return Motion(*(sp.sympify(e).subs(NORMAL, N) for e in motion))
 
 
 def rolling(f: Frame, h: Frame, u1, force) -> Motion:
@@ -128,17 +139,17 @@ def rolling(f: Frame, h: Frame, u1, force) -> Motion:
     u2 = u1 * f.P / h.P
     omega, along, C_t, C_n, C_3 = _rates(f, h, u1, u2)
     # Moments about the contact: neither multiplier appears.
-    moment = M_0 + h.ht * (MASS * C_n - F_n) - h.hn * (MASS * omega**2 * h.ht - F_t)
-    omega_dot = moment / (INERTIA + MASS * (h.ht**2 + h.hn**2))
-    u1_dot = (omega_dot + h.curvature * along + C_3 / (f.P * h.P)) / (f.P * (f.curvature - h.curvature))
+    moment = _tidy(M_0 + h.ht * (C_n - F_n) - h.hn * (omega**2 * h.ht - F_t))
+    omega_dot = moment / _tidy(GYRATION + h.ht**2 + h.hn**2)
+    u1_dot = _tidy((omega_dot + h.curvature * along + C_3 / (f.P * h.P)) / _tidy(f.P * (f.curvature - h.curvature)))
     u2_dot = (u1_dot * f.P + along) / h.P
-    N = MASS * (C_n - omega_dot * h.ht) - F_n
-    friction = MASS * (omega**2 * h.ht + omega_dot * h.hn) - F_t
+    N = C_n - omega_dot * h.ht - F_n
+    friction = omega**2 * h.ht + omega_dot * h.hn - F_t
     zero, one = sp.Integer(0), sp.Integer(1)
-    return Motion(u1_dot, u2_dot, N, friction, omega, omega_dot, zero, zero, one)
+    return Motion(u1_dot, u2_dot, N, friction, _tidy(omega), omega_dot, zero, zero, one)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class System:
     """One mode's equations, symbolic: y' = rates(t, y; parameters), what can be observed, what ends the mode.
 
@@ -182,6 +193,11 @@ class System:
         return self._compile(self.conditions.values(), "math")
 
     @cached_property
+    def slip_rate_of_numbers(self):
+        """(t, y, parameters) -> rate of the "slip" condition, on floats."""
+        return self._compile([SIGMA * self.observed.slip_dot], "math")
+
+    @cached_property
     def conditions_of_series(self):
         """The same on `series.Series`; a constant condition stays a number."""
         return self._compile(self.conditions.values(), [series.FUNCTIONS])
@@ -202,12 +218,12 @@ def _derive(track, outline, bounded: tuple[bool, bool], effects: frozenset, roll
     """The system of a structure: two curves, which of them have ends, the kinds of effects, rolling or sliding."""
     f, track_sizes = frame(track, X1, "track_")
     h, outline_sizes = frame(outline, X2, "outline_")
-    parameters = [*track_sizes, *outline_sizes, MASS, INERTIA]
+    parameters = [*track_sizes, *outline_sizes, GYRATION]
     force = [sp.Integer(0)] * 3
     if Gravity in effects:
         parameters += [GX, GY]
-        force[0] = MASS * (GX * f.tx + GY * f.ty)
-        force[1] = MASS * (GY * f.tx - GX * f.ty)
+        force[0] = GX * f.tx + GY * f.ty
+        force[1] = GY * f.tx - GX * f.ty
     conditions: dict[str, sp.Expr] = {}
     guards: dict[str, sp.Expr] = {"fit": h.curvature - f.curvature}
     if rolls:
@@ -253,15 +269,13 @@ def _has_ends(curve: Curve) -> bool:
 def parameter_values(case: Case, values: dict[sp.Symbol, float], names: tuple[sp.Symbol, ...]) -> tuple[float, ...]:
     """The runtime parameters in the system's order: the case's own and the mode's `values`."""
     track, outline = case.track, case.plate.outline
-    known: dict[str, float] = {"m": case.plate.mass, "J": case.plate.inertia}
+    known: dict[str, float] = {"G": case.plate.inertia / case.plate.mass}
     for prefix, curve in (("track", track), ("outline", outline)):
         known |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}
         if curve.domain:
             known |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
     gravity = case.effect(Gravity)
     if gravity:
-        from math import cos, sin
-
         known |= {"gx": gravity.g * cos(gravity.direction), "gy": gravity.g * sin(gravity.direction)}
     known |= {symbol.name: value for symbol, value in values.items()}
     return tuple(known[symbol.name] for symbol in names)

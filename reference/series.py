@@ -169,7 +169,7 @@ def _integrate(rate: Series, value: float, error: float) -> Series:
 def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, Series]:
     """(a, b) with a' = b x' and b' = sign·a x': sine and cosine, or their hyperbolic cousins."""
     n = len(x.c)
-    a = Series([first] + [0.0] * (n - 1), [abs(second) * x.e[0] + EPS] + [0.0] * (n - 1))
+    a = Series([first] + [0.0] * (n - 1), [abs(second) * x.e[0] + EPS * max(1.0, abs(first))] + [0.0] * (n - 1))
     b = Series([second] + [0.0] * (n - 1), [abs(first) * x.e[0] + EPS * max(1.0, abs(second))] + [0.0] * (n - 1))
     for k in range(1, n):
         for out, other, factor in ((a, b, 1.0), (b, a, sign)):

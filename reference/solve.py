@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,12 +12,14 @@ from cases import BadValue, Case, Cost, Mode, State, Trajectory, Transition, Unk
 from cases.contact import pose
 from cases.errors import unknown
 
-from . import dop853
-from .dop853 import Arc
+from . import dop853, taylor
+from .arc import Arc
 from .modes import SLIP_SIGN, Phase, Regime, candidates, full_state, phase, start_state, without_slip
 from .transitions import decide, slip_of_sign
 
-METHODS = ("dop853",)
+# The integrators that are installed, the best first.
+METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
+INTEGRATE = {"taylor": taylor.integrate, "dop853": dop853.integrate}
 
 # More transitions than this in one motion is taken as an accumulation and told as such.
 MOST_TRANSITIONS = 100_000
@@ -51,13 +54,13 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise BadValue(f"rtol is {rtol!r}; give a number between 1e-14 and 1e-2")
     if method is not None and method not in METHODS:
         raise _unknown_method(method)
+    integrate = INTEGRATE[method or METHODS[0]]
     began_setup = time.perf_counter()
+    prepare(case, method)
     regime = _first_regime(case)
-    if regime is not None:
-        phase(case, regime).system.rates_of_numbers  # noqa: B018 - derive and compile before the clock starts
     setup = time.perf_counter() - began_setup
     cpu, wall = time.process_time(), time.perf_counter()
-    arcs, transitions, (status, reason) = _run(case, regime, rtol)
+    arcs, transitions, (status, reason) = _run(case, regime, rtol, integrate)
     cost = Cost(
         cpu_s=time.process_time() - cpu,
         wall_s=time.perf_counter() - wall,
@@ -79,7 +82,14 @@ def _unknown_method(method) -> UnknownName:
     return unknown("method of the reference", str(method), METHODS)
 
 
-def _run(case: Case, regime: Regime | None, rtol: float):
+def prepare(case: Case, method: str | None = None) -> None:
+    """Derive and compile what a run of the case may need, so that no run pays for it."""
+    prepare_phase = {"taylor": taylor.prepare, "dop853": dop853.prepare}[method or METHODS[0]]
+    for regime in candidates(case):
+        prepare_phase(phase(case, regime))
+
+
+def _run(case: Case, regime: Regime | None, rtol: float, integrate):
     """Phase after phase until the end of time or a status."""
     t, y = 0.0, start_state(case)
     arcs: list[Arc] = []
@@ -88,7 +98,7 @@ def _run(case: Case, regime: Regime | None, rtol: float):
         return arcs, transitions, _nothing_follows(case, None)
     while len(transitions) < MOST_TRANSITIONS:
         now = phase(case, regime)
-        arc = dop853.integrate(now, t, y[: len(now.system.variables)], case.duration, rtol)
+        arc = integrate(now, t, y[: len(now.system.variables)], case.duration, rtol)
         arcs.append(arc)
         guard, t = arc.stop.guard, arc.stop.time
         y = full_state(case, now, arc.stop.state)
@@ -142,14 +152,13 @@ def _nothing_follows(case: Case, guard: str | None) -> tuple[str, str]:
 
 def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
     """Samples at the integrator's steps, both sides of each transition, and a dense output over all arcs."""
+    told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost)
     if not arcs:
-        y = np.array(start_state(case))[:, None]
-        now = phase(case, candidates(case)[-1])
-        state = _observe(case, now, np.zeros(1), y)
-        return Trajectory(np.zeros(1), *state, transitions=tuple(transitions), status=status, reason=reason, cost=cost)
-    times = np.concatenate([arc.times for arc in arcs])
+        # Nothing moves: the start as it would be observed if the plate slid.
+        start = _observe(case, phase(case, candidates(case)[-1]), np.zeros(1), np.array(start_state(case))[:, None])
+        return Trajectory(t=np.zeros(1), **start._asdict(), **told)
     states = [_observe(case, arc.phase, arc.times, arc.states(arc.times)) for arc in arcs]
-    columns = (np.concatenate(column) for column in zip(*states, strict=True))
+    samples = State(*(np.concatenate(column) for column in zip(*states, strict=True)))
     starts = np.array([arc.times[0] for arc in arcs])
 
     def dense(when: np.ndarray) -> State:
@@ -160,16 +169,9 @@ def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: s
             values[:, chosen] = _observe(case, arcs[i].phase, when[chosen], arcs[i].states(when[chosen]))
         return State(*values)
 
-    return Trajectory(
-        times,
-        *columns,
-        transitions=tuple(transitions),
-        status=status,
-        reason=reason,
-        cost=cost,
-        first_mode=arcs[0].phase.regime.mode,
-        dense=dense,
-    )
+    first_mode = arcs[0].phase.regime.mode
+    times = np.concatenate([arc.times for arc in arcs])
+    return Trajectory(t=times, **samples._asdict(), **told, first_mode=first_mode, dense=dense)
 
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
@@ -181,4 +183,5 @@ def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
     vx = m.slip * tangent[0] + m.omega * (contact[1] - y0)
     vy = m.slip * tangent[1] - m.omega * (contact[0] - x)
-    return State(x, y0, theta, vx, vy, m.omega, m.slip, m.normal, m.friction, xi1, xi2)
+    mass = case.plate.mass
+    return State(x, y0, theta, vx, vy, m.omega, m.slip, mass * m.normal, mass * m.friction, xi1, xi2)

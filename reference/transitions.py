@@ -41,9 +41,15 @@ def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: f
 
 def _by_value(candidate: Phase, t, y, error) -> bool | None:
     """The answer from values alone where they are far from zero; None where a derivative must be asked."""
-    if "slip" in candidate.system.conditions:
-        return None
-    values = candidate.system.conditions_of_numbers(t, state_in(candidate, y), candidate.parameters)
+    y, names = state_in(candidate, y), list(candidate.system.conditions)
+    values = candidate.system.conditions_of_numbers(t, y, candidate.parameters)
+    if "slip" in names:
+        # Slip that has just vanished: its rate says which way it goes on. (All conditions but the slip itself are
+        # forces per mass, and so is this rate.)
+        at = names.index("slip")
+        fastest = max(abs(v) for v in y[2:])
+        if abs(values[at]) <= 1e3 * max(error, series.EPS) * fastest:
+            values[at] = candidate.system.slip_rate_of_numbers(t, y, candidate.parameters)[0]
     scale = max((abs(v) for v in values), default=0.0)
     # A million times the state's error: anything closer to zero is left to the series, which know their own bounds.
     if any(abs(v) <= 1e6 * max(error, series.EPS) * scale for v in values):
