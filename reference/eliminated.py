@@ -47,7 +47,7 @@ class Frame(NamedTuple):
 
     @property
     def curvature(self) -> sp.Expr:
-        return _tidy(self.b / self.P**2)
+        return _short(self.b / self.P**2)
 
 
 def frame(structure, parameter: sp.Symbol, prefix: str) -> tuple[Frame, tuple[sp.Symbol, ...]]:
@@ -76,16 +76,21 @@ def _frame(x: sp.Expr, y: sp.Expr) -> Frame:
 
 
 def _tidy(expression: sp.Expr) -> sp.Expr:
-    """The shortest of the expression, its factors and its trigonometric simplification; long ones stay as they are."""
-    # Simplification pays for lines, circles and ellipses; beyond a hundred operations it takes seconds and gains none.
-    if sp.count_ops(expression) > 100:
+    """A curve's expression or its trigonometric simplification, the shorter; long ones stay as they are."""
+    # Simplification pays for lines, circles and ellipses; beyond forty operations it takes seconds and gains little.
+    if sp.count_ops(expression) > 40:
         return expression
     flat = sp.expand(expression)
-    forms = [expression, flat, sp.trigsimp(flat)]
-    # Factors are looked for among polynomials only: a root among the generators makes the search long.
-    if all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
-        forms.append(sp.factor(forms[-1]))
-    return min(forms, key=sp.count_ops)
+    return min((expression, flat, sp.trigsimp(flat)), key=sp.count_ops)
+
+
+def _short(expression: sp.Expr) -> sp.Expr:
+    """The shortest of the expression, multiplied out and factored; long ones and ones with roots stay as they are."""
+    # With a root among the generators, or with more terms than circles and lines bring, factoring takes seconds.
+    if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
+        return expression
+    flat = sp.expand(expression)
+    return min((expression, flat, sp.factor(flat)), key=sp.count_ops)
 
 
 class Motion(NamedTuple):
@@ -114,21 +119,21 @@ def _rates(f: Frame, h: Frame, u1, u2):
         + u2**2 * f.P * h.c
         - 2 * u1 * u2 * (f.b * h.a - f.a * h.b)
     )
-    return omega, along, C_t, _tidy(C_n), _tidy(C_3)
+    return omega, along, C_t, _short(C_n), _short(C_3)
 
 
 def sliding(f: Frame, h: Frame, u1, u2, force, ratio) -> Motion:
     """(27) with one multiplier: friction is `ratio` times the normal force. `force` is (F_t, F_n, M₀) per mass."""
     F_t, F_n, M_0 = force
     omega, along, C_t, C_n, C_3 = _rates(f, h, u1, u2)
-    division = _tidy(1 + h.ht * (h.ht - h.hn * ratio) / GYRATION)
+    division = _short(1 + h.ht * (h.ht - h.hn * ratio) / GYRATION)
     N = (C_n - h.ht * M_0 / GYRATION - F_n) / division
-    omega_dot = (M_0 + NORMAL * _tidy(h.ht - h.hn * ratio)) / GYRATION
+    omega_dot = (M_0 + NORMAL * _short(h.ht - h.hn * ratio)) / GYRATION
     sigma = F_t + ratio * NORMAL - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
-    u1_dot = _tidy((C_3 / (f.P * h.P) + omega_dot - sigma * h.curvature) / _tidy(f.P * (f.curvature - h.curvature)))
-    u2_dot = _tidy((u1_dot * f.P - sigma) / h.P)
+    u1_dot = _short((C_3 / (f.P * h.P) + omega_dot - sigma * h.curvature) / _short(f.P * (f.curvature - h.curvature)))
+    u2_dot = _short((u1_dot * f.P - sigma) / h.P)
     motion = Motion(
-        u1_dot, u2_dot, NORMAL, ratio * NORMAL, _tidy(omega), omega_dot, u1 * f.P - u2 * h.P, sigma + along, division
+        u1_dot, u2_dot, NORMAL, ratio * NORMAL, _short(omega), omega_dot, u1 * f.P - u2 * h.P, sigma + along, division
     )
     return Motion(*(sp.sympify(e).subs(NORMAL, N) for e in motion))
 
@@ -139,14 +144,14 @@ def rolling(f: Frame, h: Frame, u1, force) -> Motion:
     u2 = u1 * f.P / h.P
     omega, along, C_t, C_n, C_3 = _rates(f, h, u1, u2)
     # Moments about the contact: neither multiplier appears.
-    moment = _tidy(M_0 + h.ht * (C_n - F_n) - h.hn * (omega**2 * h.ht - F_t))
-    omega_dot = moment / _tidy(GYRATION + h.ht**2 + h.hn**2)
-    u1_dot = _tidy((omega_dot + h.curvature * along + C_3 / (f.P * h.P)) / _tidy(f.P * (f.curvature - h.curvature)))
+    moment = _short(M_0 + h.ht * (C_n - F_n) - h.hn * (omega**2 * h.ht - F_t))
+    omega_dot = moment / _short(GYRATION + h.ht**2 + h.hn**2)
+    u1_dot = _short((omega_dot + h.curvature * along + C_3 / (f.P * h.P)) / _short(f.P * (f.curvature - h.curvature)))
     u2_dot = (u1_dot * f.P + along) / h.P
     N = C_n - omega_dot * h.ht - F_n
     friction = omega**2 * h.ht + omega_dot * h.hn - F_t
     zero, one = sp.Integer(0), sp.Integer(1)
-    return Motion(u1_dot, u2_dot, N, friction, _tidy(omega), omega_dot, zero, zero, one)
+    return Motion(u1_dot, u2_dot, N, friction, _short(omega), omega_dot, zero, zero, one)
 
 
 @dataclass(frozen=True, eq=False)

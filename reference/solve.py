@@ -57,10 +57,11 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     integrate = INTEGRATE[method or METHODS[0]]
     began_setup = time.perf_counter()
     prepare(case, method)
-    regime = _first_regime(case)
+    start = start_state(case)
+    regime = _first_regime(case, start)
     setup = time.perf_counter() - began_setup
     cpu, wall = time.process_time(), time.perf_counter()
-    arcs, transitions, (status, reason) = _run(case, regime, rtol, integrate)
+    arcs, transitions, (status, reason) = _run(case, regime, start, rtol, integrate)
     cost = Cost(
         cpu_s=time.process_time() - cpu,
         wall_s=time.perf_counter() - wall,
@@ -71,11 +72,11 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     return _trajectory(case, arcs, transitions, status, reason, cost)
 
 
-def _first_regime(case: Case) -> Regime | None:
+def _first_regime(case: Case, y) -> Regime | None:
     """The regime at time zero: the start says which way it slips; a start without slip is decided like any instant."""
     sign = (case.start.slip > 0) - (case.start.slip < 0)
     able = [r for r in candidates(case) if not sign or SLIP_SIGN.get(r.mode, sign) == sign and r.mode is not Mode.ROLL]
-    return decide(case, 0.0, start_state(case), np.finfo(float).eps, able)
+    return decide(case, 0.0, y, np.finfo(float).eps, able)
 
 
 def _unknown_method(method) -> UnknownName:
@@ -89,9 +90,9 @@ def prepare(case: Case, method: str | None = None) -> None:
         prepare_phase(phase(case, regime))
 
 
-def _run(case: Case, regime: Regime | None, rtol: float, integrate):
+def _run(case: Case, regime: Regime | None, start, rtol: float, integrate):
     """Phase after phase until the end of time or a status."""
-    t, y = 0.0, start_state(case)
+    t, y = 0.0, start
     arcs: list[Arc] = []
     transitions: list[Transition] = []
     if regime is None:

@@ -52,41 +52,42 @@ def _tolerance(rtol: float) -> float:
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
-    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if it stops."""
+    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if it has to stop."""
     integrator = compiled(phase.system, _tolerance(rtol))
     integrator.time = t
     integrator.state[:] = y
     integrator.pars[:] = phase.parameters[: len(integrator.pars)]
     integrator.reset_cooldowns()
-    names = list(phase.system.guards)
-    outputs, steps = [], 0
-    while True:
-        outcome, _, _, taken, output, _ = integrator.propagate_until(end, c_output=True)
-        steps += taken
-        if output is not None:
-            outputs.append(output)
-        if outcome == hy.taylor_outcome.time_limit:
-            guard = None
-            break
-        if int(outcome) >= 0 or int(outcome) < -len(names):
-            raise FloatingPointError(f"the Taylor integrator stopped at t = {integrator.time:.9g} s: {outcome}")
-        # A phase begins with a guard at zero that the decision found to grow; heyoka fires there at once, and its
-        # own cool-down keeps the same root from firing twice.
-        if integrator.time > t:
-            guard = names[-int(outcome) - 1]
-            break
+    times, coefficients = [t], []
+    guard = None
+    while integrator.time < end and guard is None:
+        outcome, _ = integrator.step(end - integrator.time, True)
+        coefficients.append(integrator.tc.copy())
+        times.append(integrator.time)
+        number = -int(outcome) - 1
+        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
+            if not 0 <= number < len(phase.system.guards):
+                raise FloatingPointError(f"the Taylor integrator stopped at t = {integrator.time:.9g} s: {outcome}")
+            # A phase begins with a guard at zero that the decision found to grow; heyoka fires there at once, and its
+            # own cool-down keeps the same root from firing twice.
+            if integrator.time > t:
+                guard = list(phase.system.guards)[number]
     stop = Stop(guard, float(integrator.time), tuple(integrator.state.tolist()))
-    return Arc(phase, _step_times(t, outputs), _dense(outputs, y), stop, steps)
+    return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
 
 
-def _step_times(t: float, outputs) -> np.ndarray:
-    return np.array(outputs[-1].times) if outputs else np.array([t])
+def _dense(times, coefficients, y):
+    """The steps' own Taylor polynomials."""
 
-
-def _dense(outputs, y):
-    def states(times: np.ndarray) -> np.ndarray:
-        if not outputs:
-            return np.repeat(np.array(y, dtype=float)[:, None], len(times), axis=1)
-        return np.array(outputs[-1](times)).T
+    def states(when: np.ndarray) -> np.ndarray:
+        if not coefficients:
+            return np.repeat(np.array(y, dtype=float)[:, None], len(when), axis=1)
+        starts = np.array(times[:-1])
+        which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(coefficients) - 1)
+        values = np.empty((len(y), len(when)))
+        for i in np.unique(which):
+            chosen = which == i
+            values[:, chosen] = np.polynomial.polynomial.polyval(when[chosen] - starts[i], coefficients[i].T)
+        return values
 
     return states
