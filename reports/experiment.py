@@ -17,14 +17,15 @@ import numpy as np
 
 import adapters
 import cases
+import reference
 from adapters import EngineFailure, Setting
 from cases import Case, Cost, CoulombFriction, Mode, NotSupported, Trajectory, Transition
 
 from . import metrics, workers
 
 REFERENCE = "reference"
-# The truth is the reference at its tightest sensible tolerance; how far a hundred times looser a run moves each
-# transition stands as its error bar until a certified one takes its place.
+# The truth is the reference at its tightest sensible tolerance; how far its other methods, and a hundred times looser
+# runs, move each transition stands as its error bar until a certified one takes its place.
 TRUTH_RTOL, TRUTH_LOOSER = 1e-13, 1e-11
 # Rounding of the time itself: an error bar below a few units in its last place would be a fluke.
 _ULPS = 4
@@ -63,17 +64,20 @@ class Offer:
 
 @dataclass(frozen=True)
 class Truth:
-    """The motion a case's runs are judged by. `error_bars` (s) belong to `transitions`; `samples` is for figures.
+    """The motion a case's runs are judged by, by `method` of the reference. `error_bars` (s) belong to `transitions`.
 
-    `failure` is a sentence if there is no truth to be had; the rest is then empty.
+    `samples` is for figures; `notes` tell which other runs of the reference disagreed or failed. `failure` is a
+    sentence if there is no truth to be had; the rest is then empty.
     """
 
+    method: str = ""
     transitions: tuple[Transition, ...] = ()
     error_bars: tuple[float, ...] = ()
     first_mode: Mode | None = None
     status: str = ""
     reason: str = ""
     samples: dict[str, np.ndarray] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
     failure: str = ""
 
 
@@ -151,34 +155,50 @@ def _offer(module: ModuleType, case: Case, route: str) -> Offer:
 
 
 @lru_cache(maxsize=2)
-def _true_motion(key: CaseKey) -> Trajectory:
-    import reference
-
-    return reference.simulate(load(key), rtol=TRUTH_RTOL)
+def _true_motion(key: CaseKey, method: str) -> Trajectory:
+    return reference.simulate(load(key), rtol=TRUTH_RTOL, method=method)
 
 
 def find_truth(key: CaseKey) -> Truth:
-    """The truth of a case; its failures are values, as a solver's are."""
-    import reference
-
+    """The truth of a case: the reference's first method that gives one; the other runs bear witness to its times."""
     case = load(key)
-    try:
-        motion, looser = _true_motion(key), reference.simulate(case, rtol=TRUTH_LOOSER)
-    except Exception as problem:
-        return Truth(failure=_sentence(problem))
-    if not _sound(motion):
-        return Truth(failure="its numbers are not finite")
-    moved = {i: abs(row.error) for i, row in enumerate(metrics.match(motion.transitions, looser.transitions))}
-    same = len(motion.transitions) == len(looser.transitions) == len(moved)
-    bars = tuple(
-        max(moved[i], _ULPS * float(np.spacing(event.time))) if same else float("nan")
-        for i, event in enumerate(motion.transitions)
+    notes, motions = [], []
+    for method in reference.METHODS:
+        for rtol in (TRUTH_RTOL, TRUTH_LOOSER):
+            try:
+                motion = reference.simulate(case, rtol=rtol, method=method)
+            except Exception as problem:
+                notes.append(f"{method} at rtol={rtol:g} fails: {_sentence(problem)}")
+                continue
+            motions.append((method, rtol, motion))
+    exact = next(((m, motion) for m, rtol, motion in motions if rtol == TRUTH_RTOL and _sound(motion)), None)
+    if exact is None:
+        return Truth(failure="; ".join(notes) or "the reference's numbers are not finite")
+    method, motion = exact
+    bars = [_ULPS * float(np.spacing(event.time)) for event in motion.transitions]
+    for other, rtol, witness in motions:
+        rows = metrics.match(motion.transitions, witness.transitions)
+        if any(row.verdict != "matched" for row in rows):
+            notes.append(f"{other} at rtol={rtol:g} finds other transitions")
+            continue
+        bars = [max(bar, abs(row.error)) for bar, row in zip(bars, rows, strict=True)]
+    return Truth(
+        method=method,
+        transitions=motion.transitions,
+        error_bars=tuple(bars),
+        first_mode=motion.first_mode,
+        status=motion.status,
+        reason=motion.reason,
+        samples=_shown(case, _evenly(motion)),
+        notes=tuple(notes),
     )
-    times = np.union1d(
-        np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES), [event.time for event in motion.transitions]
-    )
-    dense = Trajectory(times, *motion(times), first_mode=motion.first_mode)
-    return Truth(motion.transitions, bars, motion.first_mode, motion.status, motion.reason, _shown(case, dense))
+
+
+def _evenly(motion: Trajectory) -> Trajectory:
+    """A motion sampled at even distances and at its transitions."""
+    events = [event.time for event in motion.transitions]
+    times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
+    return Trajectory(times, *motion(times), first_mode=motion.first_mode)
 
 
 def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
@@ -196,7 +216,7 @@ def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, tr
     row = replace(row, status=trajectory.status, cost=trajectory.cost)
     if not _sound(trajectory):
         return replace(row, outcome="crashed", reason="it gave numbers that are not finite, or times that do not grow")
-    return judge(row, case, trajectory, _true_motion(key), truth)
+    return judge(row, case, trajectory, _true_motion(key, truth.method), truth)
 
 
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
