@@ -24,9 +24,11 @@ _ROUNDING = 1e-9
 # Creep stays below the resolution a solver declares while friction is inside its cone; slip surely exceeds its double.
 _SURELY = 2.0
 # A crossing of zero leaves at most one sample in the band and so two gaps between slipping samples; a roll needs more.
+# Likewise a slip that lasts less, between others, is the overshoot of one step.
 _RESOLVABLE_GAPS = 2.5
-# Degrees tried for the local polynomial; the widths are in samples beyond those the degree itself needs.
-_DEGREES, _SPARE = (1, 2, 3, 4, 5), (1, 3, 12)
+# Degrees tried for the local polynomial, and widths: so many samples beyond those the degree needs (smooth branches),
+# and such parts of the branch (noisy ones, where only many samples average the noise out).
+_DEGREES, _SPARE, _PARTS = (1, 2, 3, 4, 5), (1, 3, 12), (16, 6, 3)
 # A friction force this close to its bound (relative) may already be the sliding one of a regularised law.
 _SATURATED = 2e-3
 
@@ -110,12 +112,8 @@ def _pairs(phases: Sequence[_Phase]):
 def _phases(t: np.ndarray, v: np.ndarray, band: float) -> list[_Phase]:
     """Slip and roll phases: runs of one sign, without the stretches too short to be a roll."""
     runs = _runs(np.where(np.abs(v) > band, np.sign(v), 0).astype(int))
-    # One slipping sample with none of its sign beside it is an overshoot, not a phase; at the ends it may be one.
-    lone = [0 < i < len(runs) - 1 and run.sign != 0 and run.stop - run.start == 1 for i, run in enumerate(runs)]
-    signs = np.concatenate(
-        [np.full(r.stop - r.start, 0 if drop else r.sign) for r, drop in zip(runs, lone, strict=True)]
-    )
-    runs = _runs(signs)
+    signs = [np.full(r.stop - r.start, 0 if _is_overshoot(t, runs, i) else r.sign) for i, r in enumerate(runs)]
+    runs = _runs(np.concatenate(signs))
     kept = [run for i, run in enumerate(runs) if run.sign or _is_roll(t, v, runs, i, band)]
     merged: list[_Phase] = []
     for run in kept:
@@ -129,6 +127,14 @@ def _runs(signs: np.ndarray) -> list[_Phase]:
     edges = np.flatnonzero(np.diff(signs)) + 1
     starts, stops = [0, *edges.tolist()], [*edges.tolist(), len(signs)]
     return [_Phase(int(signs[a]), a, b) for a, b in zip(starts, stops, strict=True)]
+
+
+def _is_overshoot(t: np.ndarray, runs: list[_Phase], i: int) -> bool:
+    """Whether a slip between other phases is too short for its samples; at the ends of the motion none is."""
+    if not 0 < i < len(runs) - 1:
+        return False
+    around = t[runs[i].start - 1 : runs[i].stop + 1]
+    return bool(around[-1] - around[0] <= _RESOLVABLE_GAPS * np.max(np.diff(around)))
 
 
 def _is_roll(t: np.ndarray, v: np.ndarray, runs: list[_Phase], i: int, band: float) -> bool:
@@ -183,10 +189,10 @@ def _onset(t, v, use, before: _Phase, after: _Phase, resolution: float) -> tuple
         found = _zero(t[rolling], 1.0 - use[rolling], float(t[after.start]))
         if found:
             estimates.append((*found, "friction reaches its bound"))
-    index = np.arange(after.start + 1, after.stop)
-    if len(index) > 3:
-        root = np.sqrt(np.maximum(np.abs(v[index]) - resolution, 0.0))
-        found = _zero(-t[index][::-1], root[::-1], float(-t[max(before.stop - 3, 0)]))
+    index = np.arange(after.start + 1, after.stop)[::-1]
+    # A regularised law's slip grows from its creep, another's from zero; the one that fits moves less.
+    for creep in {0.0, resolution} if len(index) > 3 else ():
+        found = _zero(-t[index], np.sqrt(np.maximum(np.abs(v[index]) - creep, 0.0)), float(-t[before.start]))
         if found:
             estimates.append((-found[0], found[1], "slip grows from zero"))
     if not estimates:
@@ -202,8 +208,9 @@ def _between(t: np.ndarray, i: int) -> tuple[float, float]:
 def _zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | None:
     """Where the branch y >= 0 reaches zero after its last sample and by about `end`, and how sure that is.
 
-    Local polynomials of several degrees and widths are tried, each on the last samples and on windows one and two
-    samples earlier; the one whose zero moves least is taken, and its movement is the spread. None if none has a zero.
+    Local polynomials of several degrees and widths are tried, each on the last samples and on windows an eighth and
+    a quarter of their width earlier; the one whose zero moves least is taken, and its movement is the spread.
+    None if none has a zero.
     """
     gap = float(t[-1] - t[max(len(t) - 4, 0)]) / min(3, len(t) - 1) if len(t) > 1 else 0.0
     if gap <= 0.0:
@@ -211,12 +218,12 @@ def _zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | Non
     tau, limit = (t - t[-1]) / gap, (end - float(t[-1])) / gap + 1.0
     best: tuple[float, float] | None = None
     for degree in _DEGREES:
-        for spare in _SPARE:
-            width = degree + 1 + spare
-            # The two earlier windows need two samples more; the branch's other half may follow another law.
-            if width + 2 > len(t) or (spare == _SPARE[-1] and width > len(t) // 2):
+        for width in {degree + 1 + spare for spare in _SPARE} | {len(t) // part for part in _PARTS}:
+            earlier = max(2, width // 4)
+            if width < degree + 2 or width + earlier > len(t):
                 continue
-            zeros = [_root(tau, y, len(t) - shift, width, degree, limit) for shift in range(3)]
+            shifts = (0, max(1, width // 8), earlier)
+            zeros = [_root(tau, y, len(t) - shift, width, degree, limit) for shift in shifts]
             spread = float(np.ptp(zeros))  # NaN where one of the windows has no zero
             if isfinite(spread) and (best is None or spread < best[1]):
                 best = (zeros[0], spread)
@@ -228,11 +235,11 @@ def _zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | Non
 def _root(tau: np.ndarray, y: np.ndarray, stop: int, width: int, degree: int, limit: float) -> float:
     """First zero after the last sample of the polynomial through a window of samples; NaN if there is none."""
     window = slice(stop - width, stop)
-    powers = np.vander(tau[window] / width, degree + 1)
-    coefficients = np.linalg.lstsq(powers, y[window], rcond=None)[0]
-    if not np.all(np.isfinite(coefficients)) or not coefficients.any():
+    span = -tau[stop - width]
+    coefficients = np.linalg.lstsq(np.vander(tau[window] / span, degree + 1), y[window], rcond=None)[0]
+    if not coefficients.any():
         return nan
-    roots = np.roots(coefficients) * width
+    roots = np.roots(coefficients) * span
     real = roots.real[np.abs(roots.imag) <= 1e-9 * (1.0 + np.abs(roots.real))]
     real = real[(real >= 0.0) & (real <= limit)]
     return float(real.min()) if len(real) else nan
