@@ -153,8 +153,8 @@ def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     """
     start = start_motion(case)
     near, rows = (start.xi1, start.xi2), []
-    for pose_now in zip(x, y, theta, strict=True):
-        contact = find(case, *(float(value) for value in pose_now), near)
+    for x_now, y_now, theta_now in zip(x, y, theta, strict=True):
+        contact = find(case, float(x_now), float(y_now), float(theta_now), near)
         near = (contact.xi1, contact.xi2)
         rows.append(contact)
     xi1, xi2, gap = np.array(rows, dtype=float).reshape(-1, 3).T

@@ -62,18 +62,26 @@ class Curve:
 
     @cached_property
     def structure(self) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]:
-        """The expression with its floating-point constants replaced by symbols c0, c1, …, and those symbols."""
-        floats = sorted({f for e in self.expression for f in e.atoms(sp.Float)}, key=_order_in(self.expression))
-        symbols = tuple(sp.Symbol(f"c{i}", real=True) for i in range(len(floats)))
-        replace = dict(zip(floats, symbols, strict=True))
+        """The expression with its floating-point constants replaced by ±c0, ±c1, … (all positive), and those symbols.
+
+        Curves of one structure share their compiled systems, whatever their sizes.
+        """
+        symbols = tuple(sp.Symbol(f"c{i}", positive=True) for i in range(len(self.constants)))
+        size = dict(zip(self.constants, symbols, strict=True))
+        floats = {f for e in self.expression for f in e.atoms(sp.Float)}
+        replace = {f: size[abs(float(f))] * (1 if f > 0 else -1) for f in floats}
         x, y = (e.xreplace(replace) for e in self.expression)
         return (x, y), symbols
 
     @cached_property
     def constants(self) -> tuple[float, ...]:
-        """The values of `structure`'s symbols, in their order."""
-        floats = {f for e in self.expression for f in e.atoms(sp.Float)}
-        return tuple(float(f) for f in sorted(floats, key=_order_in(self.expression)))
+        """The values of `structure`'s symbols: the sizes in the order in which the expression names them."""
+        sizes: dict[float, None] = {}
+        for part in self.expression:
+            for node in sp.preorder_traversal(part):
+                if isinstance(node, sp.Float):
+                    sizes.setdefault(abs(float(node)))
+        return tuple(sizes)
 
     def jet(self, s: float) -> tuple[float, ...]:
         """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
@@ -189,12 +197,27 @@ class Curve:
                 f"the curve or a derivative is not finite at s = {s[bad][0]:.6g}; give a domain that leaves it out"
             )
         speed = np.hypot(jets[2], jets[3])
-        slowest = int(np.argmin(speed))
-        # A regular curve's speed varies by a few orders; 1e-9 of the largest is a cusp or a point.
-        if speed[slowest] <= 1e-9 * speed.max():
-            raise BadCurve(
-                f"the curve has a cusp (R_p = 0) near s = {s[slowest]:.6g}; give a domain that leaves it out"
-            )
+        self._check_speed(s, speed, np.argmin(speed), "has a cusp (R_p = 0)", sign=1.0)
+        self._check_speed(s, speed, np.argmax(speed), "is not finite", sign=-1.0)
+
+    def _check_speed(self, s, speed, index, what: str, sign: float) -> None:
+        """Raises BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
+        typical = float(np.median(speed))
+        # Looked at closely only where the samples leave the ordinary; a regular curve's speed varies by a few orders,
+        # and seven of them within one sample's width is a cusp or a pole.
+        if abs(np.log10(speed[index] / typical)) < 2:
+            return
+        from scipy.optimize import minimize_scalar  # slow to import, seldom needed
+
+        low, high = s[max(index - 1, 0)], s[min(index + 1, len(s) - 1)]
+        with np.errstate(all="ignore"):
+            found = minimize_scalar(
+                lambda v: float(self.speed(v)) ** (2 * sign),
+                bounds=(low, high), method="bounded", options={"xatol": 1e-12 * (high - low)},
+            )  # fmt: skip
+            extreme = float(self.speed(found.x))
+        if not abs(np.log10(extreme / typical)) < 7:
+            raise BadCurve(f"the curve {what} near s = {found.x:.6g}; give a domain that leaves it out")
 
     def _first_look(self) -> tuple[float, float]:
         return self.domain if self.domain is not None else (0.0, 2 * np.pi)
@@ -229,16 +252,6 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         if part.has(sp.nan, sp.zoo, sp.oo):
             raise BadCurve(f"the curve's coordinate {part} is not finite; give finite sizes")
     return x, y
-
-
-def _order_in(expressions) -> Callable[[sp.Float], int]:
-    """Sort key: where a constant first stands in the expressions, so that equal structures number alike."""
-    seen: dict[sp.Float, int] = {}
-    for e in expressions:
-        for node in sp.preorder_traversal(e):
-            if isinstance(node, sp.Float):
-                seen.setdefault(node, len(seen))
-    return seen.__getitem__
 
 
 @lru_cache(maxsize=512)

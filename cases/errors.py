@@ -36,7 +36,8 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownName:
     """The error for a name that is not there: the nearest known names, or all of them where none is near."""
     choices = sorted(known)
     near = difflib.get_close_matches(name, choices, n=3, cutoff=0.5)
-    if near:
+    # A short list is shown whole: the nearest spelling is seldom the best guess for names of one or two letters.
+    if near and len(choices) > 8:
         return UnknownName(f"there is no {kind} {name!r}; did you mean {' or '.join(near)}?")
     if not choices:
         return UnknownName(f"there is no {kind} {name!r}, and none can be given here")

@@ -103,7 +103,7 @@ class Trajectory:
         if times.size and not (self.t[0] <= times.min() and times.max() <= self.t[-1]):
             raise ValueError(f"time {t} is outside the motion, which lasts from {self.t[0]:g} s to {self.t[-1]:g} s")
         state = (self.dense or self._interpolate)(np.atleast_1d(times))
-        return State(*(float(v[0]) for v in state)) if times.ndim == 0 else state
+        return State(*(float(np.asarray(v)[0]) for v in state)) if times.ndim == 0 else state
 
     def _interpolate(self, times: np.ndarray) -> State:
         """Pose by cubic Hermite interpolation with the velocities, everything else linearly."""

@@ -1,1 +1,5 @@
-"""TODO"""
+"""The paper's solver: a plate with friction on a fixed curve, by its augmented system (27)."""
+
+from .solve import METHODS, simulate
+
+__all__ = ["METHODS", "simulate"]

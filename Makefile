@@ -1,0 +1,34 @@
+# Two commands do everything on a fresh machine: `make report` and `make test`. Both are quick the second time.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: report quick test test-all check clean
+
+report: $(VENV)/installed
+	$(BIN)/python -m reports.build
+
+quick: $(VENV)/installed
+	$(BIN)/python -m reports.build --quick
+
+test: $(VENV)/installed check
+	$(BIN)/python -m pytest
+
+test-all: $(VENV)/installed check
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+check: $(VENV)/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
+$(VENV)/installed: pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[taylor,test]" \
+		|| $(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[test]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) build *.egg-info

@@ -1,0 +1,30 @@
+"""What an integrator answers: one phase's motion and what ended it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from .modes import Phase
+
+
+class Stop(NamedTuple):
+    """What ended a phase: the guard that reached zero (None: the end of the time span), when, and the state there."""
+
+    guard: str | None
+    time: float
+    state: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A phase's motion: its step times, a dense output t ↦ states of shape (variables, n), and the work it took."""
+
+    phase: Phase
+    times: np.ndarray
+    states: Callable[[np.ndarray], np.ndarray]
+    stop: Stop
+    evaluations: int

@@ -1,0 +1,184 @@
+"""One phase by SciPy's DOP853 (Hairer, Nørsett & Wanner, Solving ODE I, section II.5), its end located exactly.
+
+After each step the guards are looked at inside the step, not at its ends alone: two zeros in one step (a slip that
+reverses and comes back) would leave no change of sign at the ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.integrate import DOP853, DenseOutput
+from scipy.optimize import brentq, minimize_scalar
+
+from .arc import Arc, Stop
+from .modes import Phase
+
+# Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
+_NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
+# The same guards on a fine grid, by interpolation through the nodes (barycentric; Berrut & Trefethen 2004).
+_FINE = np.linspace(0.0, 1.0, 129)
+
+
+def _interpolation() -> np.ndarray:
+    weights = (-1.0) ** np.arange(9) * np.where((np.arange(9) == 0) | (np.arange(9) == 8), 0.5, 1.0)
+    difference = _FINE[:, None] - _NODES[None, :]
+    exact = np.isclose(difference, 0.0, atol=1e-15)
+    terms = weights / np.where(exact, 1.0, difference)
+    rows = terms / terms.sum(axis=1, keepdims=True)
+    hit = exact.any(axis=1)
+    rows[hit] = exact[hit].astype(float)
+    return rows
+
+
+_TO_FINE = _interpolation()
+
+
+def prepare(phase: Phase, rtol: float = 1e-10) -> None:
+    """Compile the phase's equations, which are the same for every tolerance."""
+    phase.system.rates_of_numbers, phase.system.guards_of_arrays, phase.system.guards_of_numbers  # noqa: B018
+
+
+def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
+    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if the step size vanishes.
+
+    The absolute tolerance is rtol times the sizes that the state has in the phase; rtol below 1e-13 is taken as
+    1e-13, where DOP853 meets rounding.
+    """
+    rates, parameters = phase.system.rates_of_numbers, phase.parameters
+
+    def rhs(time, state):
+        return rates(time, state.tolist(), parameters)
+
+    rtol = max(rtol, 1e-13)
+    atol = rtol * _scales(phase, t, y)
+    solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol)
+    times: list[float] = [t]
+    pieces: list[DenseOutput] = []
+    while True:
+        message = solver.step()
+        if solver.status == "failed":
+            raise FloatingPointError(f"the step size vanished at t = {solver.t:.9g} s ({message})")
+        piece = solver.dense_output()
+        found = _first_zero(phase, piece, first=not pieces)
+        if found:
+            guard, when = found
+            piece, stop = _land(phase, rhs, piece, guard, when, rtol, atol)
+            return Arc(phase, np.array([*times, stop.time]), _joined(times, [*pieces, piece]), stop, solver.nfev)
+        times.append(solver.t)
+        pieces.append(piece)
+        if solver.status == "finished":
+            stop = Stop(None, solver.t, tuple(solver.y.tolist()))
+            return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
+
+
+def _scales(phase: Phase, t, y) -> np.ndarray:
+    """Sizes below which a component's error does not matter: 1 for the parameters, and their rates' own scale."""
+    rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
+    speed = max(abs(v) for v in y[2:])
+    acceleration = max(abs(v) for v in rates[2:])
+    # Started from rest, a motion reaches √(acceleration) after one unit of its parameter.
+    fast = max(speed, acceleration**0.5) or 1.0
+    return np.array([1.0, 1.0] + [fast] * (len(y) - 2))
+
+
+def _guards(phase: Phase, piece, times: np.ndarray) -> np.ndarray:
+    rows = phase.system.guards_of_arrays(times, piece(times), phase.parameters)
+    return np.array([np.broadcast_to(row, times.shape) for row in rows])
+
+
+def _first_zero(phase: Phase, piece, first: bool) -> tuple[str, float] | None:
+    """The guard that is the first to reach zero inside the step, and when; None if all stay positive."""
+    h = piece.t - piece.t_old
+    if h <= 0 or not phase.system.guards:
+        return None
+    at_nodes = _guards(phase, piece, piece.t_old + h * _NODES)
+    if first:
+        # The decision that began the phase says that all guards are positive just after; at the start itself one is
+        # zero, to rounding of either sign.
+        at_nodes[:, 0] = np.maximum(at_nodes[:, 0], 0.0)
+    earliest = None
+    for index, (name, values) in enumerate(zip(phase.system.guards, at_nodes, strict=True)):
+        when = _zero_of_one(phase, piece, index, values, first)
+        if when is not None and (earliest is None or when < earliest[1]):
+            earliest = (name, when)
+    return earliest
+
+
+def _zero_of_one(phase: Phase, piece, index: int, at_nodes: np.ndarray, first: bool) -> float | None:
+    h = piece.t - piece.t_old
+    fine = _TO_FINE @ at_nodes
+    if fine.min() > 0.1 * np.ptp(at_nodes):
+        return None  # far from zero compared with how much it changes
+
+    def value(s: float) -> float:
+        return float(_guards(phase, piece, np.array([piece.t_old + h * s]))[index, 0])
+
+    below = np.flatnonzero(fine[1:] <= 0.0) + 1
+    if below.size:
+        # The bracket may be off by the interpolation's error; the guard itself says so.
+        low, high = float(_FINE[below[0] - 1]), float(_FINE[below[0]])
+        while high < 1.0 and value(high) > 0.0:
+            high = min(1.0, high + _FINE[1])
+        if value(high) <= 0.0:
+            if low == 0.0 and first:
+                low = _FINE[1] * 1e-3
+                while low > 1e-12 and value(low) <= 0.0:
+                    low *= 0.1
+            if value(low) <= 0.0:
+                return piece.t_old + h * low
+            return piece.t_old + h * brentq(value, low, high, xtol=1e-15, rtol=8.9e-16)
+    # No change of sign on the fine grid: the lowest place inside the step may still dip below zero between its points.
+    lowest = int(np.argmin(fine))
+    if 0 < lowest < len(_FINE) - 1:
+        low, high = float(_FINE[lowest - 1]), float(_FINE[lowest + 1])
+        dip = minimize_scalar(value, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
+        if dip.fun < 0.0 and not (first and low == 0.0):
+            return piece.t_old + h * brentq(value, low, float(dip.x), xtol=1e-15, rtol=8.9e-16)
+    return None
+
+
+def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
+    """Step again from the step's start to the zero itself: a step's end is more accurate than its inside."""
+    index = list(phase.system.guards).index(guard)
+    whole = piece.t - piece.t_old
+    for attempt in range(3):
+        h = when - piece.t_old
+        if h <= 0.0:
+            break
+        again = DOP853(rhs, piece.t_old, piece.y_old, when, rtol=rtol, atol=atol, first_step=h)
+        pieces = []
+        while again.status == "running":
+            again.step()
+            pieces.append(again.dense_output())
+        value = phase.system.guards_of_numbers(again.t, again.y.tolist(), phase.parameters)[index]
+        inner = max(when - 1e-4 * whole, piece.t_old)
+        slope = _guards(phase, piece, np.array([when]))[index, 0] - _guards(phase, piece, np.array([inner]))[index, 0]
+        slope /= max(when - inner, 1e-300)
+        correction = -value / slope if slope < 0.0 else 0.0
+        # A correction beyond the dense output's own error says that the slope is not to be trusted (a touching zero).
+        if attempt == 2 or abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(when):
+            break
+        when += correction
+    if whole <= 0.0 or when - piece.t_old <= 0.0:
+        return piece, Stop(guard, piece.t_old, tuple(piece.y_old.tolist()))
+    return _joined([p.t_old for p in pieces], pieces), Stop(guard, float(again.t), tuple(again.y.tolist()))
+
+
+def _joined(starts, pieces) -> Callable[[np.ndarray], np.ndarray]:
+    """Dense output over several steps."""
+    starts = np.array(starts)
+
+    def states(times: np.ndarray) -> np.ndarray:
+        which = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
+        blocks = np.empty((0, 0))
+        for i in np.unique(which):
+            chosen = which == i
+            values = pieces[i](times[chosen])
+            if blocks.size == 0:
+                blocks = np.empty((values.shape[0], len(times)))
+            blocks[:, chosen] = values
+        return blocks
+
+    return states

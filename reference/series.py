@@ -1,0 +1,234 @@
+"""Truncated Taylor series in time with a bound on their rounding: the one-sided derivatives of a motion.
+
+Where a motion starts degenerate (v = 0 and N = 0 at once, friction exactly at its cone) its next mode is decided by
+the first derivative that does not vanish. The same compiled equations that are integrated are evaluated on series
+instead of numbers; each coefficient carries a bound on its own error, so "does not vanish" needs no tolerance.
+
+Recurrences for the elementary functions: e.g. Hairer, Nørsett & Wanner, Solving ODE I, section I.8.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+EPS = 2.0**-52
+
+
+class Series:
+    """c[0] + c[1] t + … + c[K] t^K; e[k] bounds the error of c[k]."""
+
+    __slots__ = ("c", "e")
+
+    def __init__(self, c: Sequence[float], e: Sequence[float]):
+        self.c, self.e = list(c), list(e)
+
+    @classmethod
+    def constant(cls, value: float, like: Series) -> Series:
+        n = len(like.c)
+        return cls([float(value)] + [0.0] * (n - 1), [0.0] * n)
+
+    def _other(self, value) -> Series:
+        return value if isinstance(value, Series) else Series.constant(value, self)
+
+    def __neg__(self):
+        return Series([-a for a in self.c], self.e)
+
+    def __pos__(self):
+        return self
+
+    def __add__(self, other):
+        other = self._other(other)
+        c = [a + b for a, b in zip(self.c, other.c, strict=True)]
+        e = [a + b + EPS * abs(s) for a, b, s in zip(self.e, other.e, c, strict=True)]
+        return Series(c, e)
+
+    __radd__ = __add__
+
+    def __sub__(self, other):
+        return self + (-self._other(other))
+
+    def __rsub__(self, other):
+        return (-self) + other
+
+    def __mul__(self, other):
+        other = self._other(other)
+        c, e = [], []
+        for k in range(len(self.c)):
+            value = bound = 0.0
+            for i in range(k + 1):
+                a, b = self.c[i], other.c[k - i]
+                value += a * b
+                bound += abs(a) * other.e[k - i] + (abs(b) + other.e[k - i]) * self.e[i] + 2 * EPS * abs(a * b)
+            c.append(value)
+            e.append(bound)
+        return Series(c, e)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other):
+        return self * self._other(other) ** -1
+
+    def __rtruediv__(self, other):
+        return self**-1 * other
+
+    def __pow__(self, power):
+        """A real power; the base's value must not be zero unless the power is a whole number of at least zero."""
+        if power == int(power) and 0 <= power <= 4:
+            result = Series.constant(1.0, self)
+            for _ in range(int(power)):
+                result = result * self
+            return result
+        # y = x^p satisfies x y' = p x' y.
+        x, value = self.c, self.c[0] ** power
+        c, e = [value], [abs(power * value / x[0]) * self.e[0] + 2 * EPS * abs(value)]
+        for k in range(1, len(x)):
+            total = bound = 0.0
+            for i in range(k):
+                weight = power * (k - i) - i
+                total += weight * x[k - i] * c[i]
+                bound += abs(weight) * (
+                    abs(x[k - i]) * e[i] + self.e[k - i] * abs(c[i]) + 2 * EPS * abs(x[k - i] * c[i])
+                )
+            c.append(total / (k * x[0]))
+            e.append((bound + abs(total) * self.e[0] / abs(x[0])) / (k * abs(x[0])) + EPS * abs(c[-1]))
+        return Series(c, e)
+
+    def __rpow__(self, base):
+        return exp(self * math.log(base))
+
+    def derivative(self) -> Series:
+        """d/dt, one order shorter."""
+        return Series(
+            [k * a for k, a in enumerate(self.c)][1:],
+            [k * a for k, a in enumerate(self.e)][1:],
+        )
+
+    def leading(self) -> tuple[int, int]:
+        """(sign, order) of the first coefficient that exceeds its error bound; (0, K+1) if none does."""
+        for k, (c, e) in enumerate(zip(self.c, self.e, strict=True)):
+            if abs(c) > e:
+                return (1 if c > 0 else -1), k
+        return 0, len(self.c)
+
+
+def sign(value: Series | float) -> int:
+    """The sign just after time zero of a series, or of a constant."""
+    return value.leading()[0] if isinstance(value, Series) else (value > 0) - (value < 0)
+
+
+def _solve(x: Series, value: float, slope: Callable[[Series], Series]) -> Series:
+    """y with y(0) = value and y' = slope(y)·x', order by order."""
+    n = len(x.c)
+    y = Series(
+        [value] + [0.0] * (n - 1),
+        [abs(slope(Series([value], [0.0])).c[0]) * x.e[0] + EPS * abs(value)] + [0.0] * (n - 1),
+    )
+    if n == 1:
+        return y
+    dx = x.derivative()
+    for k in range(1, n):
+        partial = Series(y.c[:k], y.e[:k])
+        rate = slope(partial) * Series(dx.c[:k], dx.e[:k])
+        y.c[k], y.e[k] = rate.c[k - 1] / k, rate.e[k - 1] / k
+    return y
+
+
+def exp(x):
+    return _solve(x, math.exp(x.c[0]), lambda y: y) if isinstance(x, Series) else math.exp(x)
+
+
+def _from_slope(function: Callable[[float], float], slope: Callable[[Series], Series]):
+    """The elementary function with that closed-form derivative, for numbers and series."""
+
+    def extended(x):
+        if not isinstance(x, Series):
+            return function(x)
+        value = function(x.c[0])
+        if len(x.c) == 1:
+            return Series([value], [abs(slope(x).c[0]) * x.e[0] + EPS * abs(value)])
+        shorter = Series(x.c[:-1], x.e[:-1])
+        return _integrate(slope(shorter) * x.derivative(), value, abs(slope(shorter).c[0]) * x.e[0])
+
+    return extended
+
+
+log = _from_slope(math.log, lambda x: x**-1)
+atan = _from_slope(math.atan, lambda x: (1 + x * x) ** -1)
+asin = _from_slope(math.asin, lambda x: (1 - x * x) ** -0.5)
+acos = _from_slope(math.acos, lambda x: -((1 - x * x) ** -0.5))
+
+
+def _integrate(rate: Series, value: float, error: float) -> Series:
+    return Series(
+        [value] + [a / (k + 1) for k, a in enumerate(rate.c)],
+        [error + EPS * abs(value)] + [a / (k + 1) for k, a in enumerate(rate.e)],
+    )
+
+
+def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, Series]:
+    """(a, b) with a' = b x' and b' = sign·a x': sine and cosine, or their hyperbolic cousins."""
+    n = len(x.c)
+    a = Series([first] + [0.0] * (n - 1), [abs(second) * x.e[0] + EPS * max(1.0, abs(first))] + [0.0] * (n - 1))
+    b = Series([second] + [0.0] * (n - 1), [abs(first) * x.e[0] + EPS * max(1.0, abs(second))] + [0.0] * (n - 1))
+    for k in range(1, n):
+        for out, other, factor in ((a, b, 1.0), (b, a, sign)):
+            total = bound = 0.0
+            for i in range(1, k + 1):
+                term = i * x.c[i] * other.c[k - i]
+                total += term
+                bound += i * (abs(x.c[i]) * other.e[k - i] + x.e[i] * abs(other.c[k - i])) + 2 * EPS * abs(term)
+            out.c[k], out.e[k] = factor * total / k, bound / k
+    return a, b
+
+
+def sin(x):
+    return _pair(x, math.sin(x.c[0]), math.cos(x.c[0]), -1.0)[0] if isinstance(x, Series) else math.sin(x)
+
+
+def cos(x):
+    return _pair(x, math.sin(x.c[0]), math.cos(x.c[0]), -1.0)[1] if isinstance(x, Series) else math.cos(x)
+
+
+def sinh(x):
+    return _pair(x, math.sinh(x.c[0]), math.cosh(x.c[0]), 1.0)[0] if isinstance(x, Series) else math.sinh(x)
+
+
+def cosh(x):
+    return _pair(x, math.sinh(x.c[0]), math.cosh(x.c[0]), 1.0)[1] if isinstance(x, Series) else math.cosh(x)
+
+
+def tan(x):
+    return sin(x) / cos(x)
+
+
+def tanh(x):
+    return sinh(x) / cosh(x)
+
+
+def sqrt(x):
+    return x**0.5 if isinstance(x, Series) else math.sqrt(x)
+
+
+# What a compiled expression may call.
+FUNCTIONS = dict(
+    exp=exp, log=log, sqrt=sqrt, pi=math.pi, sin=sin, cos=cos, tan=tan,
+    sinh=sinh, cosh=cosh, tanh=tanh, asin=asin, acos=acos, atan=atan,
+)  # fmt: skip
+
+
+def along(rhs: Callable, y0: Sequence[float], errors: Sequence[float], order: int) -> list[Series]:
+    """The solution of y' = rhs(t, y) from time 0 as series of that order; `errors` bounds those of `y0`.
+
+    `rhs` takes and returns sequences of Series (its time is a Series too).
+    """
+    c = [[float(v)] for v in y0]
+    e = [[abs(float(v))] for v in errors]
+    for k in range(order):
+        time = Series([0.0, 1.0, *([0.0] * k)][: k + 1], [0.0] * (k + 1))
+        rates = rhs(time, [Series(a, b) for a, b in zip(c, e, strict=True)])
+        for a, b, rate in zip(c, e, rates, strict=True):
+            exact = not isinstance(rate, Series)
+            a.append((rate if k == 0 else 0.0) if exact else rate.c[k] / (k + 1))
+            b.append(0.0 if exact else rate.e[k] / (k + 1))
+    return [Series(a, b) for a, b in zip(c, e, strict=True)]

@@ -1,0 +1,188 @@
+"""Integrate, locate, switch: the loop that turns a case into a trajectory."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cases import BadValue, Case, Cost, Mode, State, Trajectory, Transition, UnknownName
+from cases.contact import pose
+from cases.errors import unknown
+
+from . import dop853, taylor
+from .arc import Arc
+from .modes import SLIP_SIGN, Phase, Regime, candidates, full_state, phase, start_state, without_slip
+from .transitions import decide, slip_of_sign
+
+# The integrators that are installed, the best first.
+METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
+INTEGRATE = {"taylor": taylor.integrate, "dop853": dop853.integrate}
+
+# More transitions than this in one motion is taken as an accumulation and told as such.
+MOST_TRANSITIONS = 100_000
+
+# Guards whose zero ends the motion: status and sentence.
+ENDS = {
+    "painleve": (
+        "paradox",
+        "The normal equation's coefficient of λ vanished (Painlevé): rigid Coulomb contact has no unique force here.",
+    ),
+    "fit": ("no_fit", "The curvatures of outline and track became equal: the plate no longer fits its track here."),
+    "track_start": ("track_end", "The contact reached the start of the track's domain."),
+    "track_end": ("track_end", "The contact reached the end of the track's domain."),
+    "outline_start": ("outline_end", "The contact reached the start of the outline's domain."),
+    "outline_end": ("outline_end", "The contact reached the end of the outline's domain."),
+}
+LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
+NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
+TOO_MANY = ("accumulation", f"More than {MOST_TRANSITIONS} transitions: they accumulate.")
+
+
+def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
+    """The motion of a case by the paper's equations.
+
+    `rtol` is the integrator's relative tolerance, between 1e-14 and 1e-2; `method` one of `METHODS` (None: the best
+    available). The trajectory's transitions are located to the integrator's accuracy; its `status` tells a motion
+    that ended early. Raises BadValue or UnknownName for arguments that make no sense.
+    """
+    if not isinstance(case, Case):
+        raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
+    if not isinstance(rtol, float | int) or not 1e-14 <= rtol <= 1e-2:
+        raise BadValue(f"rtol is {rtol!r}; give a number between 1e-14 and 1e-2")
+    if method is not None and method not in METHODS:
+        raise _unknown_method(method)
+    integrate = INTEGRATE[method or METHODS[0]]
+    began_setup = time.perf_counter()
+    prepare(case, method, rtol)
+    start = start_state(case)
+    regime = _first_regime(case, start)
+    setup = time.perf_counter() - began_setup
+    cpu, wall = time.process_time(), time.perf_counter()
+    arcs, transitions, (status, reason) = _run(case, regime, start, rtol, integrate)
+    cost = Cost(
+        cpu_s=time.process_time() - cpu,
+        wall_s=time.perf_counter() - wall,
+        setup_s=setup,
+        steps=sum(len(arc.times) - 1 for arc in arcs),
+        evaluations=sum(arc.evaluations for arc in arcs),
+    )
+    return _trajectory(case, arcs, transitions, status, reason, cost)
+
+
+def _first_regime(case: Case, y) -> Regime | None:
+    """The regime at time zero: the start says which way it slips; a start without slip is decided like any instant."""
+    sign = (case.start.slip > 0) - (case.start.slip < 0)
+    able = [r for r in candidates(case) if not sign or SLIP_SIGN.get(r.mode, sign) == sign and r.mode is not Mode.ROLL]
+    return decide(case, 0.0, y, np.finfo(float).eps, able)
+
+
+def _unknown_method(method) -> UnknownName:
+    return unknown("method of the reference", str(method), METHODS)
+
+
+def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
+    """Derive and compile what a run of the case may need, so that no run pays for it."""
+    prepare_phase = {"taylor": taylor.prepare, "dop853": dop853.prepare}[method or METHODS[0]]
+    for regime in candidates(case):
+        prepare_phase(phase(case, regime), rtol)
+
+
+def _run(case: Case, regime: Regime | None, start, rtol: float, integrate):
+    """Phase after phase until the end of time or a status."""
+    t, y = 0.0, start
+    arcs: list[Arc] = []
+    transitions: list[Transition] = []
+    if regime is None:
+        return arcs, transitions, _nothing_follows(case, None)
+    while len(transitions) < MOST_TRANSITIONS:
+        now = phase(case, regime)
+        arc = integrate(now, t, y[: len(now.system.variables)], case.duration, rtol)
+        arcs.append(arc)
+        guard, t = arc.stop.guard, arc.stop.time
+        y = full_state(case, now, arc.stop.state)
+        if guard is None:
+            return arcs, transitions, (Trajectory.status, Trajectory.reason)
+        if guard in ENDS:
+            return arcs, transitions, ENDS[guard]
+        if guard == "slip":
+            y = (*y[:3], without_slip(case, *y[:3]))
+        following = _after(case, now, guard, t, y, rtol)
+        if following is None:
+            ending = _nothing_follows(case, guard)
+            if ending is LIFT_OFF:
+                transitions.append(Transition(t, regime.mode, Mode.FLIGHT, y[0], y[1], CAUSES[guard]))
+            return arcs, transitions, ending
+        if following.mode is not regime.mode:
+            transitions.append(Transition(t, regime.mode, following.mode, y[0], y[1], CAUSES[guard]))
+        regime = following
+    return arcs, transitions, TOO_MANY
+
+
+CAUSES = {
+    "slip": "the slip velocity vanished",
+    "cone_forward": "friction reached its cone",
+    "cone_backward": "friction reached its cone",
+    "normal_force": "the normal force vanished",
+}
+
+
+def _after(case: Case, now: Phase, guard: str, t: float, y: Sequence[float], rtol: float) -> Regime | None:
+    """The regime that follows a guard's zero."""
+    side = now.regime.side
+    if guard in ("cone_forward", "cone_backward"):
+        # Friction has reached its bound from inside; the slip that begins is against it.
+        return slip_of_sign(case, 1.0 if guard == "cone_forward" else -1.0, side)
+    if guard == "normal_force":
+        others = [Regime(now.regime.mode, -side)] if _two_sided(case) else []
+        return decide(case, t, y, rtol, others)
+    return decide(case, t, y, rtol)
+
+
+def _two_sided(case: Case) -> bool:
+    return any(regime.side < 0 for regime in candidates(case))
+
+
+def _nothing_follows(case: Case, guard: str | None) -> tuple[str, str]:
+    if _two_sided(case) or guard == "slip":
+        return NO_MODE
+    return LIFT_OFF
+
+
+def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
+    """Samples at the integrator's steps, both sides of each transition, and a dense output over all arcs."""
+    told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost)
+    if not arcs:
+        # Nothing moves: the start as it would be observed if the plate slid.
+        start = _observe(case, phase(case, candidates(case)[-1]), np.zeros(1), np.array(start_state(case))[:, None])
+        return Trajectory(t=np.zeros(1), **start._asdict(), **told)
+    states = [_observe(case, arc.phase, arc.times, arc.states(arc.times)) for arc in arcs]
+    samples = State(*(np.concatenate(column) for column in zip(*states, strict=True)))
+    starts = np.array([arc.times[0] for arc in arcs])
+
+    def dense(when: np.ndarray) -> State:
+        which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(arcs) - 1)
+        values = np.empty((len(State._fields), len(when)))
+        for i in np.unique(which):
+            chosen = which == i
+            values[:, chosen] = _observe(case, arcs[i].phase, when[chosen], arcs[i].states(when[chosen]))
+        return State(*values)
+
+    first_mode = arcs[0].phase.regime.mode
+    times = np.concatenate([arc.times for arc in arcs])
+    return Trajectory(t=times, **samples._asdict(), **told, first_mode=first_mode, dense=dense)
+
+
+def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
+    """Pose by (5) and (6), velocities by (8), forces from (27)."""
+    observed = now.system.observed_of_arrays(times, y, now.parameters)
+    m = type(now.system.observed)(*(np.broadcast_to(row, times.shape) for row in observed))
+    xi1, xi2 = y[0], y[1]
+    x, y0, theta = pose(case, xi1, xi2)
+    tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
+    vx = m.slip * tangent[0] + m.omega * (contact[1] - y0)
+    vy = m.slip * tangent[1] - m.omega * (contact[0] - x)
+    mass = case.plate.mass
+    return State(x, y0, theta, vx, vy, m.omega, m.slip, mass * m.normal, mass * m.friction, xi1, xi2)

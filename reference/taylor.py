@@ -1,0 +1,121 @@
+"""One phase by heyoka's Taylor method with its own event detection (Biscani & Izzo 2021, MNRAS 504, 2614).
+
+Optional: where heyoka is not installed, `AVAILABLE` is False and DOP853 does everything.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from .arc import Arc, Stop
+from .eliminated import System, T
+from .modes import Phase
+
+try:
+    import heyoka as hy
+except ImportError:
+    AVAILABLE = False
+else:
+    AVAILABLE = True
+
+# Step-size tolerances are rounded to whole powers of ten: one compiled integrator each.
+FINEST = 1e-16
+
+
+def _expressions(system: System) -> dict:
+    """SymPy symbols of the system as heyoka's variables, parameters and time."""
+    known = {v: hy.expression(v.name) for v in system.variables}
+    return known | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
+
+
+@lru_cache(maxsize=128)
+def compiled(system: System, tolerance: float, real: type = float):
+    """The compiled integrator of a system, with one terminal event for each guard."""
+    known = _expressions(system)
+    equations = [(known[v], hy.from_sympy(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
+    falling = hy.event_direction.negative
+    events = [hy.t_event(hy.from_sympy(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
+    return hy.taylor_adaptive(
+        equations, [real(0.0)] * len(equations), t_events=events, tol=real(tolerance), fp_type=real, compact_mode=False
+    )
+
+
+def prepare(phase: Phase, rtol: float = 1e-10) -> None:
+    """Compile the phase's equations for that tolerance."""
+    compiled(phase.system, _tolerance(rtol))
+
+
+def _tolerance(rtol: float) -> float:
+    return max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9))
+
+
+def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
+    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if it has to stop."""
+    integrator = compiled(phase.system, _tolerance(rtol))
+    integrator.pars[:] = phase.parameters[: len(integrator.pars)]
+    times, coefficients = [t], []
+    guard = _leave_start(integrator, phase, t, y, end, times, coefficients)
+    while integrator.time < end and guard is None:
+        outcome, _ = integrator.step(end - integrator.time, True)
+        coefficients.append(integrator.tc.copy())
+        times.append(integrator.time)
+        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
+            number = -int(outcome) - 1
+            if not 0 <= number < len(phase.system.guards):
+                raise FloatingPointError(f"the Taylor integrator stopped at t = {integrator.time:.9g} s: {outcome}")
+            guard = list(phase.system.guards)[number]
+    stop = Stop(guard, float(integrator.time), tuple(integrator.state.tolist()))
+    return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
+
+
+def _leave_start(integrator, phase: Phase, t: float, y, end: float, times: list, coefficients: list) -> str | None:
+    """The first, tiny part of a phase, by its Taylor polynomial alone; a guard if one reaches zero within it.
+
+    A phase begins with a guard at zero that the decision found to grow, often with the square of time; event
+    detection would find that root again, and a cool-down after it would hide the next.
+    """
+    _set(integrator, t, y)
+    integrator.step(0.0, True)
+    series = integrator.tc.copy()
+    order = series.shape[1] - 1
+    largest = max(float(np.abs(series[:, order]).max()), 1e-300)
+    reach = (max(float(np.abs(series[:, 0]).max()), 1.0) / largest) ** (1.0 / order)
+    # A thousandth of the polynomial's reach: it is exact there to rounding, and a guard that leaves zero does not come
+    # back so soon; where one does, the step is shortened until it shows.
+    for shorter in range(9):
+        h = min(1e-3 * reach * 10.0**-shorter, end - t)
+        state = np.polynomial.polynomial.polyval(h, series.T)
+        values = phase.system.guards_of_numbers(t + h, state.tolist(), phase.parameters)
+        if all(value > 0.0 for value in values):
+            _set(integrator, t + h, state)
+            coefficients.append(series)
+            times.append(t + h)
+            return None
+    _set(integrator, t, y)
+    return next(name for name, value in zip(phase.system.guards, values, strict=True) if not value > 0.0)
+
+
+def _set(integrator, t: float, y) -> None:
+    integrator.time = t
+    integrator.state[:] = y
+    if integrator.with_events:
+        integrator.reset_cooldowns()
+
+
+def _dense(times, coefficients, y):
+    """The steps' own Taylor polynomials."""
+
+    def states(when: np.ndarray) -> np.ndarray:
+        if not coefficients:
+            return np.repeat(np.array(y, dtype=float)[:, None], len(when), axis=1)
+        starts = np.array(times[:-1])
+        which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(coefficients) - 1)
+        values = np.empty((len(y), len(when)))
+        for i in np.unique(which):
+            chosen = which == i
+            values[:, chosen] = np.polynomial.polynomial.polyval(when[chosen] - starts[i], coefficients[i].T)
+        return values
+
+    return states

@@ -1,0 +1,86 @@
+"""What follows: the one rule that decides every change of mode.
+
+A regime follows if, along its own motion, its own conditions hold just after. "Just after" is the sign of the first
+derivative that does not vanish, from Taylor series whose coefficients carry bounds on their rounding. The same rule
+serves the start, slip that vanishes and a normal force that vanishes in a two-sided guide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cases import Case, Mode
+
+from . import series
+from .modes import Phase, Regime, candidates, phase, state_in
+
+# Derivatives looked at before a condition counts as identically zero. The paper's own start needs the second of the
+# normal force; a start at rest on a symmetric place needs the fourth.
+ORDER = 8
+
+
+def decide(
+    case: Case, t: float, y: Sequence[float], error: float, among: Sequence[Regime] | None = None
+) -> Regime | None:
+    """The regime that follows from the state (ξ₁, ξ₂, ξ̇₁, ξ̇₂) at time t, or None if none is consistent.
+
+    `error` is the relative error of the state (rounding at a start, the integrator's tolerance at an event): what is
+    smaller counts as zero and the next derivative decides.
+    """
+    for regime in candidates(case) if among is None else among:
+        if follows(case, phase(case, regime), t, y, error):
+            return regime
+    return None
+
+
+def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: float) -> bool:
+    """Whether the candidate's conditions hold just after t along its own motion."""
+    quick = _by_value(candidate, t, y, error)
+    return _by_series(candidate, t, y, error) if quick is None else quick
+
+
+def _by_value(candidate: Phase, t, y, error) -> bool | None:
+    """The answer from values alone where they are far from zero; None where a derivative must be asked."""
+    y, names = state_in(candidate, y), list(candidate.system.conditions)
+    values = candidate.system.conditions_of_numbers(t, y, candidate.parameters)
+    if "slip" in names:
+        # Slip that has just vanished: its rate says which way it goes on. (All conditions but the slip itself are
+        # forces per mass, and so is this rate.)
+        at = names.index("slip")
+        fastest = max(abs(v) for v in y[2:])
+        if abs(values[at]) <= 1e3 * max(error, series.EPS) * fastest:
+            values[at] = candidate.system.slip_rate_of_numbers(t, y, candidate.parameters)[0]
+    scale = max((abs(v) for v in values), default=0.0)
+    # A million times the state's error: anything closer to zero is left to the series, which know their own bounds.
+    if any(abs(v) <= 1e6 * max(error, series.EPS) * scale for v in values):
+        return None
+    return all(v > 0 for v in values)
+
+
+def _by_series(candidate: Phase, t, y, error) -> bool:
+    for order in (2, ORDER):
+        signs = _leading_signs(candidate, t, y, error, order)
+        undecided = any(sign == 0 for sign in signs.values())
+        if not undecided or any(sign < 0 for sign in signs.values()):
+            break
+    # A slip that stays zero is no slip; any other condition may stay at its bound (weightless, level, at rest).
+    return all(sign > 0 if name == "slip" else sign >= 0 for name, sign in signs.items())
+
+
+def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
+    def rates(time, state):
+        return candidate.system.rates_of_series(time + t, state, candidate.parameters)
+
+    y = state_in(candidate, y)
+    # Velocities are known to `error` of the largest of them, so that a small one is not taken for exact.
+    fastest = max(abs(v) for v in y[2:])
+    bounds = [error * abs(v) for v in y[:2]] + [error * fastest for _ in y[2:]]
+    state = series.along(rates, y, bounds, order)
+    time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
+    values = candidate.system.conditions_of_series(time, state, candidate.parameters)
+    return {name: series.sign(value) for name, value in zip(candidate.system.conditions, values, strict=True)}
+
+
+def slip_of_sign(case: Case, sign: float, side: int) -> Regime:
+    """The slipping regime in that direction."""
+    return Regime(Mode.SLIP_FORWARD if sign > 0 else Mode.SLIP_BACKWARD, side)

@@ -1,0 +1,47 @@
+"""Taylor series with bounds on their rounding."""
+
+import math
+
+import mpmath
+import pytest
+from hypothesis import given, settings
+
+from reference import series
+from reference.series import Series
+from tests.scenes import numbers
+
+FUNCTIONS = {
+    "sin": (series.sin, mpmath.sin), "cos": (series.cos, mpmath.cos), "exp": (series.exp, mpmath.exp),
+    "log": (series.log, mpmath.log), "sqrt": (series.sqrt, mpmath.sqrt), "atan": (series.atan, mpmath.atan),
+    "sinh": (series.sinh, mpmath.sinh), "cosh": (series.cosh, mpmath.cosh), "tan": (series.tan, mpmath.tan),
+    "cube": (lambda x: x**3, lambda x: x**3), "inverse": (lambda x: 1 / x, lambda x: 1 / x),
+    "power": (lambda x: x**-1.5, lambda x: x ** mpmath.mpf(-1.5)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@given(a=numbers(0.3, 1.2), b=numbers(-1.0, 1.0), c=numbers(-1.0, 1.0))
+@settings(max_examples=15, deadline=None)
+def test_coefficients_agree_with_high_precision_derivatives_within_their_own_bounds(name, a, b, c):
+    ours, theirs = FUNCTIONS[name]
+    result = ours(Series([a, b, c, 0.0], [0.0] * 4))
+    with mpmath.workdps(50):
+        exact = mpmath.taylor(lambda t: theirs(a + b * t + c * t * t), 0, 3)
+        for k in range(4):
+            # Numerical differentiation at 50 digits is exact to far below double rounding.
+            assert abs(mpmath.mpf(result.c[k]) - exact[k]) <= result.e[k] + mpmath.mpf(10) ** -20
+            assert result.e[k] <= 1e-12 * (1 + abs(result.c[k])) * 10**k
+
+
+def test_a_motion_is_expanded_order_by_order():
+    def pendulum(_, y):
+        return [y[1], -series.sin(y[0])]
+
+    angle = series.along(pendulum, [0.5, 0.0], [0.0, 0.0], 4)[0]
+    s, c = math.sin(0.5), math.cos(0.5)
+    assert angle.c == pytest.approx([0.5, 0.0, -s / 2, 0.0, s * c / 24], abs=1e-15)
+
+
+def test_leading_sign_ignores_what_is_below_its_error():
+    assert Series([1e-18, -2.0], [1e-16, 1e-15]).leading() == (-1, 1)
+    assert Series([0.0, 0.0], [0.0, 0.0]).leading() == (0, 2)
