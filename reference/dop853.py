@@ -35,8 +35,8 @@ def _interpolation() -> np.ndarray:
 _TO_FINE = _interpolation()
 
 
-def prepare(phase: Phase) -> None:
-    """Compile the phase's equations."""
+def prepare(phase: Phase, rtol: float = 1e-10) -> None:
+    """Compile the phase's equations, which are the same for every tolerance."""
     phase.system.rates_of_numbers, phase.system.guards_of_arrays, phase.system.guards_of_numbers  # noqa: B018
 
 

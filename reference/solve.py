@@ -56,7 +56,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise _unknown_method(method)
     integrate = INTEGRATE[method or METHODS[0]]
     began_setup = time.perf_counter()
-    prepare(case, method)
+    prepare(case, method, rtol)
     start = start_state(case)
     regime = _first_regime(case, start)
     setup = time.perf_counter() - began_setup
@@ -83,11 +83,11 @@ def _unknown_method(method) -> UnknownName:
     return unknown("method of the reference", str(method), METHODS)
 
 
-def prepare(case: Case, method: str | None = None) -> None:
+def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
     """Derive and compile what a run of the case may need, so that no run pays for it."""
     prepare_phase = {"taylor": taylor.prepare, "dop853": dop853.prepare}[method or METHODS[0]]
     for regime in candidates(case):
-        prepare_phase(phase(case, regime))
+        prepare_phase(phase(case, regime), rtol)
 
 
 def _run(case: Case, regime: Regime | None, start, rtol: float, integrate):

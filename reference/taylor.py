@@ -54,26 +54,54 @@ def _tolerance(rtol: float) -> float:
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if it has to stop."""
     integrator = compiled(phase.system, _tolerance(rtol))
-    integrator.time = t
-    integrator.state[:] = y
     integrator.pars[:] = phase.parameters[: len(integrator.pars)]
-    integrator.reset_cooldowns()
     times, coefficients = [t], []
-    guard = None
+    guard = _leave_start(integrator, phase, t, y, end, times, coefficients)
     while integrator.time < end and guard is None:
         outcome, _ = integrator.step(end - integrator.time, True)
         coefficients.append(integrator.tc.copy())
         times.append(integrator.time)
-        number = -int(outcome) - 1
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
+            number = -int(outcome) - 1
             if not 0 <= number < len(phase.system.guards):
                 raise FloatingPointError(f"the Taylor integrator stopped at t = {integrator.time:.9g} s: {outcome}")
-            # A phase begins with a guard at zero that the decision found to grow; heyoka fires there at once, and its
-            # own cool-down keeps the same root from firing twice.
-            if integrator.time > t:
-                guard = list(phase.system.guards)[number]
+            guard = list(phase.system.guards)[number]
     stop = Stop(guard, float(integrator.time), tuple(integrator.state.tolist()))
     return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
+
+
+def _leave_start(integrator, phase: Phase, t: float, y, end: float, times: list, coefficients: list) -> str | None:
+    """The first, tiny part of a phase, by its Taylor polynomial alone; a guard if one reaches zero within it.
+
+    A phase begins with a guard at zero that the decision found to grow, often with the square of time; event
+    detection would find that root again, and a cool-down after it would hide the next.
+    """
+    _set(integrator, t, y)
+    integrator.step(0.0, True)
+    series = integrator.tc.copy()
+    order = series.shape[1] - 1
+    largest = max(float(np.abs(series[:, order]).max()), 1e-300)
+    reach = (max(float(np.abs(series[:, 0]).max()), 1.0) / largest) ** (1.0 / order)
+    # A thousandth of the polynomial's reach: it is exact there to rounding, and a guard that leaves zero does not come
+    # back so soon; where one does, the step is shortened until it shows.
+    for shorter in range(9):
+        h = min(1e-3 * reach * 10.0**-shorter, end - t)
+        state = np.polynomial.polynomial.polyval(h, series.T)
+        values = phase.system.guards_of_numbers(t + h, state.tolist(), phase.parameters)
+        if all(value > 0.0 for value in values):
+            _set(integrator, t + h, state)
+            coefficients.append(series)
+            times.append(t + h)
+            return None
+    _set(integrator, t, y)
+    return next(name for name, value in zip(phase.system.guards, values, strict=True) if not value > 0.0)
+
+
+def _set(integrator, t: float, y) -> None:
+    integrator.time = t
+    integrator.state[:] = y
+    if integrator.with_events:
+        integrator.reset_cooldowns()
 
 
 def _dense(times, coefficients, y):
