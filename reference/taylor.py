@@ -70,7 +70,8 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> A
 
 def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type) -> Arc:
     integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
-    times, coefficients = [t], []
+    times: list[float] = [t]
+    coefficients: list[np.ndarray] = []
     guard = _leave_start(integrator, phase, t, y, end, real, times, coefficients)
     while integrator.time < end and guard is None:
         outcome, _ = integrator.step(real(end) - integrator.time, True)
