@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Cost, Mode, State, Trajectory, Transition, UnknownName
+from cases import BadValue, Case, Cost, Mode, State, Trajectory, Transition
 from cases.contact import pose
 from cases.errors import unknown
 
@@ -19,7 +19,12 @@ from .transitions import decide, slip_of_sign
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
-INTEGRATE = {"taylor": taylor.integrate, "dop853": dop853.integrate}
+# By name: what prepares a phase and what integrates it. The last one serves certification only.
+INTEGRATORS = {
+    "taylor": (taylor.prepare, taylor.integrate),
+    "dop853": (dop853.prepare, dop853.integrate),
+    "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
+}
 
 # More transitions than this in one motion is taken as an accumulation and told as such.
 MOST_TRANSITIONS = 100_000
@@ -52,9 +57,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
     if not isinstance(rtol, float | int) or not 1e-14 <= rtol <= 1e-2:
         raise BadValue(f"rtol is {rtol!r}; give a number between 1e-14 and 1e-2")
-    if method is not None and method not in METHODS:
-        raise _unknown_method(method)
-    integrate = INTEGRATE[method or METHODS[0]]
+    _, integrate = INTEGRATORS[_known(method)]
     began_setup = time.perf_counter()
     prepare(case, method, rtol)
     start = start_state(case)
@@ -79,13 +82,17 @@ def _first_regime(case: Case, y) -> Regime | None:
     return decide(case, 0.0, y, np.finfo(float).eps, able)
 
 
-def _unknown_method(method) -> UnknownName:
-    return unknown("method of the reference", str(method), METHODS)
+def _known(method: str | None) -> str:
+    if method is None:
+        return METHODS[0]
+    if method not in INTEGRATORS or (method.startswith("taylor") and not taylor.AVAILABLE):
+        raise unknown("method of the reference", str(method), METHODS)
+    return method
 
 
 def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
     """Derive and compile what a run of the case may need, so that no run pays for it."""
-    prepare_phase = {"taylor": taylor.prepare, "dop853": dop853.prepare}[method or METHODS[0]]
+    prepare_phase, _ = INTEGRATORS[_known(method)]
     for regime in candidates(case):
         prepare_phase(phase(case, regime), rtol)
 
