@@ -36,7 +36,7 @@ _ULPS = 4
 _SHOWN_SAMPLES = 1500
 # Wall time a run may take. A whole default report takes minutes, so one run that takes longer has lost its way.
 LIMIT_SECONDS = 60.0
-# A solver may stop up to this many of its own steps before the end of the truth and still count as having ended with it.
+# A solver that stops no more than this many of its own steps before the end of the truth has ended with it.
 _LAST_STEPS = 2.5
 
 
@@ -119,6 +119,11 @@ class Experiment:
     seconds: float
 
 
+def is_default_setting(setting: Setting | str) -> bool:
+    """Whether a setting is the engine as it comes: adapters name that rung `rung=defaults`."""
+    return "rung=defaults" in str(setting).split()
+
+
 # --- one call each, in a worker ---------------------------------------------------------------------------------------
 
 
@@ -138,6 +143,14 @@ def solver(name: str) -> ModuleType:
 
         return reference_adapter
     return adapters.engine(name)
+
+
+def version(name: str) -> str:
+    """The version of a solver."""
+    try:
+        return str(solver(name).version())
+    except ImportError:
+        return "not installed"
 
 
 def survey(key: CaseKey, name: str) -> tuple[Offer, ...]:
@@ -204,7 +217,7 @@ def _evenly(motion: Trajectory) -> Trajectory:
     """A motion sampled at even distances and at its transitions."""
     events = [event.time for event in motion.transitions]
     times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
-    return Trajectory(times, *motion(times), first_mode=motion.first_mode)
+    return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
 
 
 def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
@@ -245,6 +258,8 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
     reading = read(case, trajectory)
     ledger = metrics.match(truth.transitions, reading.transitions)
     off = metrics.differences(trajectory, motion)
+    with np.errstate(invalid="ignore"):
+        off["lambda"] = off.pop("normal_force") / case.track.speed(np.interp(off["t"], trajectory.t, trajectory.xi1))
     wrong = _faults(reading, ledger, trajectory, truth)
     return replace(
         row,

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from . import metrics
-from .experiment import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth
+from .experiment import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,8 +37,8 @@ class Order(NamedTuple):
 
 
 def is_default(run: Run) -> bool:
-    """Whether the run is the engine as it comes: adapters name that rung `rung=defaults`."""
-    return "rung=defaults" in run.setting.split()
+    """Whether the run is the engine as it comes."""
+    return is_default_setting(run.setting)
 
 
 def is_truth(run: Run, truth: Truth) -> bool:
@@ -227,10 +226,23 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "finest_outcome": fine.outcome if fine else group[-1].outcome,
                 "finest_setting": fine.setting if fine else "",
                 "order": orders.get((case, solver, route), nan),
+                "transitions": len(experiment.truths[case].transitions),
                 "is_truth": bool(fine and is_truth(fine, experiment.truths[case])),
             }
         )
     return rows
+
+
+def error_text(row: Mapping[str, Any], column: str) -> str:
+    """An error of a headline row (`default_error`, `finest_error`) with its sign, or in words where there is none."""
+    if column == "finest_error" and row["is_truth"]:
+        return "is the truth"
+    value, outcome = row[column], row[column.replace("error", "outcome")]
+    if isfinite(value):
+        return f"{value:+.1e}" + ("" if outcome == "right" else f" ({outcome})")
+    if outcome in ("", "refused", "crashed", "timed_out"):
+        return outcome
+    return "missed" if row["transitions"] else f"no transition ({outcome})"
 
 
 def outcome_counts(experiment: Experiment) -> dict[str, Counter]:
@@ -274,8 +286,9 @@ def markdown(frame: pd.DataFrame) -> str:
 
     if frame.empty:
         return "No rows."
-    text = [[shorten(value, column).replace("|", "\\|") for column, value in row.items()] for _, row in frame.iterrows()]
-    return tabulate(text, headers=list(frame.columns), tablefmt="pipe", disable_numparse=True)
+    columns = [str(column) for column in frame.columns]
+    rows = [[shorten(row[c], c).replace("|", "\\|") for c in columns] for row in frame.to_dict("records")]
+    return tabulate(rows, headers=columns, tablefmt="pipe", disable_numparse=True)
 
 
 def shorten(value: Any, column: str) -> str:
