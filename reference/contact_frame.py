@@ -23,7 +23,7 @@ from cases import Case, CoulombFriction, Gravity, Mode, NotSupported, Transition
 STOPS = {"painleve": "paradox", "fit": "no_fit", "track": "track_end", "outline": "outline_end"}
 
 # Far more than any motion of a few seconds has; a loop without progress is told, not run for ever.
-MOST_TRANSITIONS = 1000
+MOST_TRANSITIONS = 200
 
 
 class Answer(NamedTuple):

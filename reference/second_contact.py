@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Curve, DoesNotFit
-from cases.contact import find, overlap
+from cases.contact import Contact, find, overlap
 
 
 class Meeting(NamedTuple):
@@ -70,8 +70,12 @@ def _locate(case: Case, low: float, high: float, place: float, pose) -> Meeting:
     u, v = outline.point(parameters)
     nearest = float(parameters[np.argmin(np.hypot(x + c * u - s * v - X, y + s * u + c * v - Y))])
 
+    def contact(t: float) -> Contact:
+        x, y, theta = pose(t)
+        return find(case, x, y, theta, (place, nearest))
+
     def gap(t: float) -> float:
-        return find(case, *pose(t), (place, nearest)).gap
+        return contact(t).gap
 
     # The polygon that showed the overlap lies inside the outline by up to its sagitta, so contact came a little before.
     try:
@@ -82,4 +86,4 @@ def _locate(case: Case, low: float, high: float, place: float, pose) -> Meeting:
     except (DoesNotFit, ValueError):
         # A contact that is no simple touch (two flat sides): told to the accuracy of the search by halves.
         return Meeting(high, place)
-    return Meeting(time, find(case, *pose(time), (place, nearest)).xi1)
+    return Meeting(time, contact(time).xi1)

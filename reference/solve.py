@@ -80,7 +80,10 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
 
 def first_regime(case: Case, y) -> Regime | None:
     """The regime at time zero: the start says which way it slips; a start without slip is decided like any instant."""
-    sign = (case.start.slip > 0) - (case.start.slip < 0)
+    slip = case.start.slip
+    along = max(abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1])))
+    # The state holds slip as the difference of the contact point's two speeds; what is below their rounding is none.
+    sign = 0.0 if abs(slip) <= 8 * np.finfo(float).eps * along else (1.0 if slip > 0 else -1.0)
     able = [r for r in candidates(case) if not sign or SLIP_SIGN.get(r.mode, sign) == sign and r.mode is not Mode.ROLL]
     return decide(case, 0.0, y, np.finfo(float).eps, able)
 
@@ -216,12 +219,19 @@ def _until_second_contact(case: Case, motion: Trajectory) -> Trajectory:
     looks = np.unique(
         np.concatenate([motion.t[:-1] + part * np.diff(motion.t) for part in (0.0, 0.25, 0.5, 0.75, 1.0)])
     )
-    meeting = first_meeting(case, looks, lambda t: motion(t)[:3]) if len(looks) > 1 else None
+
+    def pose_at(t: float) -> tuple[float, float, float]:
+        state = motion(t)
+        return float(state.x), float(state.y), float(state.theta)
+
+    meeting = first_meeting(case, looks, pose_at) if len(looks) > 1 else None
     if meeting is None:
         return motion
     kept = motion.t < meeting.time
     last = motion(meeting.time)
-    columns = {name: np.append(getattr(motion, name)[kept], getattr(last, name)) for name in State._fields}
+    columns: dict[str, Any] = {
+        name: np.append(getattr(motion, name)[kept], getattr(last, name)) for name in State._fields
+    }
     return replace(
         motion,
         t=np.append(motion.t[kept], meeting.time),
