@@ -15,14 +15,19 @@ from cases import Case, CoulombFriction
 
 from .interface import Setting
 
+# What the geometry raises where a plate is nowhere near its track, or beyond where a curve is defined.
+LOST = (ValueError, ArithmeticError)
+
 
 @dataclass(frozen=True)
 class Contact:
-    """The contact along a run, arrays of one length: gap (m), slip (m/s), forces on the plate (N).
+    """The contact along a run, arrays of one length: parameters, gap (m), slip (m/s), forces on the plate (N).
 
     Shorter than the run if the plate was lost on the way, for the reason `lost`.
     """
 
+    xi1: np.ndarray
+    xi2: np.ndarray
     gap: np.ndarray
     slip: np.ndarray
     normal_force: np.ndarray
