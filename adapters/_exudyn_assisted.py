@@ -116,7 +116,8 @@ class PenaltyContact:
 def build(case: Case, setting: Setting) -> System:
     """Three coordinates (x, y, θ), the plate's mass matrix, gravity, and the contact as a user function."""
     start, plate, law = start_motion(case), case.plate, PenaltyContact(case, setting)
-    system = exu.SystemContainer().AddSystem()
+    container = exu.SystemContainer()
+    system = container.AddSystem()
     node = system.AddNode(
         item.NodeGenericODE2(
             numberOfODE2Coordinates=3,
@@ -138,4 +139,4 @@ def build(case: Case, setting: Setting) -> System:
     )
     motion = node_sensors(system, node)
     system.Assemble()
-    return System(system, motion, None, lambda pose, velocity, _force: law.follow(pose, velocity))
+    return System(container, system, motion, None, lambda pose, velocity, _force: law.follow(pose, velocity))

@@ -28,7 +28,8 @@ def refuses(case: Case) -> str | None:
 def build(case: Case, setting: Setting) -> System:
     """A disc in the plane, its gravity, and the contact object that fits the track."""
     start, plate = start_motion(case), case.plate
-    system = exu.SystemContainer().AddSystem()
+    container = exu.SystemContainer()
+    system = container.AddSystem()
     node = system.AddNode(
         item.NodeRigidBody2D(
             initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
@@ -52,7 +53,7 @@ def build(case: Case, setting: Setting) -> System:
     )
     motion = node_sensors(system, node)
     system.Assemble()
-    return System(system, motion, force, contact)
+    return System(container, system, motion, force, contact)
 
 
 def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):

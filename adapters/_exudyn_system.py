@@ -37,11 +37,13 @@ class Contact:
 
 @dataclass(frozen=True)
 class System:
-    """An assembled system: `motion` are the sensors of pose and velocity, `force` that of the contact, if it has one.
+    """An assembled system in the container that owns it.
 
-    `contact` reads the contact from the arrays they store: pose (n, 3), velocity (n, 3), force (n, 3) or (n, 0).
+    `motion` are the sensors of pose and velocity, `force` is that of the contact, if there is one; `contact` reads the
+    contact from the arrays they store: pose (n, 3), velocity (n, 3), force (n, 3) or (n, 0).
     """
 
+    container: Any
     system: Any
     motion: tuple[int, int]
     force: int | None
