@@ -204,9 +204,12 @@ def _guards(case: Case, scene: Scene, mode: Mode) -> dict:
     guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
     for name, curve, i in (("track", case.track, 0), ("outline", case.plate.outline, 1)):
         if curve.domain and not curve.period:
-            low, high = curve.domain
-            guards[name] = lambda t, z, i=i, low=low, high=high: min(z[i] - low, high - z[i])
+            guards[name] = _inside(i, *curve.domain)
     return guards
+
+
+def _inside(i: int, low: float, high: float):
+    return lambda t, z: min(z[i] - low, high - z[i])
 
 
 def _integrate(case: Case, scene: Scene, mode: Mode, t, z, end, rtol, looks, times, states):

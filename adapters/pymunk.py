@@ -1,0 +1,266 @@
+"""pymunk (Chipmunk/Munk2D): a game engine's semi-implicit Euler step with Coulomb friction as clamped impulses.
+
+Positions stand at k·h and velocities at (k+½)·h, if the first step is a half one (start backed up by v₀·h/2, then
+`step(h/2)`). Velocities at the poses' times are means of their neighbours; forces are what the contact added to the
+momentum in the step, over h. On facets the force of a single step is noise about the true one: only its mean counts.
+
+Routes: `native` (the engine's circles, segments and polygons; order 1), `assisted` (the engine is told the exact
+contact point, normal and the normal velocity that follows the curve; inertia, cone, stick and push are its own;
+order 2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pymunk
+
+from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
+from cases.contact import Motion, find, slip_velocity, start_motion
+from cases.errors import DoesNotFit
+from cases.trajectory import Cost
+
+from . import _pymunk_native as native
+from .interface import EngineFailure, Setting
+
+NAME = "pymunk"
+routes: tuple[str, ...] = ("native",)
+
+# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
+
+
+def version() -> str:
+    """pymunk's version with that of the library inside it."""
+    return f"{pymunk.version} (Chipmunk {pymunk.chipmunk_version.partition('-')[0]})"
+
+
+def refuses(case: Case, route: str) -> str | None:
+    """Why pymunk cannot model the case by that route, in one sentence, or None."""
+    strange = [type(effect).__name__ for effect in case.effects if not isinstance(effect, KNOWN_EFFECTS)]
+    if strange:
+        return f"pymunk has nothing for {' and '.join(strange)}."
+    friction = case.effect(CoulombFriction)
+    if friction and friction.stick != friction.mu:
+        return "pymunk has one friction coefficient for slip and stick."
+    if not case.effect(Unilateral):
+        return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
+    return _refuses_shape(case) if route == "native" else None
+
+
+def _refuses_shape(case: Case) -> str | None:
+    if case.plate.radius:
+        return None
+    outline = case.plate.outline
+    if not outline.period or np.any(outline.curvature(np.linspace(*outline.look, 721)) <= 0.0):
+        return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
+    return None
+
+
+# --- settings --------------------------------------------------------------------------------------------------------
+
+# Steps in seconds for a case of a few seconds; a longer case has as many steps, so that a ladder's cost is bounded.
+FIRST_STEP = 1 / 60
+CHAIN_STEPS = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5)
+SMOOTH_STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
+USUAL_DURATION = 2.5
+
+
+def ladder(case: Case, route: str) -> tuple[Setting, ...]:
+    """Settings from coarse to fine; the first is the engine as it comes, the others tighten step and facets together.
+
+    As it comes: the engine's slop, bias and iterations, a game's 60 steps a second and a polygon of 64 thick facets.
+    The others: slop a hundred-thousandth of the plate, full correction of the rest at once (bias 0).
+    """
+    stretched = max(1.0, case.duration / USUAL_DURATION)
+    smallest, _ = native.radii(case)
+    chain = native.track_kind(case) == "chain"
+    steps = [h * stretched for h in (CHAIN_STEPS if chain else SMOOTH_STEPS)]
+    first: dict[str, float | int | str] = dict(rung="defaults", h=FIRST_STEP)
+    knobs: dict[str, float | int | str] = dict(collision_slop=1e-5 * smallest, collision_bias=0.0)
+    rungs = []
+    for h in steps:
+        rungs.append(dict(h=h))
+    if chain:
+        part = native.stretch(case)
+        first.update(facets=64, thickness=smallest)
+        for rung in rungs:
+            # A facet as long as the plate's way in one step at its top speed: shorter ones cost time and gain nothing.
+            facets = max(64, round(part.length / (part.top_speed * rung["h"])))
+            rung.update(facets=facets, thickness=0.05 * smallest)
+    else:
+        first.update(thickness=smallest)
+        for rung in rungs:
+            rung.update(thickness=smallest)
+    return (Setting.of(**first), *(Setting.of(**rung, **knobs) for rung in rungs))
+
+
+# --- build, run ------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Model:
+    """One run: the space, its moving body, the step in seconds and how many, and the recorded rows."""
+
+    case: Case
+    route: str
+    space: pymunk.Space
+    body: pymunk.Body
+    h: float
+    steps: int
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+
+
+def build(case: Case, route: str, setting: Setting) -> Model:
+    """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
+    space, body = native.build(case, setting)
+    steps = max(2, round(case.duration / setting["h"]))
+    h = case.duration / steps
+    start = start_motion(case)
+    body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
+    body.angle = start.theta - 0.5 * h * start.omega
+    body.velocity, body.angular_velocity = (start.vx, start.vy), start.omega
+    return Model(case, route, space, body, h, steps)
+
+
+def run(model: Model) -> None:
+    """Step through the duration, noting pose and velocities after every step."""
+    step, body, note = model.space.step, model.body, model.rows.append
+    # The half step moves the plate to its start and gives the velocities half a step's forces.
+    step(0.5 * model.h)
+    note((*body.position, body.angle, *body.velocity, body.angular_velocity))
+    for _ in range(model.steps):
+        step(model.h)
+        note((*body.position, body.angle, *body.velocity, body.angular_velocity))
+
+
+# --- read ------------------------------------------------------------------------------------------------------------
+
+
+class _Contacts(NamedTuple):
+    """Contact parameters and gap (m) of the leading poses that have a contact point, arrays of one length."""
+
+    xi1: np.ndarray
+    xi2: np.ndarray
+    gap: np.ndarray
+
+
+class _Ending(NamedTuple):
+    """How many samples belong to the motion, and what ended it."""
+
+    kept: int
+    status: str = Trajectory.status
+    reason: str = Trajectory.reason
+
+
+def read(model: Model) -> Trajectory:
+    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
+    case, rows = model.case, np.array(model.rows)
+    if not np.isfinite(rows).all():
+        when = model.h * int(np.argmin(np.isfinite(rows).all(axis=1)))
+        raise EngineFailure(f"pymunk's numbers are not finite from {when:.4g} s on.")
+    start = start_motion(case)
+    pose, after = rows[:, :3], rows[:, 3:]
+    before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
+    rates = 0.5 * (before + after)
+    rates[0] = before[0]
+    kick = np.full((len(rows), 1), model.h)
+    kick[0] *= 0.5
+    force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
+    contacts = _follow(case, start, pose)
+    ending = _ending(case, contacts, pose, rates, force, model.h)
+    pose, rates, force = pose[: ending.kept], rates[: ending.kept], force[: ending.kept]
+    xi1, xi2, gap = (part[: ending.kept] for part in contacts)
+    x, y, theta = pose.T
+    vx, vy, omega = rates.T
+    # The engine sticks at the plate's own point, a gap away from the track's: with the centre moved by the gap the
+    # lever arm is the engine's.
+    nx, ny = case.track.normal(xi1)
+    normal_force = force[:, 0] * nx + force[:, 1] * ny
+    return Trajectory(
+        t=model.h * np.arange(ending.kept),
+        x=x,
+        y=y,
+        theta=theta,
+        vx=vx,
+        vy=vy,
+        omega=omega,
+        slip=slip_velocity(case, x - gap * nx, y - gap * ny, vx, vy, omega, xi1),
+        normal_force=normal_force,
+        friction_force=np.sum(force.T * case.track.tangent(xi1), axis=0),
+        xi1=xi1,
+        xi2=xi2,
+        status=ending.status,
+        reason=ending.reason,
+        cost=Cost(steps=model.steps + 1),
+        slip_resolution=_creep(case, xi1, rates, normal_force, model.h),
+    )
+
+
+def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
+    """The contacts of the poses, up to the first pose that has none near the one before."""
+    near, rows = (start.xi1, start.xi2), []
+    for x, y, theta in pose.tolist():
+        try:
+            contact = find(case, x, y, theta, near)
+        except DoesNotFit:
+            break
+        near = (contact.xi1, contact.xi2)
+        rows.append(contact)
+    xi1, xi2, gap = np.array(rows, dtype=float).reshape(-1, 3).T
+    return _Contacts(xi1, xi2, gap)
+
+
+def _ending(case: Case, contacts: _Contacts, pose, rates, force, h: float) -> _Ending:
+    """The first of the things that end a motion, or the end of its time."""
+    found = len(contacts.gap)
+    endings = [_Ending(len(pose))]
+    if found < len(pose):
+        endings.append(_Ending(found, "lost_track", "No point of the track is near the plate any more."))
+    smallest, _ = native.radii(case)
+    through = contacts.gap < -smallest
+    if through.any():
+        endings.append(_Ending(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
+    for name, curve, xi in (("track", case.track, contacts.xi1), ("outline", case.plate.outline, contacts.xi2)):
+        if curve.domain and not curve.period:
+            outside = (xi < curve.domain[0]) | (xi > curve.domain[1])
+            if outside.any():
+                reason = f"The contact reached the end of the {name}'s domain."
+                endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
+    flown = contacts.gap > _hop(case, contacts, rates[:found], h)
+    if flown.any():
+        strength = np.hypot(*force[: int(np.argmax(flown)) + 1].T)
+        # A contact that pushes at all pushes with more than the rounding of the velocities' difference.
+        pushed = np.flatnonzero(strength > 1e-9 * strength.max())
+        kept = int(pushed[-1]) + 1 if pushed.size else 1
+        endings.append(_Ending(kept, "lift_off", "The contact stopped pushing and the plate left its track."))
+    return min(endings, key=lambda ending: ending.kept)
+
+
+def _hop(case: Case, contacts: _Contacts, rates: np.ndarray, h: float) -> float:
+    """A gap in metres that only a plate in flight reaches.
+
+    An engine lets a plate on a hill go along the tangent in every step and catches it again: hops of about ½ κ (v h)².
+    Ten times that, and a millionth of the plate for rounding, is a flight; the cut goes back to its beginning.
+    """
+    smallest, _ = native.radii(case)
+    way = h * float(np.hypot(rates[:, 0], rates[:, 1]).max())
+    bend = float(np.abs(case.track.curvature(contacts.xi1)).max())
+    return 1e-6 * smallest + 5.0 * bend * way**2
+
+
+def _creep(case: Case, xi1: np.ndarray, rates: np.ndarray, normal_force: np.ndarray, h: float) -> float:
+    """The slip velocity (m/s) that remains where the engine sticks.
+
+    It sticks with the velocities of a half step, along a tangent that turns by some angle a in a step: the mean of
+    two such velocities falls short by v a²/8, and a facet's own direction is off by as much again. And on facets the
+    normal force scatters from step to step; where it falls short, so does friction, for one step.
+    """
+    turn = float(np.abs(np.diff(case.track.tangent_angle(xi1))).max(initial=0.0))
+    scatter = float(np.sqrt(0.5 * np.mean(np.diff(normal_force) ** 2))) if len(normal_force) > 1 else 0.0
+    friction, plate = case.effect(CoulombFriction), case.plate
+    ease = 1 / plate.mass + native.radii(case)[1] ** 2 / plate.inertia
+    missing = h * (friction.mu if friction else 0.0) * scatter * ease
+    return float(0.25 * np.hypot(rates[:, 0], rates[:, 1]).max() * turn**2) + missing
