@@ -13,7 +13,7 @@ from math import hypot
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
-from cases import Case, CoulombFriction
+from cases import Case, CoulombFriction, Curve
 from cases.contact import Contact, Motion, find, start_motion
 from cases.errors import DoesNotFit
 
@@ -58,22 +58,22 @@ class Guide:
             arbiter.process_collision = False
 
     def _tell(self, arbiter: Arbiter) -> None:
-        (x, y), theta = self._body.position, self._body.angle
+        (x, y), theta, h, track = self._body.position, self._body.angle, self._h, self._case.track
         contact = find(self._case, x, y, theta, self._near)
         self.contacts.append(contact)
-        X, Y, tx, ty = self._case.track.jet(contact.xi1)[:4]
-        length = hypot(tx, ty)
-        nx, ny = -ty / length, tx / length
+        point, tangent, normal = _frame(track, contact.xi1)
         vx, vy, omega = self._predict()
-        landing = find(
-            self._case, x + self._h * vx, y + self._h * vy, theta + self._h * omega, (contact.xi1, contact.xi2)
-        )
-        self._near = (landing.xi1, landing.xi2)
+        ahead = find(self._case, x + h * vx, y + h * vy, theta + h * omega, (contact.xi1, contact.xi2))
+        self._near = (ahead.xi1, ahead.xi2)
         # With the predicted velocities the plate would land off the track by the gap: so much less, or more, is wanted.
-        wanted = (vx - omega * (Y - y)) * nx + (vy + omega * (X - x)) * ny - landing.gap / self._h
-        point, normal = Vec2d(X, Y), Vec2d(nx, ny)
+        here = Vec2d(vx - omega * (point.y - y), vy + omega * (point.x - x))
+        wanted = here.dot(normal) - ahead.gap / h
+        # Slip is that of the middle of the step. The engine, which looks at the step's beginning, is told the change.
+        middle, along, _ = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
+        lever_x, lever_y = middle.x - x - 0.5 * h * vx, middle.y - y - 0.5 * h * vy
+        change = Vec2d(vx - omega * lever_y, vy + omega * lever_x).dot(along) - here.dot(tangent)
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
-        arbiter.surface_velocity = -wanted * normal
+        arbiter.surface_velocity = change * tangent - wanted * normal
 
     def _predict(self) -> tuple[float, float, float]:
         """The velocities after this step, from their change in the one before."""
@@ -85,6 +85,13 @@ class Guide:
         self._before = (vx, vy, omega)
         change = self._change
         return vx + change[0], vy + change[1], omega + change[2]
+
+
+def _frame(track: Curve, xi1: float) -> tuple[Vec2d, Vec2d, Vec2d]:
+    """The track's point, unit tangent and left normal."""
+    X, Y, tx, ty = track.jet(xi1)[:4]
+    length = hypot(tx, ty)
+    return Vec2d(X, Y), Vec2d(tx / length, ty / length), Vec2d(-ty / length, tx / length)
 
 
 def _velocities(start: Motion) -> tuple[float, float, float]:

@@ -173,7 +173,7 @@ def read(model: Model) -> Trajectory:
     kick[0] *= 0.5
     force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
     contacts = _told(model.guide) if model.guide else _follow(case, start, pose)
-    ending = _ending(case, contacts, pose, rates, force, model.h)
+    ending = _ending(case, contacts, pose, force, model.h)
     pose, rates, force = pose[: ending.kept], rates[: ending.kept], force[: ending.kept]
     xi1, xi2, gap = (part[: ending.kept] for part in contacts)
     x, y, theta = pose.T
@@ -227,7 +227,7 @@ def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
     return _table(rows)
 
 
-def _ending(case: Case, contacts: _Contacts, pose, rates, force, h: float) -> _Ending:
+def _ending(case: Case, contacts: _Contacts, pose: np.ndarray, force: np.ndarray, h: float) -> _Ending:
     """The first of the things that end a motion, or the end of its time."""
     found = len(contacts.gap)
     endings = [_Ending(len(pose))]
@@ -243,7 +243,7 @@ def _ending(case: Case, contacts: _Contacts, pose, rates, force, h: float) -> _E
             if outside.any():
                 reason = f"The contact reached the end of the {name}'s domain."
                 endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
-    flown = contacts.gap > _hop(case, contacts, rates[:found], h)
+    flown = contacts.gap > _hop(case, force, h)
     if flown.any():
         strength = np.hypot(*force[: int(np.argmax(flown)) + 1].T)
         # A contact that pushes at all pushes with more than the rounding of the velocities' difference.
@@ -253,16 +253,15 @@ def _ending(case: Case, contacts: _Contacts, pose, rates, force, h: float) -> _E
     return min(endings, key=lambda ending: ending.kept)
 
 
-def _hop(case: Case, contacts: _Contacts, rates: np.ndarray, h: float) -> float:
+def _hop(case: Case, force: np.ndarray, h: float) -> float:
     """A gap in metres that only a plate in flight reaches.
 
-    An engine lets a plate on a hill go along the tangent in every step and catches it again: hops of about ½ κ (v h)².
-    Ten times that, and a millionth of the plate for rounding, is a flight; the cut goes back to its beginning.
+    An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
+    of gravity or contact. Four times that, and a millionth of the plate for rounding, is a flight; the cut goes back to
+    the flight's beginning.
     """
-    smallest, _ = native.radii(case)
-    way = h * float(np.hypot(rates[:, 0], rates[:, 1]).max())
-    bend = float(np.abs(case.track.curvature(contacts.xi1)).max())
-    return 1e-6 * smallest + 5.0 * bend * way**2
+    strongest = float(np.hypot(*native.pull(case))) + float(np.hypot(*force.T).max()) / case.plate.mass
+    return 1e-6 * native.radii(case)[0] + 2.0 * strongest * h**2
 
 
 def _creep(case: Case, xi1: np.ndarray, rates: np.ndarray, normal_force: np.ndarray, h: float) -> float:
