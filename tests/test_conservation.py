@@ -21,8 +21,8 @@ def mechanical_energy(case, state):
 
 
 def eccentric(mu, duration=2.0):
-    """An eccentric ellipse inside an ellipse, pressed on by a fast start."""
-    case = ellipse_in_ellipse(1.2, 1.0, 0.25, 0.2, -pi / 2, 0.3, mu, 0.5, -25.0, shift=0.03)
+    """An eccentric ellipse sliding to and fro at the bottom of an ellipse."""
+    case = ellipse_in_ellipse(1.2, 1.0, 0.25, 0.2, -pi / 2 + 0.4, 0.3, mu, 0.8, -1.0, shift=0.03)
     return Case(case.track, case.plate, case.effects, case.start, duration)
 
 
