@@ -16,16 +16,15 @@ import numpy as np
 from cases import Case, Gravity, Unilateral
 from cases.contact import find, start_motion
 
-from ._exudyn_system import Contact, System, critical_damping, friction_coefficient, node_sensors
+from ._exudyn_system import LOST, Contact, System, critical_damping, friction_coefficient, node_sensors
 from .interface import Setting
-
-# What the geometry raises where a plate is nowhere near its track or a curve ends.
-_LOST = (ValueError, ArithmeticError)
 
 
 class Touch(NamedTuple):
-    """Contact at one instant: lever of the contact point (m), unit tangent, gap, slip, normal force, share of mu."""
+    """Contact at one instant: parameters, lever of the contact point (m), unit tangent, gap, slip, N, share of mu."""
 
+    xi1: float
+    xi2: float
     ax: float
     ay: float
     tx: float
@@ -47,7 +46,7 @@ class PenaltyContact:
         self.near = (start.xi1, start.xi2)
 
     def touch(self, pose, velocity) -> Touch:
-        """The contact of a state; raises one of _LOST where there is none to be found."""
+        """The contact of a state; raises one of LOST where there is none to be found."""
         x, y, theta = pose
         vx, vy, omega = velocity
         xi1, xi2, gap = find(self.case, x, y, theta, self.near)
@@ -60,7 +59,8 @@ class PenaltyContact:
         normal_force = -self.k * gap - self.damping * parting
         if self.unilateral and (gap >= 0.0 or normal_force < 0.0):
             normal_force = 0.0
-        return Touch(ax, ay, tx, ty, gap, slip, normal_force, max(-1.0, min(1.0, slip / self.vreg)))
+        share = max(-1.0, min(1.0, slip / self.vreg))
+        return Touch(xi1, xi2, ax, ay, tx, ty, gap, slip, normal_force, share)
 
     def friction_force(self, touch: Touch) -> float:
         """Along the track's tangent, against the slip velocity."""
@@ -70,7 +70,7 @@ class PenaltyContact:
         """The engine's call for the generalised forces (F_x, F_y, M); a plate that lost its track flies."""
         try:
             touch = self.touch(pose, velocity)
-        except _LOST:
+        except LOST:
             return [0.0, 0.0, 0.0]
         N, T = touch.normal_force, self.friction_force(touch)
         fx, fy = T * touch.tx - N * touch.ty, T * touch.ty + N * touch.tx
@@ -84,7 +84,7 @@ class PenaltyContact:
         """
         try:
             touch = self.touch(pose, velocity)
-        except _LOST:
+        except LOST:
             return np.zeros((3, 3))
         N, ax, ay, tx, ty = touch.normal_force, touch.ax, touch.ay, touch.tx, touch.ty
         if N == 0.0:
@@ -105,17 +105,19 @@ class PenaltyContact:
         try:
             for q, v in zip(pose.tolist(), velocity.tolist(), strict=True):
                 touch = self.touch(q, v)
-                rows.append((touch.gap, touch.slip, touch.normal_force, self.friction_force(touch)))
-        except _LOST as problem:
+                force = touch.normal_force, self.friction_force(touch)
+                rows.append((touch.xi1, touch.xi2, touch.gap, touch.slip, *force))
+        except LOST as problem:
             lost = str(problem)
-        gap, slip, normal_force, friction_force = np.array(rows, dtype=float).reshape(-1, 4).T
-        return Contact(gap, slip, normal_force, friction_force, lost)
+        xi1, xi2, gap, slip, normal_force, friction_force = np.array(rows, dtype=float).reshape(-1, 6).T
+        return Contact(xi1, xi2, gap, slip, normal_force, friction_force, lost)
 
 
 def build(case: Case, setting: Setting) -> System:
     """Three coordinates (x, y, θ), the plate's mass matrix, gravity, and the contact as a user function."""
     start, plate, law = start_motion(case), case.plate, PenaltyContact(case, setting)
-    system = exu.SystemContainer().AddSystem()
+    container = exu.SystemContainer()
+    system = container.AddSystem()
     node = system.AddNode(
         item.NodeGenericODE2(
             numberOfODE2Coordinates=3,
@@ -137,4 +139,4 @@ def build(case: Case, setting: Setting) -> System:
     )
     motion = node_sensors(system, node)
     system.Assemble()
-    return System(system, motion, None, lambda pose, velocity, _force: law.follow(pose, velocity))
+    return System(container, system, motion, None, lambda pose, velocity, _force: law.follow(pose, velocity))

@@ -9,10 +9,10 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, Gravity
-from cases.contact import start_motion
+from cases.contact import find, start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
-from ._exudyn_system import Contact, System, critical_damping, friction_coefficient, node_sensors
+from ._exudyn_system import LOST, Contact, System, critical_damping, friction_coefficient, node_sensors
 from .interface import Setting
 
 
@@ -28,7 +28,8 @@ def refuses(case: Case) -> str | None:
 def build(case: Case, setting: Setting) -> System:
     """A disc in the plane, its gravity, and the contact object that fits the track."""
     start, plate = start_motion(case), case.plate
-    system = exu.SystemContainer().AddSystem()
+    container = exu.SystemContainer()
+    system = container.AddSystem()
     node = system.AddNode(
         item.NodeRigidBody2D(
             initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
@@ -52,7 +53,7 @@ def build(case: Case, setting: Setting) -> System:
     )
     motion = node_sensors(system, node)
     system.Assemble()
-    return System(system, motion, force, contact)
+    return System(container, system, motion, force, contact)
 
 
 def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
@@ -72,7 +73,8 @@ def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
         side = -1.0 if circle.left else 1.0
         gap = side * (distance - circle.radius) - radius
         # The engine's friction acts in the middle of the overlap; the nominal radius would bias the slip.
-        return _resolve(side * away / distance[:, None], gap, radius + 0.5 * gap, velocity, force)
+        normal, arm = side * away / distance[:, None], radius + 0.5 * gap
+        return _read(case, pose, velocity, force, normal, gap, arm)
 
     return number, contact
 
@@ -93,7 +95,7 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
     def contact(pose, velocity, force) -> Contact:
         gap = (pose[:, :2] - line.point) @ normal - radius
         # The engine's friction acts on the triangle's plane.
-        return _resolve(np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap, velocity, force)
+        return _read(case, pose, velocity, force, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
 
     return number, contact
 
@@ -110,11 +112,21 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     )
 
 
-def _resolve(normal, gap, arm, velocity, force) -> Contact:
+def _read(case: Case, pose, velocity, force, normal, gap, arm) -> Contact:
     """Slip and forces along the track's tangent and normal; `arm`: from the disc's centre to where friction acts."""
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
     slip = np.sum(velocity[:, :2] * tangent, axis=1) + velocity[:, 2] * arm
-    return Contact(gap, slip, np.sum(force[:, :2] * normal, axis=1), np.sum(force[:, :2] * tangent, axis=1))
+    normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
+    near, found, lost = start_motion(case)[6:8], [], None
+    try:
+        for x, y, theta in pose.tolist():
+            near = find(case, x, y, theta, near)[:2]
+            found.append(near)
+    except LOST as problem:
+        lost = str(problem)
+    xi1, xi2 = np.array(found, dtype=float).reshape(-1, 2).T
+    n = len(found)
+    return Contact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], lost)
 
 
 def _ground_triangle(case: Case, line: Line) -> list[list[float]]:

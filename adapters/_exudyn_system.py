@@ -15,14 +15,19 @@ from cases import Case, CoulombFriction
 
 from .interface import Setting
 
+# What the geometry raises where a plate is nowhere near its track, or beyond where a curve is defined.
+LOST = (ValueError, ArithmeticError)
+
 
 @dataclass(frozen=True)
 class Contact:
-    """The contact along a run, arrays of one length: gap (m), slip (m/s), forces on the plate (N).
+    """The contact along a run, arrays of one length: parameters, gap (m), slip (m/s), forces on the plate (N).
 
     Shorter than the run if the plate was lost on the way, for the reason `lost`.
     """
 
+    xi1: np.ndarray
+    xi2: np.ndarray
     gap: np.ndarray
     slip: np.ndarray
     normal_force: np.ndarray
@@ -32,11 +37,13 @@ class Contact:
 
 @dataclass(frozen=True)
 class System:
-    """An assembled system: `motion` are the sensors of pose and velocity, `force` that of the contact, if it has one.
+    """An assembled system in the container that owns it.
 
-    `contact` reads the contact from the arrays they store: pose (n, 3), velocity (n, 3), force (n, 3) or (n, 0).
+    `motion` are the sensors of pose and velocity, `force` is that of the contact, if there is one; `contact` reads the
+    contact from the arrays they store: pose (n, 3), velocity (n, 3), force (n, 3) or (n, 0).
     """
 
+    container: Any
     system: Any
     motion: tuple[int, int]
     force: int | None

@@ -99,6 +99,43 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     return float(s[end]), float(run[end]), float(np.sqrt(2 * max(kinetic[: stop + 1].max(), 0.0)))
 
 
+# --- the shapes' fineness --------------------------------------------------------------------------------------------
+
+# A polygon a person would type in.
+MODEST = 64
+
+
+def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
+    """How fine and how thick the shapes are that go with the step h (s); None: a first-time user's.
+
+    A facet is as long as the plate's way in one step at its top speed: shorter ones cost time and gain nothing.
+    """
+    kind, knobs = track_kind(case), dict[str, float | int]()
+    if kind == "chain":
+        part = stretch(case)
+        way = part.top_speed * h if h else 0.0
+        knobs["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+    if kind != "hill":
+        # Thick walls catch what sinks into them; thin ones spare the engine's search for overlapping boxes.
+        thickness = radii(case)[0] * (1.0 if h is None else 0.05)
+        knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
+    if plate_kind(case) == "polygon":
+        knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.4 / h), 200, 2000))
+    return knobs
+
+
+def plate_kind(case: Case) -> str:
+    """How the engine's shapes make the plate: "circle" or "polygon"."""
+    return "circle" if as_circle(case.plate.outline) and case.plate.outline.period else "polygon"
+
+
+def _tightest_hill(case: Case) -> float:
+    """Smallest radius of curvature (m) of the track's bends away from the plate, infinite if there are none."""
+    part = stretch(case)
+    bend = float(case.track.curvature(np.linspace(part.low, part.high, 721)).min())
+    return -1 / bend if bend < 0.0 else float("inf")
+
+
 # --- the space -------------------------------------------------------------------------------------------------------
 
 
@@ -125,8 +162,10 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
 
 
 def _plate_shape(case: Case, body: pymunk.Body, setting: Setting) -> pymunk.Shape:
-    if case.plate.radius:
-        return pymunk.Circle(body, case.plate.radius)
+    circle = as_circle(case.plate.outline)
+    if plate_kind(case) == "circle" and circle:
+        x, y = circle.centre
+        return pymunk.Circle(body, circle.radius, (float(x), float(y)))
     return pymunk.Poly(body, _matched_polygon(case, int(setting["vertices"])))
 
 

@@ -18,15 +18,16 @@ import numpy as np
 import pymunk
 
 from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
-from cases.contact import Motion, find, slip_velocity, start_motion
+from cases.contact import Contact, Motion, find, slip_velocity, start_motion
 from cases.errors import DoesNotFit
 from cases.trajectory import Cost
 
+from . import _pymunk_assisted as assisted
 from . import _pymunk_native as native
 from .interface import EngineFailure, Setting
 
 NAME = "pymunk"
-routes: tuple[str, ...] = ("native",)
+routes = ("native", "assisted")
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
@@ -62,39 +63,36 @@ def _refuses_shape(case: Case) -> str | None:
 # --- settings --------------------------------------------------------------------------------------------------------
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps, so that a ladder's cost is bounded.
-FIRST_STEP = 1 / 60
-CHAIN_STEPS = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5)
-SMOOTH_STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
+# The first is a game's: 60 a second.
+STEPS = {
+    "chain": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
+    "line": (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "hill": (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "assisted": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+}
 USUAL_DURATION = 2.5
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
-    """Settings from coarse to fine; the first is the engine as it comes, the others tighten step and facets together.
+    """Settings from coarse to fine.
 
-    As it comes: the engine's slop, bias and iterations, a game's 60 steps a second and a polygon of 64 thick facets.
-    The others: slop a hundred-thousandth of the plate, full correction of the rest at once (bias 0).
+    Native: the first is the engine as it comes (its slop, bias and iterations, 60 steps a second, 64 thick facets).
+    The others correct all overlap beyond a hundred-thousandth of the plate at once, and tighten step and facets
+    together. Assisted: there is the step alone.
     """
+    first, *others = STEPS["assisted" if route == "assisted" else native.track_kind(case)]
     stretched = max(1.0, case.duration / USUAL_DURATION)
-    smallest, _ = native.radii(case)
-    chain = native.track_kind(case) == "chain"
-    steps = [h * stretched for h in (CHAIN_STEPS if chain else SMOOTH_STEPS)]
-    first: dict[str, float | int | str] = dict(rung="defaults", h=FIRST_STEP)
-    knobs: dict[str, float | int | str] = dict(collision_slop=1e-5 * smallest, collision_bias=0.0)
-    rungs = []
-    for h in steps:
-        rungs.append(dict(h=h))
-    if chain:
-        part = native.stretch(case)
-        first.update(facets=64, thickness=smallest)
-        for rung in rungs:
-            # A facet as long as the plate's way in one step at its top speed: shorter ones cost time and gain nothing.
-            facets = max(64, round(part.length / (part.top_speed * rung["h"])))
-            rung.update(facets=facets, thickness=0.05 * smallest)
-    else:
-        first.update(thickness=smallest)
-        for rung in rungs:
-            rung.update(thickness=smallest)
-    return (Setting.of(**first), *(Setting.of(**rung, **knobs) for rung in rungs))
+    steps = [h * stretched for h in others]
+    if route == "assisted":
+        return tuple(Setting.of(h=h, iterations=assisted.iterations(case)) for h in [first, *steps])
+    slop = 1e-5 * native.radii(case)[0]
+    knobs: dict[str, float | int] = dict(collision_slop=slop, collision_bias=0.0)
+    if not case.plate.radius:
+        knobs["iterations"] = 20
+    return (
+        Setting.of(rung="defaults", h=first, **native.shape_knobs(case, None)),
+        *(Setting.of(h=h, **native.shape_knobs(case, h), **knobs) for h in steps),
+    )
 
 
 # --- build, run ------------------------------------------------------------------------------------------------------
@@ -110,19 +108,24 @@ class Model:
     body: pymunk.Body
     h: float
     steps: int
+    guide: assisted.Guide | None = None
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
 
 def build(case: Case, route: str, setting: Setting) -> Model:
     """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
-    space, body = native.build(case, setting)
     steps = max(2, round(case.duration / setting["h"]))
     h = case.duration / steps
+    guide: assisted.Guide | None = None
+    if route == "native":
+        space, body = native.build(case, setting)
+    else:
+        space, body, guide = assisted.build(case, setting, h)
     start = start_motion(case)
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
     body.velocity, body.angular_velocity = (start.vx, start.vy), start.omega
-    return Model(case, route, space, body, h, steps)
+    return Model(case, route, space, body, h, steps, guide)
 
 
 def run(model: Model) -> None:
@@ -169,8 +172,8 @@ def read(model: Model) -> Trajectory:
     kick = np.full((len(rows), 1), model.h)
     kick[0] *= 0.5
     force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
-    contacts = _follow(case, start, pose)
-    ending = _ending(case, contacts, pose, rates, force, model.h)
+    contacts = _told(model.guide) if model.guide else _follow(case, start, pose)
+    ending = _ending(case, contacts, pose, force, model.h)
     pose, rates, force = pose[: ending.kept], rates[: ending.kept], force[: ending.kept]
     xi1, xi2, gap = (part[: ending.kept] for part in contacts)
     x, y, theta = pose.T
@@ -199,6 +202,18 @@ def read(model: Model) -> Trajectory:
     )
 
 
+def _told(guide: assisted.Guide) -> _Contacts:
+    """The contacts the engine was told. Raises EngineFailure if telling it failed."""
+    if guide.problem:
+        raise EngineFailure(f"The contact could not be told to pymunk: {guide.problem}") from guide.problem
+    return _table(guide.contacts)
+
+
+def _table(contacts: list[Contact]) -> _Contacts:
+    xi1, xi2, gap = np.array(contacts, dtype=float).reshape(-1, 3).T
+    return _Contacts(xi1, xi2, gap)
+
+
 def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
     """The contacts of the poses, up to the first pose that has none near the one before."""
     near, rows = (start.xi1, start.xi2), []
@@ -209,11 +224,10 @@ def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
             break
         near = (contact.xi1, contact.xi2)
         rows.append(contact)
-    xi1, xi2, gap = np.array(rows, dtype=float).reshape(-1, 3).T
-    return _Contacts(xi1, xi2, gap)
+    return _table(rows)
 
 
-def _ending(case: Case, contacts: _Contacts, pose, rates, force, h: float) -> _Ending:
+def _ending(case: Case, contacts: _Contacts, pose: np.ndarray, force: np.ndarray, h: float) -> _Ending:
     """The first of the things that end a motion, or the end of its time."""
     found = len(contacts.gap)
     endings = [_Ending(len(pose))]
@@ -229,7 +243,7 @@ def _ending(case: Case, contacts: _Contacts, pose, rates, force, h: float) -> _E
             if outside.any():
                 reason = f"The contact reached the end of the {name}'s domain."
                 endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
-    flown = contacts.gap > _hop(case, contacts, rates[:found], h)
+    flown = contacts.gap > _hop(case, force, h)
     if flown.any():
         strength = np.hypot(*force[: int(np.argmax(flown)) + 1].T)
         # A contact that pushes at all pushes with more than the rounding of the velocities' difference.
@@ -239,16 +253,15 @@ def _ending(case: Case, contacts: _Contacts, pose, rates, force, h: float) -> _E
     return min(endings, key=lambda ending: ending.kept)
 
 
-def _hop(case: Case, contacts: _Contacts, rates: np.ndarray, h: float) -> float:
+def _hop(case: Case, force: np.ndarray, h: float) -> float:
     """A gap in metres that only a plate in flight reaches.
 
-    An engine lets a plate on a hill go along the tangent in every step and catches it again: hops of about ½ κ (v h)².
-    Ten times that, and a millionth of the plate for rounding, is a flight; the cut goes back to its beginning.
+    An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
+    of gravity or contact. Four times that, and a millionth of the plate for rounding, is a flight; the cut goes back to
+    the flight's beginning.
     """
-    smallest, _ = native.radii(case)
-    way = h * float(np.hypot(rates[:, 0], rates[:, 1]).max())
-    bend = float(np.abs(case.track.curvature(contacts.xi1)).max())
-    return 1e-6 * smallest + 5.0 * bend * way**2
+    strongest = float(np.hypot(*native.pull(case))) + float(np.hypot(*force.T).max()) / case.plate.mass
+    return 1e-6 * native.radii(case)[0] + 2.0 * strongest * h**2
 
 
 def _creep(case: Case, xi1: np.ndarray, rates: np.ndarray, normal_force: np.ndarray, h: float) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
-from .arc import Arc, Stop
+from .arc import BREAKDOWN, Arc, Stop
 from .modes import Phase
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
@@ -41,7 +41,7 @@ def prepare(phase: Phase, rtol: float = 1e-10) -> None:
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
-    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if the step size vanishes.
+    """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity where no step is small enough.
 
     The absolute tolerance is rtol times the sizes that the state has in the phase; rtol below 1e-13 is taken as
     1e-13, where DOP853 meets rounding.
@@ -57,9 +57,10 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
     while True:
-        message = solver.step()
+        solver.step()
         if solver.status == "failed":
-            raise FloatingPointError(f"the step size vanished at t = {solver.t:.9g} s ({message})")
+            stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
+            return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
         piece = solver.dense_output()
         found = _first_zero(phase, piece, first=not pieces)
         if found:

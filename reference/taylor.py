@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .arc import Arc, Stop
+from .arc import BREAKDOWN, Arc, Stop
 from .eliminated import System, T
 from .modes import Phase
 
@@ -59,7 +59,7 @@ def _tolerance(rtol: float) -> float:
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
-    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if it has to stop."""
+    """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN)."""
     return _integrate(compiled(phase.system, _tolerance(rtol)), phase, t, y, end, float)
 
 
@@ -80,10 +80,18 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type) ->
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
             number = -int(outcome) - 1
             if not 0 <= number < len(phase.system.guards):
-                raise FloatingPointError(f"the Taylor integrator stopped at t = {integrator.time:.9g} s: {outcome}")
+                return _broken(phase, times, coefficients, y)
             guard = list(phase.system.guards)[number]
     stop = Stop(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
     return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
+
+
+def _broken(phase: Phase, times, coefficients, y) -> Arc:
+    """The arc up to the last finite state, where numbers stopped being finite."""
+    states = _dense(times[:-1], coefficients[:-1], y)
+    last = times[-2]
+    stop = Stop(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
+    return Arc(phase, np.array(times[:-1]), states, stop, len(coefficients))
 
 
 def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coefficients: list) -> str | None:

@@ -1,0 +1,123 @@
+"""Any plate on any track: we tell the engine where the contact is, the engine does the mechanics.
+
+Two circles that overlap everywhere give one arbiter in every step. Before the engine solves it, `Guide.pre_solve`
+writes the exact contact point and normal into it, and the normal velocity with which the plate's next position is on
+the track again; inertia, friction cone, stick and push are the engine's own. That `surface_velocity` may have a part
+along the normal is not in pymunk's manual; it is what Chipmunk's `cpArbiterApplyImpulse` does with it.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+
+import pymunk
+from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
+
+from cases import Case, CoulombFriction, Curve
+from cases.contact import Contact, Motion, find, start_motion
+from cases.errors import DoesNotFit
+
+from ._pymunk_native import pull
+from .interface import Setting
+
+# Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
+EVERYWHERE = 1e6
+
+_TRACK, _PLATE = 1, 2
+
+
+class Guide:
+    """The geometry the engine is told, step by step, and the contacts it was told.
+
+    `lost` is true from the moment when no point of the track is near the plate; `problem` is the first exception
+    raised inside the callback, where the engine would print and drop it.
+    """
+
+    def __init__(self, case: Case, body: pymunk.Body, h: float):
+        self.contacts: list[Contact] = []
+        self.lost = False
+        self.problem: Exception | None = None
+        self._case, self._body, self._h = case, body, h
+        start = start_motion(case)
+        self._near = (start.xi1, start.xi2)
+        self._before = _velocities(start)
+        # Gravity alone tells how the velocities change in the first, half step; from then on they tell themselves.
+        gx, gy = pull(case)
+        self._change = (0.5 * h * float(gx), 0.5 * h * float(gy), 0.0)
+
+    def pre_solve(self, arbiter: Arbiter, space: pymunk.Space, data: object) -> None:
+        """Write contact point, normal and the normal velocity wanted into the arbiter; let go of a lost plate."""
+        try:
+            if not self.lost:
+                self._tell(arbiter)
+        except DoesNotFit:
+            self.lost = True
+        except Exception as problem:
+            self.problem = self.problem or problem
+        if self.lost or self.problem:
+            arbiter.process_collision = False
+
+    def _tell(self, arbiter: Arbiter) -> None:
+        (x, y), theta, h, track = self._body.position, self._body.angle, self._h, self._case.track
+        contact = find(self._case, x, y, theta, self._near)
+        self.contacts.append(contact)
+        point, tangent, normal = _frame(track, contact.xi1)
+        vx, vy, omega = self._predict()
+        ahead = find(self._case, x + h * vx, y + h * vy, theta + h * omega, (contact.xi1, contact.xi2))
+        self._near = (ahead.xi1, ahead.xi2)
+        # With the predicted velocities the plate would land off the track by the gap: so much less, or more, is wanted.
+        here = Vec2d(vx - omega * (point.y - y), vy + omega * (point.x - x))
+        wanted = here.dot(normal) - ahead.gap / h
+        # Slip is that of the middle of the step. The engine, which looks at the step's beginning, is told the change.
+        middle, along, _ = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
+        lever_x, lever_y = middle.x - x - 0.5 * h * vx, middle.y - y - 0.5 * h * vy
+        change = Vec2d(vx - omega * lever_y, vy + omega * lever_x).dot(along) - here.dot(tangent)
+        arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
+        arbiter.surface_velocity = change * tangent - wanted * normal
+
+    def _predict(self) -> tuple[float, float, float]:
+        """The velocities after this step, from their change in the one before."""
+        (vx, vy), omega = self._body.velocity, self._body.angular_velocity
+        if len(self.contacts) > 1:
+            ratio = 2.0 if len(self.contacts) == 2 else 1.0
+            before = self._before
+            self._change = (ratio * (vx - before[0]), ratio * (vy - before[1]), ratio * (omega - before[2]))
+        self._before = (vx, vy, omega)
+        change = self._change
+        return vx + change[0], vy + change[1], omega + change[2]
+
+
+def _frame(track: Curve, xi1: float) -> tuple[Vec2d, Vec2d, Vec2d]:
+    """The track's point, unit tangent and left normal."""
+    X, Y, tx, ty = track.jet(xi1)[:4]
+    length = hypot(tx, ty)
+    return Vec2d(X, Y), Vec2d(tx / length, ty / length), Vec2d(-ty / length, tx / length)
+
+
+def _velocities(start: Motion) -> tuple[float, float, float]:
+    return start.vx, start.vy, start.omega
+
+
+def iterations(case: Case) -> int:
+    """Sweeps of the engine's solver: its default where normal and friction impulse do not meet (a disc), else more.
+
+    The two impulses of one contact are solved side by side, and their coupling is damped out sweep by sweep.
+    """
+    return 10 if case.plate.radius else 40
+
+
+def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Guide]:
+    """A space with the plate as a body of its mass and inertia, and the guide that knows its track."""
+    space = pymunk.Space()
+    gx, gy = pull(case)
+    space.gravity = float(gx), float(gy)
+    space.collision_slop, space.collision_bias, space.iterations = 0.0, 1.0, setting["iterations"]
+    body = pymunk.Body(case.plate.mass, case.plate.inertia)
+    track, plate = pymunk.Circle(space.static_body, EVERYWHERE), pymunk.Circle(body, EVERYWHERE)
+    track.collision_type, plate.collision_type = _TRACK, _PLATE
+    friction = case.effect(CoulombFriction)
+    track.friction, plate.friction = 1.0, friction.mu if friction else 0.0
+    guide = Guide(case, body, h)
+    space.on_collision(_TRACK, _PLATE, pre_solve=guide.pre_solve)
+    space.add(body, track, plate)
+    return space, body, guide
