@@ -213,36 +213,45 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
     }
     rows = []
     for (case, solver, route), group in routes(experiment.runs).items():
-        fine, own = finest(group), default(group)
+        fine, own, truth = finest(group), default(group), experiment.truths[case]
         rows.append(
             {
                 "case": case,
                 "solver": solver,
                 "route": route,
                 "default_error": first_error(own),
+                "default_centre_max": own.distance.centre_max if own else nan,
                 "default_outcome": own.outcome if own else "",
                 "finest_error": first_error(fine),
                 "finest_centre_max": fine.distance.centre_max if fine else nan,
                 "finest_outcome": fine.outcome if fine else group[-1].outcome,
                 "finest_setting": fine.setting if fine else "",
                 "order": orders.get((case, solver, route), nan),
-                "transitions": len(experiment.truths[case].transitions),
-                "is_truth": bool(fine and is_truth(fine, experiment.truths[case])),
+                "transitions": len(truth.transitions),
+                "truth_error_bar": truth.error_bars[0] if truth.error_bars else nan,
+                "is_truth": bool(fine and is_truth(fine, truth)),
             }
         )
     return rows
 
 
 def error_text(row: Mapping[str, Any], column: str) -> str:
-    """An error of a headline row (`default_error`, `finest_error`) with its sign, or in words where there is none."""
+    """An error of a headline row (`default_error`, `finest_error`) with its sign, or in words where there is none.
+
+    No more is claimed than the truth's error bar allows; without a transition the centre's error stands instead.
+    """
     if column == "finest_error" and row["is_truth"]:
         return "is the truth"
     value, outcome = row[column], row[column.replace("error", "outcome")]
-    if isfinite(value):
-        return f"{value:+.1e}" + ("" if outcome == "right" else f" ({outcome})")
     if outcome in ("", "refused", "crashed", "timed_out"):
         return outcome
-    return "missed" if row["transitions"] else f"no transition ({outcome})"
+    doubt = "" if outcome == "right" else f" ({outcome})"
+    if not row["transitions"]:
+        return f"centre {row[column.replace('error', 'centre_max')]:.1e}{doubt}"
+    if not isfinite(value):
+        return "missed"
+    bar = row["truth_error_bar"]
+    return (f"{value:+.1e}" if abs(value) > bar else f"< {bar:.1e}") + doubt
 
 
 def outcome_counts(experiment: Experiment) -> dict[str, Counter]:

@@ -100,21 +100,35 @@ def _warnings(experiment: xp.Experiment) -> str:
 
 
 def _headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
+    """The picture, and a table of cases against routes: finest setting above, the engine as it comes below."""
     picture = "".join(_figure(d, figures, command) for d in drawn if d.name == "headline")
-    columns = {
-        "case": "case",
-        "solver": "solver",
-        "route": "route",
-        "default_error": "as it comes / s",
-        "finest_error": "finest setting / s",
-        "finest_centre_max": "its centre / m",
-        "order": "order",
-        "finest_setting": "finest setting",
-    }
-    timed = frame[frame["finest_setting"] != ""].copy() if len(frame) else frame
-    for column in ("default_error", "finest_error"):
-        timed[column] = [tables.error_text(row, column) for row in timed.to_dict("records")]
-    return picture + _table(timed, columns) + _remake(command)
+    if frame.empty:
+        return picture
+    rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in _records(frame)}
+    routes = list(dict.fromkeys(key[1:] for key in rows))
+    head = "".join(f"<th>{escape(solver)}<br>{escape(route)}</th>" for solver, route in routes)
+    body = ""
+    for case in dict.fromkeys(frame["case"]):
+        cells = "".join(f"<td>{_headline_cell(rows.get((case, *route)))}</td>" for route in routes)
+        body += f'<tr><th><a href="#{_anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
+    return (
+        f'{picture}<div class="scroll"><table class="short"><thead><tr><th>case</th>{head}</tr></thead>'
+        f'<tbody>{body}</tbody></table></div><p class="note">Above: the finest setting. Below, small: the engine as it comes. Where the truth has '
+        "no transition, the largest error of the centre in m stands instead; an error inside the truth's own error bar "
+        "is told as below that bar. All of it, with settings and orders: "
+        f'<a href="tables/headline.csv">headline.csv</a>.</p>{_remake(command)}'
+    )
+
+
+def _headline_cell(row: dict[str, Any] | None) -> str:
+    if row is None:
+        return ""
+    finest, own = (tables.error_text(row, column) for column in ("finest_error", "default_error"))
+    return escape(finest) + (f"<br><small>{escape(own)}</small>" if own else "")
+
+
+def _records(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    return [{str(column): value for column, value in row.items()} for row in frame.to_dict("records")]
 
 
 def _case(experiment, case: Case, frames, drawn: Sequence[Drawn], figures: Path, manifest) -> str:
@@ -135,8 +149,7 @@ def _case_tables(experiment: xp.Experiment, label: str, frames, command: str) ->
     told = ""
     if len(events):
         keep = [
-            row["case"] == label and (row["solver"], row["route"], row["setting"]) in finest
-            for _, row in events.iterrows()
+            row["case"] == label and (row["solver"], row["route"], row["setting"]) in finest for row in _records(events)
         ]
         chosen = events[keep]
         if len(chosen):
@@ -211,12 +224,11 @@ def _remake(command: str) -> str:
 def _table(frame: pd.DataFrame, columns: dict[str, str]) -> str:
     """Some columns of a table as HTML; a line above each new case."""
     numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
-    numeric |= {"default_error", "finest_error"} & set(columns)
     head = "".join(
         f"<th{_class('number' if c in numeric else '')}>{escape(title)}</th>" for c, title in columns.items()
     )
     rows, before = [], None
-    for row in frame.to_dict("records"):
+    for row in _records(frame):
         new = "case" in columns and before is not None and row["case"] != before
         before = row.get("case")
         cells = "".join(_cell(row[c], c, numeric) for c in columns)
