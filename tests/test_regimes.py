@@ -66,7 +66,7 @@ def critical_spin():
 @pytest.mark.parametrize("depth", [1e-5, 1e-7])
 def test_two_zeros_of_the_slip_inside_one_step_are_not_missed(critical_spin, method, depth):
     # The slip would dip below zero by about `depth`, for milliseconds, inside steps of a tenth of a second. Where it
-    # touches zero its rate vanishes too, so rolling takes exactly the friction of the cone: a shallow dip is a short roll.
+    # touches zero its rate vanishes too, so rolling takes exactly the cone's friction: a shallow dip is a short roll.
     motion = reference.simulate(swinging(critical_spin - 10 * depth), rtol=1e-10, method=method)
     assert [t.after for t in motion.transitions] == [Mode.ROLL, Mode.SLIP_FORWARD]
     assert motion.transitions[1].time - motion.transitions[0].time < 5 * depth**0.5
