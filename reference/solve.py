@@ -30,8 +30,8 @@ INTEGRATORS = {
     "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
 }
 
-# More transitions than this in one motion is taken as an accumulation and told as such.
-MOST_TRANSITIONS = 100_000
+# More phases than this in one motion are taken as an accumulation and told as such.
+MOST_PHASES = 100_000
 
 # Guards whose zero ends the motion: status and sentence.
 ENDS = {
@@ -47,7 +47,7 @@ ENDS = {
 }
 LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
 NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
-TOO_MANY = ("accumulation", f"More than {MOST_TRANSITIONS} transitions: they accumulate.")
+TOO_MANY = ("accumulation", f"More than {MOST_PHASES} changes of regime: they accumulate.")
 
 
 def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
@@ -120,7 +120,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate):
     transitions: list[Transition] = []
     if regime is None:
         return arcs, transitions, _nothing_follows(case, y)
-    while len(transitions) < MOST_TRANSITIONS:
+    while len(arcs) < MOST_PHASES:
         now = phase(case, regime)
         arc = integrate(now, t, y[: len(now.system.variables)], case.duration, rtol)
         arcs.append(arc)
