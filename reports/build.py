@@ -222,7 +222,10 @@ def _listing(files: Sequence[str]) -> str:
     lines = ["cases"]
     for name in cases.names():
         lines.append(f"  {name}: {cases.entry(name).summary}")
-        lines += [f"    {case.label}" for case in _guarded(f"the case {name}", lambda name=name: cases.select(name))]
+        try:
+            lines += [f"    {case.label}" for case in _guarded("it", lambda name=name: cases.select(name))]
+        except CaseError as problem:
+            lines.append(f"    cannot be made: {problem}")
     lines.append("solvers")
     from .experiment import solver
 

@@ -111,12 +111,13 @@ def _headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, comman
     for case in dict.fromkeys(frame["case"]):
         cells = "".join(f"<td>{_headline_cell(rows.get((case, *route)))}</td>" for route in routes)
         body += f'<tr><th><a href="#{_anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
+    table = f"<thead><tr><th>case</th>{head}</tr></thead><tbody>{body}</tbody>"
     return (
-        f'{picture}<div class="scroll"><table class="short"><thead><tr><th>case</th>{head}</tr></thead>'
-        f'<tbody>{body}</tbody></table></div><p class="note">Above: the finest setting. Below, small: the engine as it comes. Where the truth has '
-        "no transition, the largest error of the centre in m stands instead; an error inside the truth's own error bar "
-        "is told as below that bar. All of it, with settings and orders: "
-        f'<a href="tables/headline.csv">headline.csv</a>.</p>{_remake(command)}'
+        f'{picture}<div class="scroll"><table class="short">{table}</table></div>'
+        '<p class="note">Above: the finest setting. Below, small: the engine as it comes. Where the truth has no '
+        "transition, the largest error of the centre in m stands instead; an error inside the truth's own error bar is "
+        'told as below that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
+        f"</p>{_remake(command)}"
     )
 
 

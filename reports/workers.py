@@ -24,8 +24,10 @@ _FILE_BYTES = 32 * 2**20
 _MEMORY_BYTES = 8 * 2**30
 # What is kept of a call's output: enough for the last error message of an engine.
 _OUTPUT_CHARACTERS = 2000
-# Starting a process and importing an engine; added to a worker's first time limit, since it is not the run's fault.
-_STARTUP_SECONDS = 30.0
+# A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
+_STARTUP_SECONDS = 60.0
+# What a worker says when it begins with a call; its time runs from then.
+_BEGUN = "begun"
 # One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -89,13 +91,11 @@ class _Worker:
             os.environ.update(before)
         far_end.close()
         self.busy, self.alive, self.index, self.deadline = False, True, -1, 0.0
-        self._startup = _STARTUP_SECONDS
 
     def start(self, index: int, function: Callable, args: tuple, limit: float) -> None:
         """Hand the process a call."""
         self.index, self.busy, self.limit = index, True, limit
-        self.deadline = time.monotonic() + limit + self._startup
-        self._startup = 0.0
+        self.deadline = time.monotonic() + _STARTUP_SECONDS
         try:
             self.pipe.send((function, args, limit))
         except (BrokenPipeError, ConnectionResetError):
@@ -106,7 +106,11 @@ class _Worker:
         result: Answer | None = None
         if self.pipe.poll():
             try:
-                result = self.pipe.recv()
+                told = self.pipe.recv()
+                if told == _BEGUN:
+                    self.deadline = time.monotonic() + self.limit
+                    return None
+                result = told
             except (EOFError, ConnectionResetError):
                 self.process.join(5.0)
                 result = Answer("died", reason=_death(self.process.exitcode))
@@ -148,8 +152,9 @@ def _serve(pipe: Connection, scratch: str) -> None:
             function, args, limit = pipe.recv()
         except (EOFError, OSError):
             return
+        pipe.send(_BEGUN)
         # The system's own alarm ends the process even if the parent is gone and the engine holds the interpreter.
-        signal.alarm(int(limit + _STARTUP_SECONDS) + 5)
+        signal.alarm(int(limit) + 10)
         answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
         signal.alarm(0)
         pipe.send(answer)
