@@ -17,7 +17,7 @@ class FirstZero(NamedTuple):
     after: Mode
 
 
-def sliding_disc_in_circle(R, r, mu, g, digits: int = 30) -> FirstZero:
+def sliding_disc_in_circle(R, r, mu, g, digits: int = 20) -> FirstZero:
     """First zero of the slip velocity of a homogeneous disc released at rest at ξ₁ = 0 (Y down), from (35).
 
     While v > 0, u = ξ̇₁² obeys du/dξ₁ + 2μu = (2g/L)(cos ξ₁ − μ sin ξ₁), L = R − r, so u = A sin ξ₁ + B cos ξ₁ +

@@ -230,7 +230,7 @@ def _integrate(case: Case, scene: Scene, mode: Mode, t, z, end, rtol, looks, tim
     for name, guard in _guards(case, scene, mode).items():
 
         def event(now, z, guard=guard, blind=BLIND * case.duration if name == "slip" else 0.0):
-            return abs(guard(now, z)) if now < t + blind else guard(now, z)
+            return 1.0 if now < t + blind else guard(now, z)
 
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         events.append(event)

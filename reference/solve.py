@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -88,8 +90,16 @@ def first_regime(case: Case, y) -> Regime | None:
     return decide(case, 0.0, y, np.finfo(float).eps, able)
 
 
+@lru_cache(maxsize=1)
+def _tell_method() -> None:
+    """Says once that the best method is missing."""
+    if not taylor.AVAILABLE:
+        logging.getLogger("reference").warning("heyoka is not installed: the reference uses dop853, slower and coarser")
+
+
 def _known(method: str | None) -> str:
     if method is None:
+        _tell_method()
         return METHODS[0]
     if method not in INTEGRATORS or (method.startswith("taylor") and not taylor.AVAILABLE):
         raise unknown("method of the reference", str(method), METHODS)
