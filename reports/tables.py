@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .experiment import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
+from .records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
 
 if TYPE_CHECKING:
     import pandas as pd

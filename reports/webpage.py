@@ -13,9 +13,9 @@ import numpy as np
 
 from cases import Case, entry
 
-from . import experiment as xp
 from . import tables
 from .figures import Drawn
+from .records import TRUTH_LOOSER, TRUTH_RTOL, Experiment
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +33,7 @@ _SHOWN_ROWS = 400
 
 
 def render(
-    experiment: xp.Experiment,
+    experiment: Experiment,
     frames: dict[str, pd.DataFrame],
     drawn: Sequence[Drawn],
     figures: Path,
@@ -51,14 +51,14 @@ def render(
         "failures": _failures(frames["trajectories"]),
         "tables": "\n".join(_whole_table(name, frame, command) for name, frame in frames.items()),
         "manifest": _manifest(manifest),
-        "truth_rtol": f"{xp.TRUTH_RTOL:g}",
-        "truth_looser": f"{xp.TRUTH_LOOSER:g}",
+        "truth_rtol": f"{TRUTH_RTOL:g}",
+        "truth_looser": f"{TRUTH_LOOSER:g}",
         "limit": f"{manifest['limit_seconds']:g}",
     }
     return Template((_PAGE / "page.html").read_text(encoding="utf-8")).substitute(parts)
 
 
-def _summary(experiment: xp.Experiment) -> str:
+def _summary(experiment: Experiment) -> str:
     counts = tables.outcome_counts(experiment)
     told = "; ".join(
         f"{solver}: " + ", ".join(f"{count[o]} {o}" for o in tables.OUTCOMES if count[o])
@@ -68,7 +68,7 @@ def _summary(experiment: xp.Experiment) -> str:
     return f"{cases} case{'s' * (cases != 1)}, {len(experiment.runs)} runs. {told}."
 
 
-def _contents(experiment: xp.Experiment) -> str:
+def _contents(experiment: Experiment) -> str:
     links = [("headline", "First transition")]
     links += [(_anchor(case.label), case.label) for case in experiment.cases]
     links += [
@@ -84,7 +84,7 @@ def _anchor(label: str) -> str:
     return "case-" + "".join(c if c.isalnum() else "-" for c in label).strip("-")
 
 
-def _warnings(experiment: xp.Experiment) -> str:
+def _warnings(experiment: Experiment) -> str:
     told = []
     for label, truth in experiment.truths.items():
         if truth.failure:
@@ -143,7 +143,7 @@ def _case(experiment, case: Case, frames, drawn: Sequence[Drawn], figures: Path,
     )
 
 
-def _case_tables(experiment: xp.Experiment, label: str, frames, command: str) -> str:
+def _case_tables(experiment: Experiment, label: str, frames, command: str) -> str:
     groups = tables.routes(run for run in experiment.runs if run.case == label).values()
     finest = {(r.solver, r.route, r.setting) for r in map(tables.finest, groups) if r}
     events, orders = frames["transitions"], frames["convergence"]

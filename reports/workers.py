@@ -44,11 +44,16 @@ class Answer:
 
 
 def run(
-    function: Callable, arguments: Sequence[tuple], jobs: int = 1, limit: float = 60.0
+    function: Callable,
+    arguments: Sequence[tuple],
+    jobs: int = 1,
+    limit: float = 60.0,
+    instead: Callable[[int], Answer | None] = lambda index: None,
 ) -> Iterator[tuple[int, Answer]]:
     """Call `function(*arguments[i])` for every i, `jobs` at a time, each for at most `limit` seconds of wall time.
 
-    Yields (i, answer) in the order of completion. The function and its arguments travel by pickle, so the function
+    Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin, may
+    give an answer in its place. The function and its arguments travel by pickle, so the function
     lives at the top of a module. Workers are killed and scratch directories removed when the iterator ends.
     """
     scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
@@ -57,12 +62,18 @@ def run(
     try:
         while waiting or any(worker.busy for worker in workers):
             while waiting and len([worker for worker in workers if worker.busy]) < jobs:
+                index, args = waiting.pop()
+                given = instead(index)
+                if given is not None:
+                    yield index, given
+                    continue
                 worker = next((w for w in workers if not w.busy), None)
                 if worker is None:
                     workers.append(worker := _Worker(scratch))
-                index, args = waiting.pop()
                 worker.start(index, function, args, limit)
             busy = [worker for worker in workers if worker.busy]
+            if not busy:
+                break
             wait([w.pipe for w in busy], timeout=max(0.0, min(w.deadline for w in busy) - time.monotonic()))
             for worker in busy:
                 answer = worker.answer()

@@ -15,9 +15,9 @@ import pytest
 import cases
 from adapters import EngineFailure, Setting
 from cases import Cost, Mode, NotSupported, State, Trajectory, Transition
-from reports import build, tables, workers
-from reports import experiment as xp
+from reports import build, experiment, tables, trial, workers
 from reports.metrics import LedgerRow
+from reports.records import CaseKey, Run
 
 # --- calls in processes of their own ----------------------------------------------------------------------------------
 
@@ -87,6 +87,22 @@ def test_output_is_captured_with_the_answer(answers):
     assert answers["work"].output == "said something"
 
 
+def test_an_answer_may_be_given_instead_of_a_call():
+    given = workers.Answer("done", value="given")
+    calls = workers.run(misbehave, [("exit",), ("exit",)], instead=lambda index: given)
+    assert list(calls) == [(0, given), (1, given)]
+
+
+def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
+    arguments = [("c", "s", "r", f"h={h}", i, None) for i, h in enumerate((1, 2, 3))] + [
+        ("c", "s", "q", "h=1", 0, None)
+    ]
+    answers = {1: workers.Answer("timed_out"), 0: workers.Answer("done")}
+    assert experiment.hopeless(arguments, answers, 0) is None and experiment.hopeless(arguments, answers, 3) is None
+    told = experiment.hopeless(arguments, answers, 2)
+    assert told is not None and told.outcome == "timed_out" and "h=2 had run out of time" in told.reason
+
+
 # --- one run and its verdict ------------------------------------------------------------------------------------------
 
 
@@ -123,14 +139,14 @@ def bowling(case, delay=0.0, samples=300, last=1.0) -> Trajectory:
 @pytest.fixture(scope="module")
 def line():
     case = cases.load("disc_on_line", mu=0.1)
-    key = xp.CaseKey.of(case)
-    return key, xp.find_truth(key)
+    key = CaseKey.of(case)
+    return key, trial.find_truth(key)
 
 
-def performed(monkeypatch, line, read, **more) -> xp.Run:
+def performed(monkeypatch, line, read, **more) -> Run:
     key, truth = line
-    monkeypatch.setattr(xp, "solver", lambda name: fake_engine(read, **more))
-    return xp.perform(key, "fake", "native", Setting.of(h=0.01), 1, truth)
+    monkeypatch.setattr(trial, "solver", lambda name: fake_engine(read, **more))
+    return trial.perform(key, "fake", "native", Setting.of(h=0.01), 1, truth)
 
 
 def test_truth_of_bowling_is_the_textbook_time(line):
@@ -208,34 +224,34 @@ def test_clock_is_around_run_alone(monkeypatch, line):
 
 def test_transitions_of_a_solver_that_locates_them_are_taken_as_they_are(line):
     own = (Transition(0.25, Mode.SLIP_FORWARD, Mode.ROLL),)
-    case = xp.load(line[0])
+    case = trial.load(line[0])
     motion = bowling(case)
     located = Trajectory(
         **{n: getattr(motion, n) for n in ("t", *State._fields)}, transitions=own, first_mode=Mode.ROLL
     )
-    assert xp.read(case, located).transitions == own and xp.read(case, located).first_mode is Mode.ROLL
+    assert trial.read(case, located).transitions == own and trial.read(case, located).first_mode is Mode.ROLL
 
 
 def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, line):
-    monkeypatch.setattr(xp, "solver", lambda name: fake_engine(bowling, routes=("native", "shy")))
-    native, shy = xp.survey(line[0], "fake")
+    monkeypatch.setattr(trial, "solver", lambda name: fake_engine(bowling, routes=("native", "shy")))
+    native, shy = trial.survey(line[0], "fake")
     assert native.settings and (shy.outcome, shy.reason) == ("refused", "it cannot")
 
     def missing(name):
         raise ImportError("No module named 'fake'")
 
-    monkeypatch.setattr(xp, "solver", missing)
-    (offer,) = xp.survey(line[0], "fake")
+    monkeypatch.setattr(trial, "solver", missing)
+    (offer,) = trial.survey(line[0], "fake")
     assert offer.outcome == "refused" and "not installed" in offer.reason
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
 
 
-def rung(steps: int, error: float, **more) -> xp.Run:
+def rung(steps: int, error: float, **more) -> Run:
     row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "matched")
     told = dict(case="c", solver="s", route="r", setting=f"n={steps}", rung=1, outcome="right", ledger=(row,))
-    return xp.Run(**{**told, "cost": Cost(steps=steps), **more})
+    return Run(**{**told, "cost": Cost(steps=steps), **more})
 
 
 def fitted(ladder, floor=1e-15) -> tables.Order:
