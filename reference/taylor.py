@@ -104,8 +104,9 @@ def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coeffic
     integrator.step(real(0.0), True)
     series = integrator.tc.astype(float)
     order = series.shape[1] - 1
-    largest = max(float(np.abs(series[:, order]).max()), 1e-300)
-    reach = min((max(float(np.abs(series[:, 0]).max()), 1.0) / largest) ** (1.0 / order), end - t)
+    # How far the polynomial carries: where its last term has grown to the size of the plate.
+    last = [abs(float(series[i, order])) / size for i, size in enumerate(phase.lengths)]
+    reach = min(max(last) ** (-1.0 / order) if max(last) > 0.0 else end - t, end - t)
     # A thousandth of the polynomial's reach: it is exact there to rounding, and a guard that leaves zero does not come
     # back so soon; where one does, the step is shortened until it shows.
     for shorter in range(9):
