@@ -26,7 +26,7 @@ from cases.errors import unknown
 if TYPE_CHECKING:
     from adapters import Setting
 
-    from .experiment import Experiment
+    from .records import Experiment
 
 MADE_BY = "slip-to-roll report"
 REFERENCE = "reference"
@@ -55,7 +55,7 @@ class Plan:
         """The rungs to run: all, or for a quick report the defaults, the coarsest and two in the middle."""
         if self.effort != "quick":
             return settings
-        from .experiment import is_default_setting
+        from .records import is_default_setting
 
         ladder = [s for s in settings if not is_default_setting(s)]
         places = sorted({0, len(ladder) // 3, 2 * len(ladder) // 3}) if ladder else []
@@ -222,9 +222,12 @@ def _listing(files: Sequence[str]) -> str:
     lines = ["cases"]
     for name in cases.names():
         lines.append(f"  {name}: {cases.entry(name).summary}")
-        lines += [f"    {case.label}" for case in _guarded(f"the case {name}", lambda name=name: cases.select(name))]
+        try:
+            lines += [f"    {case.label}" for case in _guarded("it", lambda name=name: cases.select(name))]
+        except CaseError as problem:
+            lines.append(f"    cannot be made: {problem}")
     lines.append("solvers")
-    from .experiment import solver
+    from .trial import solver
 
     for name in _solvers():
         try:

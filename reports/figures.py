@@ -24,7 +24,7 @@ from matplotlib.figure import Figure  # noqa: E402
 from cases import Case, Gravity, Mode  # noqa: E402
 
 from . import tables  # noqa: E402
-from .experiment import REFERENCE, Experiment, Run, Truth  # noqa: E402
+from .records import REFERENCE, Experiment, Run, Truth  # noqa: E402
 
 # Okabe & Ito, "Color Universal Design" (2008), without the yellow, which is pale on white.
 _PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -181,8 +181,9 @@ def _mark_transitions(ax: Axes, truth: Truth, words: bool = False) -> None:
     edges = [float(truth.samples["t"][0]), *times, float(truth.samples["t"][-1])]
     modes = [truth.first_mode, *(t.after for t in truth.transitions)]
     for mode, left, right in zip(modes, edges[:-1], edges[1:], strict=False):
-        # A stretch narrower than its word keeps the word for the text below the figure.
-        if mode is not None and right - left > 0.055 * (edges[-1] - edges[0]):
+        # A stretch narrower than its word, as parts of the axis, goes without.
+        narrowest = 0.035 if mode is Mode.ROLL else 0.06
+        if mode is not None and right - left > narrowest * (edges[-1] - edges[0]):
             middle = 0.5 * (left + right)
             ax.annotate(
                 _MODE_WORDS[mode],

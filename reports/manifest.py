@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from . import workers
-from .experiment import version as solver_version
+from .trial import version as solver_version
 
 _ROOT = Path(__file__).resolve().parent.parent
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "pandas", "matplotlib", "exudyn", "pymunk", "heyoka")

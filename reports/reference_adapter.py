@@ -38,7 +38,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 def build(case: Case, route: str, setting: Setting) -> _Model:
     """Derive and compile the equations; raises NotSupported for a case without."""
-    prepare(case, route)
+    prepare(case, route, setting["rtol"])
     return _Model(lambda: reference.simulate(case, rtol=setting["rtol"], method=route))
 
 

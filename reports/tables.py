@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .experiment import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
+from .records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
 
 if TYPE_CHECKING:
     import pandas as pd
 
+# Columns that hold errors, by the end of their names.
+_ERRORS = ("error", "error_bar", "_max", "_rms")
 OUTCOMES = ("right", "wrong", "refused", "crashed", "timed_out")
 
 # A rung counts towards the order where its error stands this far above what truth and reading can tell.
@@ -309,5 +311,7 @@ def shorten(value: Any, column: str) -> str:
             return ""
         if column in ("time", "reference_time"):
             return f"{value:.9g}"
+        if column.endswith(_ERRORS):
+            return f"{value:.1e}"
         return f"{value:.2f}" if column.startswith("order") else f"{value:.2g}"
     return "" if value is None else str(value)

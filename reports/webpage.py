@@ -13,9 +13,9 @@ import numpy as np
 
 from cases import Case, entry
 
-from . import experiment as xp
 from . import tables
 from .figures import Drawn
+from .records import TRUTH_LOOSER, TRUTH_RTOL, Experiment
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +33,7 @@ _SHOWN_ROWS = 400
 
 
 def render(
-    experiment: xp.Experiment,
+    experiment: Experiment,
     frames: dict[str, pd.DataFrame],
     drawn: Sequence[Drawn],
     figures: Path,
@@ -51,14 +51,14 @@ def render(
         "failures": _failures(frames["trajectories"]),
         "tables": "\n".join(_whole_table(name, frame, command) for name, frame in frames.items()),
         "manifest": _manifest(manifest),
-        "truth_rtol": f"{xp.TRUTH_RTOL:g}",
-        "truth_looser": f"{xp.TRUTH_LOOSER:g}",
+        "truth_rtol": f"{TRUTH_RTOL:g}",
+        "truth_looser": f"{TRUTH_LOOSER:g}",
         "limit": f"{manifest['limit_seconds']:g}",
     }
     return Template((_PAGE / "page.html").read_text(encoding="utf-8")).substitute(parts)
 
 
-def _summary(experiment: xp.Experiment) -> str:
+def _summary(experiment: Experiment) -> str:
     counts = tables.outcome_counts(experiment)
     told = "; ".join(
         f"{solver}: " + ", ".join(f"{count[o]} {o}" for o in tables.OUTCOMES if count[o])
@@ -68,7 +68,7 @@ def _summary(experiment: xp.Experiment) -> str:
     return f"{cases} case{'s' * (cases != 1)}, {len(experiment.runs)} runs. {told}."
 
 
-def _contents(experiment: xp.Experiment) -> str:
+def _contents(experiment: Experiment) -> str:
     links = [("headline", "First transition")]
     links += [(_anchor(case.label), case.label) for case in experiment.cases]
     links += [
@@ -84,7 +84,7 @@ def _anchor(label: str) -> str:
     return "case-" + "".join(c if c.isalnum() else "-" for c in label).strip("-")
 
 
-def _warnings(experiment: xp.Experiment) -> str:
+def _warnings(experiment: Experiment) -> str:
     told = []
     for label, truth in experiment.truths.items():
         if truth.failure:
@@ -111,12 +111,13 @@ def _headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, comman
     for case in dict.fromkeys(frame["case"]):
         cells = "".join(f"<td>{_headline_cell(rows.get((case, *route)))}</td>" for route in routes)
         body += f'<tr><th><a href="#{_anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
+    table = f"<thead><tr><th>case</th>{head}</tr></thead><tbody>{body}</tbody>"
     return (
-        f'{picture}<div class="scroll"><table class="short"><thead><tr><th>case</th>{head}</tr></thead>'
-        f'<tbody>{body}</tbody></table></div><p class="note">Above: the finest setting. Below, small: the engine as it comes. Where the truth has '
-        "no transition, the largest error of the centre in m stands instead; an error inside the truth's own error bar "
-        "is told as below that bar. All of it, with settings and orders: "
-        f'<a href="tables/headline.csv">headline.csv</a>.</p>{_remake(command)}'
+        f'{picture}<div class="scroll"><table class="short">{table}</table></div>'
+        '<p class="note">Above: the finest setting. Below, small: the engine as it comes. Where the truth has no '
+        "transition, the largest error of the centre in m stands instead; an error inside the truth's own error bar is "
+        'told as below that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
+        f"</p>{_remake(command)}"
     )
 
 
@@ -142,7 +143,7 @@ def _case(experiment, case: Case, frames, drawn: Sequence[Drawn], figures: Path,
     )
 
 
-def _case_tables(experiment: xp.Experiment, label: str, frames, command: str) -> str:
+def _case_tables(experiment: Experiment, label: str, frames, command: str) -> str:
     groups = tables.routes(run for run in experiment.runs if run.case == label).values()
     finest = {(r.solver, r.route, r.setting) for r in map(tables.finest, groups) if r}
     events, orders = frames["transitions"], frames["convergence"]

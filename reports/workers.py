@@ -24,8 +24,10 @@ _FILE_BYTES = 32 * 2**20
 _MEMORY_BYTES = 8 * 2**30
 # What is kept of a call's output: enough for the last error message of an engine.
 _OUTPUT_CHARACTERS = 2000
-# Starting a process and importing an engine; added to a worker's first time limit, since it is not the run's fault.
-_STARTUP_SECONDS = 30.0
+# A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
+_STARTUP_SECONDS = 60.0
+# What a worker says when it begins with a call; its time runs from then.
+_BEGUN = "begun"
 # One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -42,11 +44,16 @@ class Answer:
 
 
 def run(
-    function: Callable, arguments: Sequence[tuple], jobs: int = 1, limit: float = 60.0
+    function: Callable,
+    arguments: Sequence[tuple],
+    jobs: int = 1,
+    limit: float = 60.0,
+    instead: Callable[[int], Answer | None] = lambda index: None,
 ) -> Iterator[tuple[int, Answer]]:
     """Call `function(*arguments[i])` for every i, `jobs` at a time, each for at most `limit` seconds of wall time.
 
-    Yields (i, answer) in the order of completion. The function and its arguments travel by pickle, so the function
+    Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin, may
+    give an answer in its place. The function and its arguments travel by pickle, so the function
     lives at the top of a module. Workers are killed and scratch directories removed when the iterator ends.
     """
     scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
@@ -55,12 +62,18 @@ def run(
     try:
         while waiting or any(worker.busy for worker in workers):
             while waiting and len([worker for worker in workers if worker.busy]) < jobs:
+                index, args = waiting.pop()
+                given = instead(index)
+                if given is not None:
+                    yield index, given
+                    continue
                 worker = next((w for w in workers if not w.busy), None)
                 if worker is None:
                     workers.append(worker := _Worker(scratch))
-                index, args = waiting.pop()
                 worker.start(index, function, args, limit)
             busy = [worker for worker in workers if worker.busy]
+            if not busy:
+                break
             wait([w.pipe for w in busy], timeout=max(0.0, min(w.deadline for w in busy) - time.monotonic()))
             for worker in busy:
                 answer = worker.answer()
@@ -89,13 +102,11 @@ class _Worker:
             os.environ.update(before)
         far_end.close()
         self.busy, self.alive, self.index, self.deadline = False, True, -1, 0.0
-        self._startup = _STARTUP_SECONDS
 
     def start(self, index: int, function: Callable, args: tuple, limit: float) -> None:
         """Hand the process a call."""
         self.index, self.busy, self.limit = index, True, limit
-        self.deadline = time.monotonic() + limit + self._startup
-        self._startup = 0.0
+        self.deadline = time.monotonic() + _STARTUP_SECONDS
         try:
             self.pipe.send((function, args, limit))
         except (BrokenPipeError, ConnectionResetError):
@@ -106,7 +117,11 @@ class _Worker:
         result: Answer | None = None
         if self.pipe.poll():
             try:
-                result = self.pipe.recv()
+                told = self.pipe.recv()
+                if told == _BEGUN:
+                    self.deadline = time.monotonic() + self.limit
+                    return None
+                result = told
             except (EOFError, ConnectionResetError):
                 self.process.join(5.0)
                 result = Answer("died", reason=_death(self.process.exitcode))
@@ -148,8 +163,9 @@ def _serve(pipe: Connection, scratch: str) -> None:
             function, args, limit = pipe.recv()
         except (EOFError, OSError):
             return
+        pipe.send(_BEGUN)
         # The system's own alarm ends the process even if the parent is gone and the engine holds the interpreter.
-        signal.alarm(int(limit + _STARTUP_SECONDS) + 5)
+        signal.alarm(int(limit) + 10)
         answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
         signal.alarm(0)
         pipe.send(answer)
