@@ -116,8 +116,13 @@ class Case:
     @property
     def label(self) -> str:
         """`name[parameter=value,…]`: the one text that `cases.load` turns back into this case."""
-        inside = ",".join(f"{key}={value:g}" for key, value in self.parameters.items())
+        inside = ",".join(f"{key}={_written(value)}" for key, value in self.parameters.items())
         return f"{self.name}[{inside}]" if inside else self.name
+
+
+def _written(value) -> str:
+    """A number in as few digits as give it back."""
+    return f"{value:g}" if float(f"{value:g}") == value else repr(float(value))
 
 
 def _checked_effects(effects) -> tuple[Effect, ...]:

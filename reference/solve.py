@@ -33,6 +33,9 @@ INTEGRATORS = {
 # More phases than this in one motion are taken as an accumulation and told as such.
 MOST_PHASES = 100_000
 
+# Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
+LOCATED = 1e-12
+
 # Guards whose zero ends the motion: status and sentence.
 ENDS = {
     "painleve": (
@@ -134,7 +137,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate):
             return arcs, transitions, _breakdown(now, arc)
         if guard == "slip":
             y = (*y[:3], without_slip(case, *y[:3]))
-        following = _after(case, now, guard, t, y, rtol)
+        following = _after(case, now, guard, t, y)
         if following is None:
             ending = _nothing_follows(case, y)
             if ending is LIFT_OFF:
@@ -154,7 +157,7 @@ CAUSES = {
 }
 
 
-def _after(case: Case, now: Phase, guard: str, t: float, y: Sequence[float], rtol: float) -> Regime | None:
+def _after(case: Case, now: Phase, guard: str, t: float, y: Sequence[float]) -> Regime | None:
     """The regime that follows a guard's zero."""
     side = now.regime.side
     if guard in ("cone_forward", "cone_backward"):
@@ -162,8 +165,8 @@ def _after(case: Case, now: Phase, guard: str, t: float, y: Sequence[float], rto
         return slip_of_sign(case, 1.0 if guard == "cone_forward" else -1.0, side)
     if guard == "normal_force":
         others = [Regime(now.regime.mode, -side)] if _two_sided(case) else []
-        return decide(case, t, y, rtol, others)
-    return decide(case, t, y, rtol)
+        return decide(case, t, y, LOCATED, others)
+    return decide(case, t, y, LOCATED)
 
 
 def _breakdown(now: Phase, arc: Arc) -> tuple[str, str]:

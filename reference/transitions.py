@@ -24,7 +24,7 @@ def decide(
 ) -> Regime | None:
     """The regime that follows from the state (ξ₁, ξ₂, ξ̇₁, ξ̇₂) at time t, or None if none is consistent.
 
-    `error` is the relative error of the state (rounding at a start, the integrator's tolerance at an event): what is
+    `error` is the relative error of the state (rounding at a start, the location's at an event): what is
     smaller counts as zero and the next derivative decides.
     """
     for regime in candidates(case) if among is None else among:

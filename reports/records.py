@@ -13,9 +13,9 @@ from cases import Case, Cost, Mode, Transition
 from .metrics import Distance, LedgerRow
 
 REFERENCE = "reference"
-# The truth is the reference at its tightest sensible tolerance; how far its other methods, and a hundred times looser
-# runs, move each transition stands as its error bar until a certified one takes its place.
-TRUTH_RTOL, TRUTH_LOOSER = 1e-13, 1e-11
+# The motion that runs are compared with is the reference's best method at this tolerance; the times of its transitions
+# and their error bars are the certified ones.
+TRUTH_RTOL = 1e-13
 
 
 class CaseKey(NamedTuple):
@@ -47,7 +47,7 @@ class Offer:
 class Truth:
     """The motion a case's runs are judged by, by `method` of the reference. `error_bars` (s) belong to `transitions`.
 
-    `samples` is for figures; `notes` tell which other runs of the reference disagreed or failed. `failure` is a
+    `samples` is for figures; `witnesses` are the ways of solving that agree within the bars. `failure` is a
     sentence if there is no truth to be had; the rest is then empty.
     """
 
@@ -58,7 +58,7 @@ class Truth:
     status: str = ""
     reason: str = ""
     samples: dict[str, np.ndarray] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    witnesses: tuple[str, ...] = ()
     failure: str = ""
 
 

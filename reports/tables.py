@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from reference.errata import errata
+
 from .records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
 
 if TYPE_CHECKING:
@@ -75,12 +77,17 @@ def first_error(run: Run | None) -> float:
 # --- the tables -------------------------------------------------------------------------------------------------------
 
 
+def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """The paper's misprints, each formula evaluated; they are the same for every experiment."""
+    return [erratum._asdict() for erratum in errata()]
+
+
 def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
     """The motions the runs are judged by: one row per transition, or one with event 0 for a case without."""
     rows = []
     for label, truth in experiment.truths.items():
         common = {"case": label, "method": truth.method, "first_mode": truth.first_mode, "status": truth.status}
-        notes = truth.failure or "; ".join(truth.notes)
+        notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"
         for event, (transition, bar) in enumerate(zip(truth.transitions, truth.error_bars, strict=True), start=1):
             told = {"before": transition.before, "after": transition.after, "time": transition.time}
             rows.append({**common, "event": event, **told, "truth_error_bar": bar, "notes": notes})
@@ -270,6 +277,7 @@ TABLES = {
     "trajectories": trajectory_rows,
     "convergence": convergence_rows,
     "truth": truth_rows,
+    "errata": errata_rows,
 }
 
 

@@ -17,15 +17,11 @@ import cases
 import reference
 from adapters import EngineFailure, Setting
 from cases import Case, CoulombFriction, NotSupported, Trajectory
+from reference.certification import NotCertified, kept_or_new
 
 from . import metrics
-from .records import REFERENCE, TRUTH_LOOSER, TRUTH_RTOL, CaseKey, Offer, Run, Truth
+from .records import REFERENCE, TRUTH_RTOL, CaseKey, Offer, Run, Truth
 
-# Two tight runs whose transitions differ by more than this many seconds contradict each other: it is ten thousand
-# times the spread of the worst of the catalogue's cases, and no truth for engines that come within 1e-8 s.
-_AGREEMENT = 1e-7
-# Rounding of the time itself: an error bar below a few units in its last place would be a fluke.
-_ULPS = 4
 # What a figure can show; samples beyond are left out at even distances.
 _SHOWN_SAMPLES = 1500
 # A solver that stops no more than this many of its own steps before the end of the truth has ended with it.
@@ -81,40 +77,28 @@ def _true_motion(key: CaseKey, method: str) -> Trajectory:
 
 
 def find_truth(key: CaseKey) -> Truth:
-    """The truth of a case: the reference's first method that gives one; the other runs bear witness to its times."""
+    """The certified truth of a case: kept with the suite for its catalogue, made anew for a case from a file."""
     case = load(key)
-    notes, motions = [], []
-    for method in reference.METHODS:
-        for rtol in (TRUTH_RTOL, TRUTH_LOOSER):
-            try:
-                motion = reference.simulate(case, rtol=rtol, method=method)
-            except Exception as problem:
-                notes.append(f"{method} at rtol={rtol:g} fails: {_sentence(problem)}")
-                continue
-            motions.append((method, rtol, motion))
-    exact = next(((m, motion) for m, rtol, motion in motions if rtol == TRUTH_RTOL and _sound(motion)), None)
-    if exact is None:
-        return Truth(failure="; ".join(notes) or "the reference's numbers are not finite")
-    method, motion = exact
-    bars = [_ULPS * float(np.spacing(event.time)) for event in motion.transitions]
-    for other, rtol, witness in motions:
-        rows = metrics.match(motion.transitions, witness.transitions)
-        agrees = all(row.verdict == "matched" and abs(row.error) <= _AGREEMENT for row in rows)
-        if agrees:
-            bars = [max(bar, abs(row.error)) for bar, row in zip(bars, rows, strict=True)]
-        elif rtol == TRUTH_RTOL:
-            return Truth(failure=f"the reference's methods {method} and {other} contradict each other")
-        else:
-            notes.append(f"{other} at rtol={rtol:g} finds other transitions")
+    try:
+        certificate = kept_or_new(case, kept=not key.files)
+    except NotCertified as problem:
+        return Truth(failure=str(problem))
+    method = reference.METHODS[0]
+    motion = _true_motion(key, method)
+    certified = certificate.transitions
+    if [(event.before, event.after) for event in motion.transitions] != [row[:2] for row in certified]:
+        return Truth(failure="the reference's motion is not the certified one; rebuild the truth: python -m reference")
     return Truth(
         method=method,
-        transitions=motion.transitions,
-        error_bars=tuple(bars),
+        transitions=tuple(
+            replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True)
+        ),
+        error_bars=tuple(row[2].bar for row in certified),
         first_mode=motion.first_mode,
         status=motion.status,
         reason=motion.reason,
         samples=_shown(case, _evenly(motion)),
-        notes=tuple(notes),
+        witnesses=certificate.witnesses,
     )
 
 

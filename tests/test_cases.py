@@ -61,6 +61,8 @@ def test_labels_load_back_to_the_same_case():
     for name in cases.names():
         for case in cases.select(name):
             assert cases.load(case.label) == case
+    third = cases.load("disc_in_circle", mu=1 / 3)
+    assert cases.load(third.label) == third
 
 
 def test_start_without_xi2_has_no_rotation():

@@ -151,3 +151,13 @@ def test_without_heyoka_everything_works_and_says_once_which_method_it_used():
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert run.stdout.startswith("('dop853',) 0.63005376")
     assert run.stderr.count("dop853") == 1
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_loose_tolerance_does_not_change_what_follows_a_transition(method):
+    # An elliptic plate in a cosine valley: its slip reverses, and a coarse motion must not mistake that for a lift-off.
+    plate = Plate(ellipse(0.15, 0.1), 1.0, 0.008)
+    case = Case(valley(0.3), plate, (Gravity(9.81), CoulombFriction(0.1), Unilateral()), Start(-1.0), 3.0)
+    fine = [t.after for t in reference.simulate(case, rtol=1e-10, method=method).transitions]
+    coarse = reference.simulate(case, rtol=1e-3, method=method)
+    assert [t.after for t in coarse.transitions] == fine

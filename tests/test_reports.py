@@ -151,7 +151,7 @@ def performed(monkeypatch, line, read, **more) -> Run:
 
 def test_truth_of_bowling_is_the_textbook_time(line):
     _, truth = line
-    assert truth.failure == "" and truth.notes == ()
+    assert truth.failure == "" and len(truth.witnesses) >= 3
     assert [event.time for event in truth.transitions] == pytest.approx([1.0 / (3 * 0.1 * 9.81)], abs=1e-14)
     assert 0.0 < truth.error_bars[0] < 1e-12
 
