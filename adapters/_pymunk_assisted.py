@@ -15,13 +15,15 @@ from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
 from cases import Case, CoulombFriction, Curve, Unilateral
 from cases.contact import Contact, Motion, find, start_motion
-from cases.errors import DoesNotFit
 
 from ._pymunk_native import pull
 from .interface import Setting
 
 # Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
 EVERYWHERE = 1e6
+
+# What a curve may raise where its expression has no value (DoesNotFit is one of them): beyond its domain.
+BEYOND = (ValueError, ArithmeticError)
 
 _TRACK, _PLATE = 1, 2
 
@@ -52,7 +54,7 @@ class Guide:
         try:
             if not self.lost:
                 self._tell(arbiter)
-        except DoesNotFit:
+        except BEYOND:
             self.lost = True
         except Exception as problem:
             self.problem = self.problem or problem

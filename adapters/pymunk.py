@@ -19,7 +19,6 @@ import pymunk
 
 from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
 from cases.contact import Contact, Motion, find, slip_velocity, start_motion
-from cases.errors import DoesNotFit
 from cases.trajectory import Cost
 
 from . import _pymunk_assisted as assisted
@@ -60,18 +59,18 @@ def _refuses_natively(case: Case) -> str | None:
 
 # --- settings --------------------------------------------------------------------------------------------------------
 
-# Steps in seconds for a case of a few seconds; a longer case has as many steps, so that a ladder's cost is bounded.
-# The first is a game's: 60 a second.
+# Steps in seconds, the first a game's: 60 a second. A case longer than the usual one has longer steps, at most three
+# times as long: that bounds a ladder's cost and keeps every step below the game's.
 STEPS = {
     "chain": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
-    "line": (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
-    "hill": (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
-    "polygon": (1 / 60, 8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4),
+    "line": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "hill": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "polygon": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4),
     # A polygon meets hundreds of facets in every step, and every corner of it is looked at each time.
-    "polygon on chain": (1 / 60, 8e-3, 4e-3, 2e-3, 1e-3, 5e-4),
+    "polygon on chain": (1 / 60, 5e-3, 4e-3, 2e-3, 1e-3, 5e-4),
     "assisted": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
 }
-USUAL_DURATION = 2.5
+USUAL_DURATION, MOST_STRETCHED = 2.5, 3.0
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
@@ -82,7 +81,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     together. Assisted: there is the step alone.
     """
     first, *others = STEPS["assisted" if route == "assisted" else native.scene_kind(case)]
-    stretched = max(1.0, case.duration / USUAL_DURATION)
+    stretched = min(MOST_STRETCHED, max(1.0, case.duration / USUAL_DURATION))
     steps = [h * stretched for h in others]
     if route == "assisted":
         return tuple(Setting.of(h=h, iterations=assisted.iterations(case)) for h in [first, *steps])
@@ -226,7 +225,7 @@ def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
     for x, y, theta in pose.tolist():
         try:
             contact = find(case, x, y, theta, near)
-        except DoesNotFit:
+        except assisted.BEYOND:
             break
         near = (contact.xi1, contact.xi2)
         rows.append(contact)
@@ -239,18 +238,20 @@ def _ending(
     """The first of the things that end a motion, or the end of its time."""
     found = len(contacts.gap)
     endings = [_Ending(len(pose))]
-    if found < len(pose):
-        endings.append(_Ending(found, "lost_track", "No point of the track is near the plate any more."))
     smallest, _ = native.radii(case)
     through = contacts.gap < -smallest
     if through.any():
         endings.append(_Ending(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
     for name, curve, xi in (("track", case.track, contacts.xi1), ("outline", case.plate.outline, contacts.xi2)):
         if curve.domain and not curve.period:
+            # Where there was no contact any more, the next one would have been about as far ahead as the last.
+            xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < found < len(pose) else xi
             outside = (xi < curve.domain[0]) | (xi > curve.domain[1])
             if outside.any():
                 reason = f"The contact reached the end of the {name}'s domain."
                 endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
+    if found < len(pose):
+        endings.append(_Ending(found, "lost_track", "No point of the track is near the plate any more."))
     flown = contacts.gap > _hop(case, force, h, roughness)
     if flown.any():
         strength = np.hypot(*force[: int(np.argmax(flown)) + 1].T)
