@@ -178,7 +178,9 @@ def read(model: Model) -> Trajectory:
     kick[0] *= 0.5
     force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
     contacts = _told(model.guide) if model.guide else _follow(case, start, pose)
-    ending = _ending(case, contacts, pose, force, model.h, model.roughness)
+    # A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
+    rounding = 10 * np.finfo(float).eps * case.plate.mass * float(np.abs(rates[:, :2]).max()) / model.h
+    ending = _ending(case, contacts, pose, force, rounding, _hop(case, force, model.h, model.roughness))
     pose, rates, force = pose[: ending.kept], rates[: ending.kept], force[: ending.kept]
     xi1, xi2, gap = (part[: ending.kept] for part in contacts)
     x, y, theta = pose.T
@@ -233,9 +235,12 @@ def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
 
 
 def _ending(
-    case: Case, contacts: _Contacts, pose: np.ndarray, force: np.ndarray, h: float, roughness: float
+    case: Case, contacts: _Contacts, pose: np.ndarray, force: np.ndarray, rounding: float, hop: float
 ) -> _Ending:
-    """The first of the things that end a motion, or the end of its time."""
+    """The first of the things that end a motion, or the end of its time.
+
+    A contact pushes with more than the `rounding` (N) of the forces; a gap (m) above `hop` is a flight.
+    """
     found = len(contacts.gap)
     endings = [_Ending(len(pose))]
     smallest, _ = native.radii(case)
@@ -252,11 +257,10 @@ def _ending(
                 endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
     if found < len(pose):
         endings.append(_Ending(found, "lost_track", "No point of the track is near the plate any more."))
-    flown = contacts.gap > _hop(case, force, h, roughness)
+    flown = contacts.gap > hop
     if flown.any():
         strength = np.hypot(*force[: int(np.argmax(flown)) + 1].T)
-        # A contact that pushes at all pushes with more than the rounding of the velocities' difference.
-        pushed = np.flatnonzero(strength > 1e-9 * strength.max())
+        pushed = np.flatnonzero(strength > 1e-9 * strength.max() + rounding)
         kept = int(pushed[-1]) + 1 if pushed.size else 1
         endings.append(_Ending(kept, "lift_off", "The contact stopped pushing and the plate left its track."))
     return min(endings, key=lambda ending: ending.kept)

@@ -333,6 +333,13 @@ def test_frictionless_disc_leaves_the_cylinder_where_energy_says(route, h, toler
     )
 
 
+@pytest.mark.parametrize("route", adapter.routes)
+def test_disc_hung_below_its_track_leaves_it_at_once(route):
+    ceiling = Curve(lambda s: (-s, 0))
+    moved = motion(Case(ceiling, disc(0.1, 1.0), (G, PUSH), Start(0.0, slip=1.0), 0.5), route, 1e-3)
+    assert (moved.status, moved.t[-1]) == ("lift_off", 0.0)
+
+
 def test_guide_on_both_sides_holds_the_disc_beyond_lift_off():
     moved = motion(disc_on_hill(), "assisted", 1e-3)
     assert moved.status == "completed" and moved.normal_force.min() < -10.0
