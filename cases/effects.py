@@ -32,6 +32,8 @@ class CoulombFriction:
 
     def __post_init__(self):
         object.__setattr__(self, "mu", not_negative("mu of CoulombFriction", self.mu))
+        if self.mu == 0.0:
+            raise BadValue("mu of CoulombFriction is 0; leave CoulombFriction out for a scene without friction")
         if self.mu_static is not None:
             object.__setattr__(self, "mu_static", not_negative("mu_static of CoulombFriction", self.mu_static))
             if self.mu_static < self.mu:

@@ -10,6 +10,9 @@ import numpy as np
 
 from .modes import Phase
 
+# Stands for a guard where the equations became singular and no step can go on.
+BREAKDOWN = "breakdown"
+
 
 class Stop(NamedTuple):
     """What ended a phase: the guard that reached zero (None: the end of the time span), when, and the state there."""

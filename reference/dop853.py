@@ -7,12 +7,13 @@ reverses and comes back) would leave no change of sign at the ends.
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import sqrt
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
-from .arc import Arc, Stop
+from .arc import BREAKDOWN, Arc, Stop
 from .modes import Phase
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
@@ -35,15 +36,15 @@ def _interpolation() -> np.ndarray:
 _TO_FINE = _interpolation()
 
 
-def prepare(phase: Phase) -> None:
-    """Compile the phase's equations."""
+def prepare(phase: Phase, rtol: float = 1e-10) -> None:
+    """Compile the phase's equations, which are the same for every tolerance."""
     phase.system.rates_of_numbers, phase.system.guards_of_arrays, phase.system.guards_of_numbers  # noqa: B018
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
-    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if the step size vanishes.
+    """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity where no step is small enough.
 
-    The absolute tolerance is rtol times the sizes that the state has in the phase; rtol below 1e-13 is taken as
+    The absolute tolerance is rtol times the state's natural sizes in the phase; rtol below 1e-13 is taken as
     1e-13, where DOP853 meets rounding.
     """
     rates, parameters = phase.system.rates_of_numbers, phase.parameters
@@ -57,9 +58,10 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
     while True:
-        message = solver.step()
+        solver.step()
         if solver.status == "failed":
-            raise FloatingPointError(f"the step size vanished at t = {solver.t:.9g} s ({message})")
+            stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
+            return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
         piece = solver.dense_output()
         found = _first_zero(phase, piece, first=not pieces)
         if found:
@@ -74,13 +76,15 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
 
 
 def _scales(phase: Phase, t, y) -> np.ndarray:
-    """Sizes below which a component's error does not matter: 1 for the parameters, and their rates' own scale."""
+    """Sizes of the components: the plate's own size for the parameters, and the speed at which it is covered."""
     rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
-    speed = max(abs(v) for v in y[2:])
-    acceleration = max(abs(v) for v in rates[2:])
-    # Started from rest, a motion reaches √(acceleration) after one unit of its parameter.
-    fast = max(speed, acceleration**0.5) or 1.0
-    return np.array([1.0, 1.0] + [fast] * (len(y) - 2))
+    # A motion from rest covers its own size in √(size/acceleration); without force and motion any speed would do.
+    frequency = max(
+        max(abs(u) / size, sqrt(abs(u_dot) / size))
+        for u, u_dot, size in zip(y[2:], rates[2:], phase.lengths, strict=False)
+    )
+    speeds = [size * (frequency or 1.0) for size in phase.lengths]
+    return np.array([*phase.lengths, *speeds][: len(y)])
 
 
 def _guards(phase: Phase, piece, times: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ of the mode's equations: friction per normal force, sign of the slip, bound of f
 from __future__ import annotations
 
 from functools import lru_cache
+from math import sqrt
 from typing import NamedTuple
 
 from cases import Case, CoulombFriction, Mode, Unilateral
@@ -25,11 +26,15 @@ class Regime(NamedTuple):
 
 
 class Phase(NamedTuple):
-    """A regime with its equations and their parameters: all an integrator needs."""
+    """A regime with its equations and their parameters: all an integrator needs.
+
+    `lengths` are the plate's size (radius of gyration) in units of ξ₁ and ξ₂: what counts as a change of order one.
+    """
 
     regime: Regime
     system: System
     parameters: tuple[float, ...]
+    lengths: tuple[float, float]
 
 
 def candidates(case: Case) -> tuple[Regime, ...]:
@@ -50,7 +55,9 @@ def phase(case: Case, regime: Regime) -> Phase:
         sign = SLIP_SIGN.get(regime.mode, 0.0)
         # (28), (30): against the slip, in proportion to the magnitude of the normal force.
         values |= {RATIO: -sign * regime.side * friction.mu, SIGMA: sign, STICK: friction.stick}
-    return Phase(regime, equations, parameter_values(case, values, equations.parameters))
+    start, size = start_motion(case), sqrt(case.plate.inertia / case.plate.mass)
+    lengths = size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2))
+    return Phase(regime, equations, parameter_values(case, values, equations.parameters), lengths)
 
 
 def state_in(phase: Phase, y) -> tuple[float, ...]:

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Cost, Mode, State, Trajectory, Transition, UnknownName
+from cases import BadValue, Case, Cost, Mode, State, Trajectory, Transition
 from cases.contact import pose
 from cases.errors import unknown
 
 from . import dop853, taylor
-from .arc import Arc
-from .modes import SLIP_SIGN, Phase, Regime, candidates, full_state, phase, start_state, without_slip
+from .arc import BREAKDOWN, Arc
+from .modes import SLIP_SIGN, Phase, Regime, candidates, full_state, phase, start_state, state_in, without_slip
+from .second_contact import first_meeting, fits_everywhere
 from .transitions import decide, slip_of_sign
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
-INTEGRATE = {"taylor": taylor.integrate, "dop853": dop853.integrate}
+# By name: what prepares a phase and what integrates it. The last one serves certification only.
+INTEGRATORS = {
+    "taylor": (taylor.prepare, taylor.integrate),
+    "dop853": (dop853.prepare, dop853.integrate),
+    "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
+}
 
-# More transitions than this in one motion is taken as an accumulation and told as such.
-MOST_TRANSITIONS = 100_000
+# More phases than this in one motion are taken as an accumulation and told as such.
+MOST_PHASES = 100_000
 
 # Guards whose zero ends the motion: status and sentence.
 ENDS = {
@@ -38,7 +47,7 @@ ENDS = {
 }
 LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
 NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
-TOO_MANY = ("accumulation", f"More than {MOST_TRANSITIONS} transitions: they accumulate.")
+TOO_MANY = ("accumulation", f"More than {MOST_PHASES} changes of regime: they accumulate.")
 
 
 def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
@@ -52,16 +61,14 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
     if not isinstance(rtol, float | int) or not 1e-14 <= rtol <= 1e-2:
         raise BadValue(f"rtol is {rtol!r}; give a number between 1e-14 and 1e-2")
-    if method is not None and method not in METHODS:
-        raise _unknown_method(method)
-    integrate = INTEGRATE[method or METHODS[0]]
+    _, integrate = INTEGRATORS[_known(method)]
     began_setup = time.perf_counter()
-    prepare(case, method)
+    prepare(case, method, rtol)
     start = start_state(case)
-    regime = _first_regime(case, start)
+    regime = first_regime(case, start)
     setup = time.perf_counter() - began_setup
     cpu, wall = time.process_time(), time.perf_counter()
-    arcs, transitions, (status, reason) = _run(case, regime, start, rtol, integrate)
+    arcs, transitions, (status, reason) = run(case, regime, start, rtol, integrate)
     cost = Cost(
         cpu_s=time.process_time() - cpu,
         wall_s=time.perf_counter() - wall,
@@ -69,35 +76,51 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         steps=sum(len(arc.times) - 1 for arc in arcs),
         evaluations=sum(arc.evaluations for arc in arcs),
     )
-    return _trajectory(case, arcs, transitions, status, reason, cost)
+    motion = _trajectory(case, arcs, transitions, status, reason, cost)
+    return motion if fits_everywhere(case) else _until_second_contact(case, motion)
 
 
-def _first_regime(case: Case, y) -> Regime | None:
+def first_regime(case: Case, y) -> Regime | None:
     """The regime at time zero: the start says which way it slips; a start without slip is decided like any instant."""
-    sign = (case.start.slip > 0) - (case.start.slip < 0)
+    slip = case.start.slip
+    along = max(abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1])))
+    # The state holds slip as the difference of the contact point's two speeds; what is below their rounding is none.
+    sign = 0.0 if abs(slip) <= 8 * np.finfo(float).eps * along else (1.0 if slip > 0 else -1.0)
     able = [r for r in candidates(case) if not sign or SLIP_SIGN.get(r.mode, sign) == sign and r.mode is not Mode.ROLL]
     return decide(case, 0.0, y, np.finfo(float).eps, able)
 
 
-def _unknown_method(method) -> UnknownName:
-    return unknown("method of the reference", str(method), METHODS)
+@lru_cache(maxsize=1)
+def _tell_method() -> None:
+    """Says once that the best method is missing."""
+    if not taylor.AVAILABLE:
+        logging.getLogger("reference").warning("heyoka is not installed: the reference uses dop853, slower and coarser")
 
 
-def prepare(case: Case, method: str | None = None) -> None:
+def _known(method: str | None) -> str:
+    if method is None:
+        _tell_method()
+        return METHODS[0]
+    if method not in INTEGRATORS or (method.startswith("taylor") and not taylor.AVAILABLE):
+        raise unknown("method of the reference", str(method), METHODS)
+    return method
+
+
+def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
     """Derive and compile what a run of the case may need, so that no run pays for it."""
-    prepare_phase = {"taylor": taylor.prepare, "dop853": dop853.prepare}[method or METHODS[0]]
+    prepare_phase, _ = INTEGRATORS[_known(method)]
     for regime in candidates(case):
-        prepare_phase(phase(case, regime))
+        prepare_phase(phase(case, regime), rtol)
 
 
-def _run(case: Case, regime: Regime | None, start, rtol: float, integrate):
+def run(case: Case, regime: Regime | None, start, rtol: float, integrate):
     """Phase after phase until the end of time or a status."""
     t, y = 0.0, start
     arcs: list[Arc] = []
     transitions: list[Transition] = []
     if regime is None:
-        return arcs, transitions, _nothing_follows(case, None)
-    while len(transitions) < MOST_TRANSITIONS:
+        return arcs, transitions, _nothing_follows(case, y)
+    while len(arcs) < MOST_PHASES:
         now = phase(case, regime)
         arc = integrate(now, t, y[: len(now.system.variables)], case.duration, rtol)
         arcs.append(arc)
@@ -107,11 +130,13 @@ def _run(case: Case, regime: Regime | None, start, rtol: float, integrate):
             return arcs, transitions, (Trajectory.status, Trajectory.reason)
         if guard in ENDS:
             return arcs, transitions, ENDS[guard]
+        if guard == BREAKDOWN:
+            return arcs, transitions, _breakdown(now, arc)
         if guard == "slip":
             y = (*y[:3], without_slip(case, *y[:3]))
         following = _after(case, now, guard, t, y, rtol)
         if following is None:
-            ending = _nothing_follows(case, guard)
+            ending = _nothing_follows(case, y)
             if ending is LIFT_OFF:
                 transitions.append(Transition(t, regime.mode, Mode.FLIGHT, y[0], y[1], CAUSES[guard]))
             return arcs, transitions, ending
@@ -141,13 +166,36 @@ def _after(case: Case, now: Phase, guard: str, t: float, y: Sequence[float], rto
     return decide(case, t, y, rtol)
 
 
+def _breakdown(now: Phase, arc: Arc) -> tuple[str, str]:
+    """The limit of the formulation at which the equations became singular."""
+    names = list(now.system.guards)
+    first, last = (
+        now.system.guards_of_numbers(float(t), arc.states(np.array([t]))[:, 0].tolist(), now.parameters)
+        for t in (arc.times[0], arc.times[-1])
+    )
+    for limit in ("fit", "painleve"):
+        # Steps vanish where a divisor does; a hundredth of its first value is well on the way there.
+        if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
+            return ENDS[limit]
+    return BREAKDOWN, f"The equations became singular at t = {arc.times[-1]:.9g} s, and no step was small enough."
+
+
 def _two_sided(case: Case) -> bool:
     return any(regime.side < 0 for regime in candidates(case))
 
 
-def _nothing_follows(case: Case, guard: str | None) -> tuple[str, str]:
-    if _two_sided(case) or guard == "slip":
+def _nothing_follows(case: Case, y) -> tuple[str, str]:
+    """Why no regime follows: the plate flies off, unless contact itself has no consistent force."""
+    if _two_sided(case):
         return NO_MODE
+    for regime in candidates(case):
+        now = phase(case, regime)
+        names = list(now.system.guards)
+        if "painleve" in names:
+            values = now.system.guards_of_numbers(0.0, state_in(now, y), now.parameters)
+            # Without contact the plate would move into its track, and with it the force has the wrong sign.
+            if values[names.index("painleve")] <= 0.0 and values[names.index("slip")] >= 0.0:
+                return NO_MODE
     return LIFT_OFF
 
 
@@ -173,6 +221,35 @@ def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: s
     first_mode = arcs[0].phase.regime.mode
     times = np.concatenate([arc.times for arc in arcs])
     return Trajectory(t=times, **samples._asdict(), **told, first_mode=first_mode, dense=dense)
+
+
+def _until_second_contact(case: Case, motion: Trajectory) -> Trajectory:
+    """The motion up to where the plate meets its track in a second place, if it does."""
+    # Four looks to a step: between two of them a plate moves by a small part of its size.
+    looks = np.unique(
+        np.concatenate([motion.t[:-1] + part * np.diff(motion.t) for part in (0.0, 0.25, 0.5, 0.75, 1.0)])
+    )
+
+    def pose_at(t: float) -> tuple[float, float, float]:
+        state = motion(t)
+        return float(state.x), float(state.y), float(state.theta)
+
+    meeting = first_meeting(case, looks, pose_at) if len(looks) > 1 else None
+    if meeting is None:
+        return motion
+    kept = motion.t < meeting.time
+    last = motion(meeting.time)
+    columns: dict[str, Any] = {
+        name: np.append(getattr(motion, name)[kept], getattr(last, name)) for name in State._fields
+    }
+    return replace(
+        motion,
+        t=np.append(motion.t[kept], meeting.time),
+        **columns,
+        transitions=tuple(t for t in motion.transitions if t.time < meeting.time),
+        status="second_contact",
+        reason=f"The plate meets its track in a second place, xi1 = {meeting.xi1:.9g}, at t = {meeting.time:.9g} s.",
+    )
 
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:

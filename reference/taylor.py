@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .arc import Arc, Stop
+from .arc import BREAKDOWN, Arc, Stop
 from .eliminated import System, T
 from .modes import Phase
 
@@ -22,6 +22,8 @@ else:
 
 # Step-size tolerances are rounded to whole powers of ten: one compiled integrator each.
 FINEST = 1e-16
+# Far below double precision's rounding, far above quadruple's.
+QUADRUPLE_TOLERANCE = 1e-24
 
 
 def _expressions(system: System) -> dict:
@@ -47,33 +49,84 @@ def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     compiled(phase.system, _tolerance(rtol))
 
 
+def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
+    """Compile the phase's equations in quadruple precision."""
+    compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
+
+
 def _tolerance(rtol: float) -> float:
     return max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9))
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
-    """Integrate from (t, y) until a guard reaches zero or `end`; raises FloatingPointError if it has to stop."""
-    integrator = compiled(phase.system, _tolerance(rtol))
-    integrator.time = t
-    integrator.state[:] = y
-    integrator.pars[:] = phase.parameters[: len(integrator.pars)]
-    integrator.reset_cooldowns()
-    times, coefficients = [t], []
-    guard = None
+    """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN)."""
+    return _integrate(compiled(phase.system, _tolerance(rtol)), phase, t, y, end, float)
+
+
+def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
+    """The same in quadruple precision, start and end of the phase rounded to double; `rtol` is not looked at."""
+    return _integrate(compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128), phase, t, y, end, hy.real128)
+
+
+def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type) -> Arc:
+    integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
+    times: list[float] = [t]
+    coefficients: list[np.ndarray] = []
+    guard = _leave_start(integrator, phase, t, y, end, real, times, coefficients)
     while integrator.time < end and guard is None:
-        outcome, _ = integrator.step(end - integrator.time, True)
-        coefficients.append(integrator.tc.copy())
-        times.append(integrator.time)
-        number = -int(outcome) - 1
+        outcome, _ = integrator.step(real(end) - integrator.time, True)
+        coefficients.append(integrator.tc.astype(float))
+        times.append(float(integrator.time))
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
+            number = -int(outcome) - 1
             if not 0 <= number < len(phase.system.guards):
-                raise FloatingPointError(f"the Taylor integrator stopped at t = {integrator.time:.9g} s: {outcome}")
-            # A phase begins with a guard at zero that the decision found to grow; heyoka fires there at once, and its
-            # own cool-down keeps the same root from firing twice.
-            if integrator.time > t:
-                guard = list(phase.system.guards)[number]
-    stop = Stop(guard, float(integrator.time), tuple(integrator.state.tolist()))
+                return _broken(phase, times, coefficients, y)
+            guard = list(phase.system.guards)[number]
+    stop = Stop(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
     return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
+
+
+def _broken(phase: Phase, times, coefficients, y) -> Arc:
+    """The arc up to the last finite state, where numbers stopped being finite."""
+    states = _dense(times[:-1], coefficients[:-1], y)
+    last = times[-2]
+    stop = Stop(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
+    return Arc(phase, np.array(times[:-1]), states, stop, len(coefficients))
+
+
+def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coefficients: list) -> str | None:
+    """The first, tiny part of a phase, by its Taylor polynomial alone; a guard if one reaches zero within it.
+
+    A phase begins with a guard at zero that the decision found to grow, often with the square of time; event
+    detection would find that root again, and a cool-down after it would hide the next.
+    """
+    _set(integrator, t, y, real)
+    integrator.step(real(0.0), True)
+    series = integrator.tc.astype(float)
+    order = series.shape[1] - 1
+    # How far the polynomial carries: where its last term has grown to the size of the plate.
+    last = [abs(float(series[i, order])) / size for i, size in enumerate(phase.lengths)]
+    reach = min(max(last) ** (-1.0 / order) if max(last) > 0.0 else end - t, end - t)
+    # A thousandth of the polynomial's reach: it is exact there to rounding, and a guard that leaves zero does not come
+    # back so soon; where one does, the step is shortened until it shows.
+    for shorter in range(9):
+        h = 1e-3 * reach * 10.0**-shorter
+        state = np.polynomial.polynomial.polyval(h, series.T)
+        values = phase.system.guards_of_numbers(t + h, state.tolist(), phase.parameters)
+        if all(value > 0.0 for value in values):
+            _set(integrator, t + h, state, real)
+            coefficients.append(series)
+            times.append(t + h)
+            return None
+    _set(integrator, t, y, real)
+    return next(name for name, value in zip(phase.system.guards, values, strict=True) if not value > 0.0)
+
+
+def _set(integrator, t: float, y, real: type) -> None:
+    integrator.time = real(t)
+    integrator.state[:] = [real(float(value)) for value in y]
+    if integrator.with_events:
+        integrator.reset_cooldowns()
 
 
 def _dense(times, coefficients, y):

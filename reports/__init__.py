@@ -1,1 +1,1 @@
-"""TODO"""
+"""Cases and solvers into tables, figures and a page: `python -m reports.build`."""

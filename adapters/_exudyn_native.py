@@ -1,0 +1,148 @@
+"""Exudyn's own smooth contacts between a disc and a circle or a straight line."""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin
+
+import exudyn as exu
+import exudyn.itemInterface as item
+import numpy as np
+
+from cases import Case, Gravity
+from cases.contact import find, start_motion
+from cases.shapes import Circle, Line, as_circle, as_line
+
+from ._exudyn_system import LOST, Contact, System, critical_damping, friction_coefficient, node_sensors
+from .interface import Setting
+
+
+def refuses(case: Case) -> str | None:
+    """Why no object of the engine models the case's shapes, in one sentence, or None."""
+    if case.plate.radius is None:
+        return "Exudyn has smooth rolling contact for discs alone, and this outline is no circle about its centre."
+    if as_line(case.track) is None and as_circle(case.track) is None:
+        return "Exudyn has smooth rolling contact on straight lines and circles alone, and this track is neither."
+    return None
+
+
+def build(case: Case, setting: Setting) -> System:
+    """A disc in the plane, its gravity, and the contact object that fits the track."""
+    start, plate = start_motion(case), case.plate
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    node = system.AddNode(
+        item.NodeRigidBody2D(
+            initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
+        )
+    )
+    body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, mass=plate.mass, inertia=plate.inertia))
+    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+    gravity = case.effect(Gravity)
+    if gravity:
+        pull = [gravity.g * cos(gravity.direction), gravity.g * sin(gravity.direction), 0.0]
+        mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
+        system.AddLoad(item.LoadMassProportional(markerNumber=mass, loadVector=pull))
+    line, circle = as_line(case.track), as_circle(case.track)
+    if line:
+        number, contact = _on_line(case, setting, system, disc, line)
+    else:
+        assert circle is not None, "refuses() lets lines and circles alone pass"
+        number, contact = _on_circle(case, setting, system, disc, circle)
+    force = system.AddSensor(
+        item.SensorObject(objectNumber=number, outputVariableType=exu.OutputVariableType.Force, storeInternal=True)
+    )
+    motion = node_sensors(system, node)
+    system.Assemble()
+    return System(container, system, motion, force, contact)
+
+
+def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
+    radius = _radius(case)
+    number = system.AddObject(
+        item.ObjectContactSphereSphere(
+            markerNumbers=[disc, _ground(system, circle.centre)],
+            spheresRadii=[radius, circle.radius],
+            isHollowSphere1=circle.left,
+            **_contact_law(case, setting, system),
+        )
+    )
+
+    def contact(pose, velocity, force) -> Contact:
+        away = pose[:, :2] - circle.centre
+        distance = np.hypot(away[:, 0], away[:, 1])
+        side = -1.0 if circle.left else 1.0
+        gap = side * (distance - circle.radius) - radius
+        # The engine's friction acts in the middle of the overlap; the nominal radius would bias the slip.
+        normal, arm = side * away / distance[:, None], radius + 0.5 * gap
+        return _read(case, pose, velocity, force, normal, gap, arm)
+
+    return number, contact
+
+
+def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
+    radius = _radius(case)
+    normal = np.array([-line.direction[1], line.direction[0]])
+    number = system.AddObject(
+        item.ObjectContactSphereTriangle(
+            markerNumbers=[disc, _ground(system, np.zeros(2))],
+            sphereRadius=radius,
+            trianglePoints=exu.Vector3DList(_ground_triangle(case, line)),  # type: ignore[call-arg]
+            includeEdges=0,
+            **_contact_law(case, setting, system),
+        )
+    )
+
+    def contact(pose, velocity, force) -> Contact:
+        gap = (pose[:, :2] - line.point) @ normal - radius
+        # The engine's friction acts on the triangle's plane.
+        return _read(case, pose, velocity, force, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
+
+    return number, contact
+
+
+def _contact_law(case: Case, setting: Setting, system) -> dict:
+    """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
+    data = item.NodeGenericData(initialCoordinates=[0.0] * 4, numberOfDataCoordinates=4)
+    return dict(
+        nodeNumber=system.AddNode(data),
+        dynamicFriction=friction_coefficient(case),
+        frictionProportionalZone=setting["vreg"],
+        contactStiffness=setting["k"],
+        contactDamping=critical_damping(case, setting),
+    )
+
+
+def _read(case: Case, pose, velocity, force, normal, gap, arm) -> Contact:
+    """Slip and forces along the track's tangent and normal; `arm`: from the disc's centre to where friction acts."""
+    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
+    slip = np.sum(velocity[:, :2] * tangent, axis=1) + velocity[:, 2] * arm
+    normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
+    near, found, lost = start_motion(case)[6:8], [], None
+    try:
+        for x, y, theta in pose.tolist():
+            near = find(case, x, y, theta, near)[:2]
+            found.append(near)
+    except LOST as problem:
+        lost = str(problem)
+    xi1, xi2 = np.array(found, dtype=float).reshape(-1, 2).T
+    n = len(found)
+    return Contact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], lost)
+
+
+def _ground_triangle(case: Case, line: Line) -> list[list[float]]:
+    """A triangle across the plane of motion, around the start and wider than the plate can get in its time."""
+    start, gravity = start_motion(case), case.effect(Gravity)
+    fall = 0.5 * gravity.g * case.duration**2 if gravity else 0.0
+    reach = 2.0 * (_radius(case) + hypot(start.vx, start.vy) * case.duration + fall)
+    (x, y), (along_x, along_y) = case.track.point(start.xi1), reach * line.direction
+    return [[x - along_x, y - along_y, -reach], [x + along_x, y + along_y, -reach], [x, y, 2.0 * reach]]
+
+
+def _ground(system, point: np.ndarray) -> int:
+    ground = system.AddObject(item.ObjectGround(referencePosition=[*point, 0.0]))
+    return system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground))
+
+
+def _radius(case: Case) -> float:
+    assert case.plate.radius is not None, "refuses() lets discs alone pass"
+    return case.plate.radius

@@ -1,0 +1,150 @@
+"""The paper's misprints, shown by residuals: each printed formula beside the corrected one, both evaluated.
+
+A residual is how far a formula is from what it must equal, relative to the size of what it must equal, at one generic
+state (an ellipse in an ellipse, all rates different from zero). A corrected formula's residual is rounding.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+import cases
+from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral
+from cases import curves as c
+from cases.contact import velocity
+
+from .augmented import solve_augmented
+from .kinematics import I2, Kinematics, U, kinematics
+from .solve import simulate
+
+MU = 0.2
+
+
+class Erratum(NamedTuple):
+    """One row of errata.csv; residuals are relative, NaN where a formula cannot be evaluated at all."""
+
+    where: str
+    printed: str
+    corrected: str
+    printed_residual: float
+    corrected_residual: float
+    verdict: str
+
+
+def errata() -> list[Erratum]:
+    """Every erratum, evaluated."""
+    return [_after_6(), _14(), _32(), _35_slip(), _35_axes(), *_claim_of_rolling()]
+
+
+def _generic() -> tuple[Case, Kinematics]:
+    track = Curve(lambda s: (1.3 * c.cos(s), 0.9 * c.sin(s)))
+    plate = Plate(Curve(lambda s: (0.2 * c.cos(s) + 0.03, 0.15 * c.sin(s))), 1.2, 0.02)
+    effects = (Gravity(9.81), CoulombFriction(MU), Unilateral())
+    case = Case(track, plate, effects, Start(xi1=-1.1, xi2=0.4, slip=0.7, omega=2.0), 1.0)
+    return case, kinematics(case, -1.1, 0.4, 0.8, 1.9)
+
+
+def _relative(value, reference) -> float:
+    return float(np.linalg.norm(np.subtract(value, reference)) / np.linalg.norm(reference))
+
+
+def _after_6() -> Erratum:
+    _, k = _generic()
+    h = 1e-6
+    # (8) must be the derivative of (5), found by differences; (4) defines constants, whose derivative is zero.
+    case = _generic()[0]
+    ahead, behind = (kinematics(case, *(k.q + s * h * k.q_dot), *k.q_dot) for s in (1, -1))
+    rate_of_5 = ((ahead.R0 + ahead.turn @ ahead.r) - (behind.R0 + behind.turn @ behind.r)) / (2 * h)
+    along_8 = k.R0_dot + k.theta_dot * (U @ k.turn @ k.r) + k.q_dot[1] * (k.turn @ k.rp)
+    return Erratum(
+        "after (6)", "differentiating (4), (5)", "differentiating (5), (6)",
+        _relative(np.zeros(2), along_8), _relative(rate_of_5, along_8),
+        "(4) only defines constants; (8) is the derivative of (5) (by central differences, 1e-9 is their own error)",
+    )  # fmt: skip
+
+
+def _14() -> Erratum:
+    case, k = _generic()
+    printed = k.Rp @ k.turn  # a row of two numbers: it has no sign
+    slip = case.track.tangent(k.q[0]) @ (k.q_dot[0] * k.Rp - k.q_dot[1] * (k.turn @ k.rp))
+    v = k.R0_dot + k.theta_dot * (U @ k.turn @ k.r)
+    corrected = k.Rp @ v / np.linalg.norm(k.Rp)
+    return Erratum(
+        "(14)", "R_pᵀ·θ < 0", "R_pᵀ·v < 0", float("nan"), _relative(corrected, slip),
+        f"R_pᵀ·θ has shape {printed.shape} and no sign; R_pᵀ·v is the slip velocity times |R_p|",
+    )  # fmt: skip
+
+
+def _32() -> Erratum:
+    _, k = _generic()
+    mu = -MU
+    force = np.array([-k.Rp[1] + mu * k.Rp[0], k.Rp[0] + mu * k.Rp[1]])  # (31) per λ
+    arm = k.turn @ k.r
+    torsor = np.array([*force, arm[0] * force[1] - arm[1] * force[0]])
+
+    def column(U_tilde):
+        Rp_tilde = U_tilde @ k.Rp
+        return np.array([*(U @ Rp_tilde), Rp_tilde @ arm])  # (33)
+
+    return Erratum(
+        "(32)", "Ũ = U − μ I₂", "Ũ = I₂ − μ U",
+        _relative(column(U - mu * I2), torsor), _relative(column(I2 - mu * U), torsor),
+        "only the corrected one makes (33) the force (31) and its moment",
+    )  # fmt: skip
+
+
+def _35_slip() -> Erratum:
+    R, r, xi1_dot, theta_dot = 1.0, 0.1, 1.7, -4.0
+    case = cases.load("disc_in_circle", mu=MU)
+    k = kinematics(case, 0.6, 0.2, xi1_dot, xi1_dot - theta_dot)  # ξ₂ = ξ₁ − θ
+    v = case.track.tangent(0.6) @ (k.R0_dot + k.theta_dot * (U @ k.turn @ k.r))  # (11)
+    return Erratum(
+        "(35), v", "(R − r) ξ̇₁² + r θ̇", "(R − r) ξ̇₁ + r θ̇",
+        _relative((R - r) * xi1_dot**2 + r * theta_dot, v), _relative((R - r) * xi1_dot + r * theta_dot, v),
+        "the printed one mixes units; (11) gives the corrected one",
+    )  # fmt: skip
+
+
+def _35_axes() -> Erratum:
+    xi1, xi1_dot, L, g = 0.6, 1.7, 0.9, 9.81
+    printed = [g / L * (cos(xi1) - MU * sin(xi1)) - MU * xi1_dot**2, g * sin(xi1) + L * xi1_dot**2]
+
+    def actual(direction):
+        case = cases.load("disc_in_circle", mu=MU)
+        gravity = (Gravity(g, direction), *case.effects[1:])
+        turned = Case(case.track, case.plate, gravity, case.start, case.duration)
+        solution = solve_augmented(turned, Mode.SLIP_FORWARD, (xi1, 0.0, xi1_dot, 0.0))
+        return [solution.q2_ddot[0], solution.normal_force]
+
+    return Erratum(
+        "(35), axes", "(no word on the axes: Y up)", "Y points down (gravity along +Y), and v > 0",
+        _relative(printed, actual(-np.pi / 2)), _relative(printed, actual(np.pi / 2)),
+        "ξ̈₁ and N of (35) are those of (27) with gravity along +Y",
+    )  # fmt: skip
+
+
+def _claim_of_rolling() -> list[Erratum]:
+    """The claim per μ₀; its residual is by how much rolling would exceed the cone."""
+    rows = []
+    for mu in (0.01, 0.1, 0.2):
+        case = cases.load("disc_in_circle", mu=mu)
+        motion = simulate(case, rtol=1e-12)
+        first = motion.transitions[0]
+        rates = velocity(case, first.xi1, first.xi2, 0.0, float(motion(first.time).omega))
+        roll = solve_augmented(case, Mode.ROLL, (first.xi1, first.xi2, rates.xi1_dot, rates.xi2_dot))
+        needed = abs(roll.friction_force) / (mu * roll.normal_force)
+        follows = "it rolls, the claim holds" if first.after is Mode.ROLL else "the slip reverses, the claim fails"
+        rows.append(
+            Erratum(
+                f"end of 4.2, μ₀ = {mu:g}",
+                "when v vanishes the disc rolls",
+                "it rolls only if |T| ≤ μ₀ N, else the slip reverses",
+                max(0.0, needed - 1.0),
+                0.0 if (needed <= 1.0) == (first.after is Mode.ROLL) else float("nan"),
+                f"rolling would take |T| = {needed:.3f} μ₀ N: {follows}",
+            )
+        )
+    return rows

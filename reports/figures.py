@@ -1,0 +1,401 @@
+"""Runs -> figures. Colour tells the solver (Okabe and Ito's palette, safe for the colour-blind), dashes the route.
+
+Matplotlib without a display; every figure is made from an `Experiment` alone and written as SVG (the headline as PNG
+too). Times in s, lengths in m, angles in rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import cos, isfinite, sin
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import numpy as np  # noqa: E402
+from matplotlib import pyplot as plt  # noqa: E402
+from matplotlib.axes import Axes  # noqa: E402
+from matplotlib.figure import Figure  # noqa: E402
+
+from cases import Case, Gravity, Mode  # noqa: E402
+
+from . import tables  # noqa: E402
+from .records import REFERENCE, Experiment, Run, Truth  # noqa: E402
+
+# Okabe & Ito, "Color Universal Design" (2008), without the yellow, which is pale on white.
+_PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+_TRUTH, _FAINT = "#000000", "#8a8a8a"
+_DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
+_MARKERS = ("o", "s", "^", "D")
+# An error drawn on a logarithmic axis needs a least value; below a double's rounding of quantities of order one there
+# is nothing to see.
+_SMALLEST = 1e-17
+# Points along a line: what a screen can show, so that the page stays light.
+_POINTS = 400
+# Fewer samples than this over a motion are drawn as points.
+_FEW = 100
+_STYLE: Any = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.4,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "savefig.facecolor": "white",
+    "svg.hashsalt": "slip-to-roll",  # equal data give equal files
+    "path.simplify": True,
+}
+# What the paper draws against time: the label, the samples' name, and the name of its difference from the truth.
+_QUANTITIES = (
+    ("slip velocity $v$ / (m/s)", "slip", "slip"),
+    (r"track parameter $\xi_1$", "xi1", "xi1"),
+    (r"outline parameter $\xi_2$", "xi2", "xi2"),
+    (r"rotation $\theta$ / rad", "theta", "angle"),
+    (r"multiplier $\lambda$", "lambda", "lambda"),
+)
+_MODE_WORDS = {
+    Mode.SLIDE: "slides",
+    Mode.SLIP_FORWARD: "slip $v>0$",
+    Mode.SLIP_BACKWARD: "slip $v<0$",
+    Mode.ROLL: "rolls",
+    Mode.FLIGHT: "flies",
+}
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure that was written: its file's name without ending, the case's label ("" for all), title and caption."""
+
+    name: str
+    case: str
+    title: str
+    caption: str
+
+
+def draw(experiment: Experiment, folder: Path) -> Iterator[Drawn]:
+    """Write every figure into the folder, one after the other; yields what was written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    looks = _Looks(experiment)
+    with matplotlib.rc_context(_STYLE):
+        main = headline_case(experiment)
+        if main is not None:
+            yield _save(headline(experiment, main, looks), folder, "headline", main.label, *_HEADLINE_WORDS, png=True)
+        for case in experiment.cases:
+            if experiment.truths[case.label].failure:
+                continue
+            name = file_name(case.label)
+            yield _save(scene(experiment, case), folder, f"scene_{name}", case.label, *_SCENE_WORDS)
+            yield _save(motion(experiment, case, looks), folder, f"motion_{name}", case.label, *_MOTION_WORDS)
+            yield _save(errors(experiment, case, looks), folder, f"errors_{name}", case.label, *_ERRORS_WORDS)
+
+
+def file_name(label: str) -> str:
+    """A case's label as part of a file name."""
+    return "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
+
+
+def headline_case(experiment: Experiment) -> Case | None:
+    """The case whose truth has the most transitions, the first of them; None if none has any."""
+    having = [case for case in experiment.cases if experiment.truths[case.label].transitions]
+    return max(having, key=lambda case: len(experiment.truths[case.label].transitions), default=None)
+
+
+_HEADLINE_WORDS = (
+    "Slip velocity, and how far each solver is from the truth",
+    "Finest setting of every route. Above: the curves lie on each other. Below: the absolute difference from the "
+    "reference's slip velocity, on a logarithmic axis; it jumps where a solver's transition comes early or late, "
+    "because the slopes differ there. Vertical lines: the truth's transitions.",
+)
+_SCENE_WORDS = (
+    "The scene",
+    "The plate at its start (darkest), at each transition and at even times between; the spoke turns with it, the dot "
+    "is the contact point. Gravity pulls down the page.",
+)
+_MOTION_WORDS = (
+    "The motion, as the paper draws it",
+    "Left: slip velocity, contact parameters, rotation and multiplier λ = N/‖R_p‖ against time, from the finest "
+    "setting of every route. Right: absolute difference from the truth, largest value in each of 400 stretches of "
+    "time. Where a solver gives no usable normal force its λ is missing.",
+)
+_ERRORS_WORDS = (
+    "Error against steps",
+    "Each point is one setting; steps are the solver's own. A cross marks a run with a wrong sequence of transitions "
+    "(its first transition may still be right), a hollow marker the engine's own defaults. Below the grey line the "
+    "truth itself is not sure.",
+)
+
+
+# --- looks ------------------------------------------------------------------------------------------------------------
+
+
+class _Looks:
+    """Colour by solver, dashes and marker by route, the same in every figure of a report."""
+
+    def __init__(self, experiment: Experiment):
+        solvers = sorted({run.solver for run in experiment.runs} - {REFERENCE})
+        self._colours = {REFERENCE: _FAINT} | {s: _PALETTE[i % len(_PALETTE)] for i, s in enumerate(solvers)}
+        self._routes: dict[str, list[str]] = {}
+        for run in experiment.runs:
+            known = self._routes.setdefault(run.solver, [])
+            if run.route and run.route not in known:
+                known.append(run.route)
+
+    def colour(self, run: Run) -> str:
+        return self._colours[run.solver]
+
+    def line(self, run: Run) -> dict[str, Any]:
+        return {"color": self.colour(run), "linestyle": _DASHES[self._place(run) % len(_DASHES)]}
+
+    def marker(self, run: Run) -> str:
+        return _MARKERS[self._place(run) % len(_MARKERS)]
+
+    def _place(self, run: Run) -> int:
+        return self._routes[run.solver].index(run.route)
+
+
+def _name(run: Run) -> str:
+    return f"{run.solver}, {run.route}"
+
+
+def _finest(experiment: Experiment, label: str) -> list[Run]:
+    groups = tables.routes(run for run in experiment.runs if run.case == label).values()
+    runs = [tables.finest(group) for group in groups]
+    return [run for run in runs if run and not tables.is_truth(run, experiment.truths[label])]
+
+
+def _mark_transitions(ax: Axes, truth: Truth, words: bool = False) -> None:
+    times = [t.time for t in truth.transitions]
+    for time in times:
+        ax.axvline(time, color=_FAINT, linewidth=0.7, zorder=0.5)
+    if not words:
+        return
+    edges = [float(truth.samples["t"][0]), *times, float(truth.samples["t"][-1])]
+    modes = [truth.first_mode, *(t.after for t in truth.transitions)]
+    for mode, left, right in zip(modes, edges[:-1], edges[1:], strict=False):
+        # A stretch narrower than its word, as parts of the axis, goes without.
+        narrowest = 0.035 if mode is Mode.ROLL else 0.06
+        if mode is not None and right - left > narrowest * (edges[-1] - edges[0]):
+            middle = 0.5 * (left + right)
+            ax.annotate(
+                _MODE_WORDS[mode],
+                (middle, 1.0),
+                (0, 3),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                ha="center",
+                color="#555555",
+                fontsize=8,
+            )
+
+
+def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Largest |y| in each of at most _POINTS equal stretches of the samples, at that sample's time."""
+    size = np.where(np.isfinite(y), np.abs(y), 0.0)
+    pieces = np.array_split(np.arange(len(size)), min(_POINTS, len(size)))
+    top = np.array([piece[np.argmax(size[piece])] for piece in pieces if len(piece)], dtype=int)
+    # Where a solver agrees to the last digit there is nothing to draw on a logarithmic axis.
+    return t[top], np.where(size[top] > _SMALLEST, size[top], np.nan)
+
+
+def _log_error(ax: Axes, runs: list[Run], name: str, looks: _Looks) -> list[tuple[float, Run]]:
+    """Draw |difference| of each run; returns where each line ends, for labels."""
+    ends = []
+    for run in runs:
+        off = run.off[name]
+        if not np.any(np.isfinite(off)):
+            continue
+        t, size = _envelope(run.off["t"], off)
+        ax.plot(t, size, **looks.line(run), linewidth=1.0)
+        if np.any(np.isfinite(size)):
+            ends.append((float(size[np.isfinite(size)][-1]), run))
+    ax.set_yscale("log")
+    return ends
+
+
+def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: _Looks) -> None:
+    """Names beside the lines' right ends, moved apart where they would overlap."""
+    low, high = np.log10(ax.get_ylim())
+    places: list[float] = []
+    for value, run in sorted(ends, key=lambda end: end[0]):
+        wanted = (np.log10(value) - low) / (high - low)
+        place = max(float(wanted), places[-1] + 0.075 if places else 0.0)
+        places.append(place)
+        ax.annotate(
+            _name(run),
+            (1.0, place),
+            (5, 0),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            color=looks.colour(run),
+            va="center",
+            fontsize=8.5,
+            annotation_clip=False,
+        )
+
+
+def _save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
+    figure.savefig(folder / f"{name}.svg", metadata={"Date": None}, bbox_inches="tight")
+    if png:
+        figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
+    plt.close(figure)
+    return Drawn(name, case, title, caption)
+
+
+# --- the figures ------------------------------------------------------------------------------------------------------
+
+
+def headline(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
+    """Slip velocity of every route, and its distance from the truth."""
+    truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(7.6, 5.6), sharex=True, height_ratios=(1, 1.25), layout="constrained"
+    )
+    _curves(above, truth, runs, "slip", looks)
+    _mark_transitions(above, truth, words=True)
+    above.axhline(0.0, color=_FAINT, linewidth=0.7)
+    above.set_ylabel("slip velocity / (m/s)")
+    above.set_title(case.label, loc="left", pad=18, fontweight="bold")
+    ends = _log_error(below, runs, "slip", looks)
+    _mark_transitions(below, truth)
+    below.set_ylabel("distance from truth / (m/s)")
+    below.set_xlabel("time / s")
+    below.margins(x=0)
+    _label_ends(below, ends, looks)
+    return figure
+
+
+def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: _Looks) -> None:
+    ax.plot(truth.samples["t"], truth.samples[name], color=_TRUTH, linewidth=2.6, alpha=0.25, label="truth")
+    top, bottom = np.nanmax(truth.samples[name]), np.nanmin(truth.samples[name])
+    # The axis belongs to the truth: a noisy force of one engine must not flatten everyone's curve, nor hide it.
+    room = 0.08 * (top - bottom) if top - bottom > 1e-6 * abs(top) else 0.08 * max(abs(top), 1.0)
+    ax.set_ylim(bottom - room, top + room)
+    for run in runs:
+        values = run.samples[name]
+        if not np.any(np.isfinite(values)):
+            continue
+        every = max(1, len(values) // _POINTS)
+        exact = np.interp(run.samples["t"], truth.samples["t"], truth.samples[name])
+        noisy = np.nanquantile(np.abs(values - exact), 0.9) > room
+        look = looks.line(run) | ({"linewidth": 0.4, "alpha": 0.5, "zorder": 1.5} if noisy else {})
+        # A solver that takes a few long steps gives points; straight lines between them would be this picture's error.
+        look |= {"linestyle": "", "marker": ".", "markersize": 4} if len(values) < _FEW else {}
+        ax.plot(run.samples["t"][::every], values[::every], **look, label=_name(run))
+
+
+def motion(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
+    """The paper's diagrams with every route, and beside each the distance from the truth."""
+    truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
+    figure, axes = plt.subplots(len(_QUANTITIES), 2, figsize=(9.2, 10.4), sharex=True, layout="constrained")
+    for place, (label, name, off) in enumerate(_QUANTITIES):
+        row = axes[place]
+        _curves(row[0], truth, runs, name, looks)
+        row[0].set_ylabel(label)
+        _log_error(row[1], runs, off, looks)
+        row[1].set_ylabel("distance from truth")
+        for side, ax in enumerate(row):
+            _mark_transitions(ax, truth, words=place == side == 0)
+            ax.margins(x=0)
+    for ax in axes[-1]:
+        ax.set_xlabel("time / s")
+    handles, names = axes[0][0].get_legend_handles_labels()
+    figure.legend(
+        handles, names, loc="outside upper center", ncols=3, title=case.label, title_fontproperties={"weight": "bold"}
+    )
+    return figure
+
+
+def errors(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
+    """First-transition error (or, without transitions, the centre's) of every rung against its steps."""
+    truth = experiment.truths[case.label]
+    timed = bool(truth.transitions)
+    figure, ax = plt.subplots(figsize=(7.2, 4.3), layout="constrained")
+    for (_, _, route), group in tables.routes(run for run in experiment.runs if run.case == case.label).items():
+        if not route:
+            continue
+        points = [
+            (run.cost.steps, max(size, _SMALLEST), run)
+            for run in group
+            if run.outcome in ("right", "wrong")
+            and not tables.is_truth(run, truth)
+            and isfinite(size := abs(tables.first_error(run) if timed else run.distance.centre_max))
+        ]
+        ladder = [p for p in points if not tables.is_default(p[2])]
+        if not points:
+            continue
+        look = looks.line(points[0][2])
+        ax.plot([p[0] for p in ladder], [p[1] for p in ladder], **look, label=_name(points[0][2]))
+        for steps, size, run in points:
+            hollow = "white" if tables.is_default(run) else look["color"]
+            marker = "x" if run.outcome == "wrong" else looks.marker(run)
+            ax.plot(steps, size, marker=marker, markersize=6, color=look["color"], markerfacecolor=hollow)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    if timed:
+        ax.axhspan(_SMALLEST / 10, truth.error_bars[0], color="#eeeeee", zorder=0)
+        ax.axhline(truth.error_bars[0], color=_FAINT, linewidth=0.8)
+    low, high = ax.get_ylim()
+    ax.set_ylim(max(low, _SMALLEST / 3), high)
+    ax.set_xlabel("steps")
+    ax.set_ylabel("error of the first transition's time / s" if timed else "largest error of the centre / m")
+    ax.set_title(case.label, loc="left", fontweight="bold")
+    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def scene(experiment: Experiment, case: Case) -> Figure:
+    """Track and plate at several instants, gravity down the page."""
+    shown = experiment.truths[case.label].samples
+    figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
+    track = case.track.point(_visible(case, shown))
+    ax.plot(*track, color=_TRUTH, linewidth=1.6)
+    outline = case.plate.outline.point(np.linspace(*case.plate.outline.look, 181))
+    for shade, i in _instants(experiment.truths[case.label]):
+        x, y, theta = (float(shown[name][i]) for name in ("x", "y", "theta"))
+        turn = np.array([[cos(theta), -sin(theta)], [sin(theta), cos(theta)]])
+        place = turn @ outline + np.array([[x], [y]])
+        spoke = turn @ outline[:, :1] + np.array([[x], [y]])
+        ax.fill(*place, color=_PALETTE[0], alpha=0.10 + 0.3 * shade, linewidth=0)
+        ax.plot(*place, color=_PALETTE[0], linewidth=0.9, alpha=0.4 + 0.6 * shade)
+        ax.plot([x, spoke[0, 0]], [y, spoke[1, 0]], color=_PALETTE[0], linewidth=0.9, alpha=0.4 + 0.6 * shade)
+        ax.plot(*case.track.point(float(shown["xi1"][i])), marker="o", markersize=3, color=_PALETTE[1])
+    ax.set_aspect("equal")
+    ax.locator_params(nbins=5)
+    gravity = case.effect(Gravity)
+    if gravity is not None and sin(gravity.direction) > 0:
+        ax.invert_yaxis()
+    ax.set_xlabel("X / m")
+    ax.set_ylabel("Y / m" + (" (points down)" if ax.yaxis_inverted() else ""))
+    ax.set_title(case.label, loc="left", fontweight="bold")
+    return figure
+
+
+def _visible(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
+    """Track parameters worth drawing: all of a closed track, else what the plate visits and a little more."""
+    if case.track.period:
+        return np.linspace(*case.track.look, 361)
+    low, high = float(np.min(shown["xi1"])), float(np.max(shown["xi1"]))
+    size = float(np.ptp(case.plate.outline.point(np.linspace(*case.plate.outline.look, 181)), axis=1).max())
+    more = 1.2 * size / float(case.track.speed(0.5 * (low + high)))
+    domain = case.track.domain or (-np.inf, np.inf)
+    return np.linspace(max(low - more, domain[0]), min(high + more, domain[1]), 361)
+
+
+def _instants(truth: Truth) -> list[tuple[float, int]]:
+    """(shade from 1 to 0, sample) of the start, the transitions and even times, not closer than a tenth apart."""
+    t = truth.samples["t"]
+    wanted = [float(t[0]), *(e.time for e in truth.transitions), float(t[-1])]
+    for time in np.linspace(t[0], t[-1], 7)[1:-1]:
+        if all(abs(time - other) > 0.1 * (t[-1] - t[0]) for other in wanted):
+            wanted.append(float(time))
+    places = sorted({int(np.argmin(np.abs(t - time))) for time in wanted})
+    return [(1.0 - i / max(len(places) - 1, 1), place) for i, place in enumerate(places)]

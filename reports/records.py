@@ -1,0 +1,102 @@
+"""What an experiment finds out, as plain frozen records: they travel between processes and become the tables' rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from adapters import Setting
+from cases import Case, Cost, Mode, Transition
+
+from .metrics import Distance, LedgerRow
+
+REFERENCE = "reference"
+# The truth is the reference at its tightest sensible tolerance; how far its other methods, and a hundred times looser
+# runs, move each transition stands as its error bar until a certified one takes its place.
+TRUTH_RTOL, TRUTH_LOOSER = 1e-13, 1e-11
+
+
+class CaseKey(NamedTuple):
+    """What names a case across processes: its name and parameters, and the files to be read before."""
+
+    name: str
+    parameters: tuple[tuple[str, Any], ...]
+    files: tuple[str, ...]
+
+    @classmethod
+    def of(cls, case: Case, files: tuple[str, ...] = ()) -> CaseKey:
+        """The key of a case of the catalogue or of `files`."""
+        return cls(case.name, tuple(case.parameters.items()), files)
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What one route of a solver offers for a case: a ladder of settings, or the reason why not.
+
+    `outcome` is "" for an offer, else "refused" or "crashed"."""
+
+    route: str
+    settings: tuple[Setting, ...] = ()
+    outcome: str = ""
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The motion a case's runs are judged by, by `method` of the reference. `error_bars` (s) belong to `transitions`.
+
+    `samples` is for figures; `notes` tell which other runs of the reference disagreed or failed. `failure` is a
+    sentence if there is no truth to be had; the rest is then empty.
+    """
+
+    method: str = ""
+    transitions: tuple[Transition, ...] = ()
+    error_bars: tuple[float, ...] = ()
+    first_mode: Mode | None = None
+    status: str = ""
+    reason: str = ""
+    samples: dict[str, np.ndarray] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One row of the experiment: who ran what, what came of it, and how it compares with the truth.
+
+    `outcome` is one of right, wrong, refused, crashed, timed_out. `samples` and `off` (solver minus truth) are for
+    figures, thinned; `spreads` (s) tell how sure the reading of each of the solver's transitions is.
+    """
+
+    case: str
+    solver: str
+    route: str
+    setting: str
+    rung: int
+    outcome: str
+    reason: str = ""
+    status: str = ""
+    first_mode: str = ""
+    ledger: tuple[LedgerRow, ...] = ()
+    spreads: tuple[float, ...] = ()
+    distance: Distance = Distance(*6 * (float("nan"),))
+    cost: Cost = Cost()
+    samples: dict[str, np.ndarray] = field(default_factory=dict)
+    off: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Everything that was found out, in the order asked for: truths by case label, and the runs."""
+
+    cases: tuple[Case, ...]
+    truths: dict[str, Truth]
+    runs: tuple[Run, ...]
+    seconds: float
+
+
+def is_default_setting(setting: Setting | str) -> bool:
+    """Whether a setting is the engine as it comes: adapters name that rung `rung=defaults`."""
+    return "rung=defaults" in str(setting).split()

@@ -1,0 +1,254 @@
+"""Rows and figures -> one self-contained page: style and pictures inside, no script, no network."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cases import Case, entry
+
+from . import tables
+from .figures import Drawn
+from .records import TRUTH_LOOSER, TRUTH_RTOL, Experiment
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_PAGE = Path(__file__).parent / "page"
+_TABLE_WORDS = {
+    "headline": "First-transition error and centre error of each route, defaults and finest setting",
+    "transitions": "Every transition of every run, matched, missed or spurious",
+    "trajectories": "Every run: outcome, distance from the truth, cost",
+    "convergence": "Observed order of every route",
+    "truth": "The transitions the runs are judged by",
+}
+# Rows of a table that are shown on the page; the files hold the rest.
+_SHOWN_ROWS = 400
+
+
+def render(
+    experiment: Experiment,
+    frames: dict[str, pd.DataFrame],
+    drawn: Sequence[Drawn],
+    figures: Path,
+    manifest: dict[str, Any],
+) -> str:
+    """The page as text. `figures` is the folder with the drawn SVG files; `manifest` as written beside the page."""
+    command = manifest["command"]
+    parts = {
+        "style": (_PAGE / "style.css").read_text(encoding="utf-8"),
+        "summary": escape(_summary(experiment)),
+        "contents": _contents(experiment),
+        "warnings": _warnings(experiment),
+        "headline": _headline(frames["headline"], drawn, figures, command),
+        "cases": "\n".join(_case(experiment, case, frames, drawn, figures, manifest) for case in experiment.cases),
+        "failures": _failures(frames["trajectories"]),
+        "tables": "\n".join(_whole_table(name, frame, command) for name, frame in frames.items()),
+        "manifest": _manifest(manifest),
+        "truth_rtol": f"{TRUTH_RTOL:g}",
+        "truth_looser": f"{TRUTH_LOOSER:g}",
+        "limit": f"{manifest['limit_seconds']:g}",
+    }
+    return Template((_PAGE / "page.html").read_text(encoding="utf-8")).substitute(parts)
+
+
+def _summary(experiment: Experiment) -> str:
+    counts = tables.outcome_counts(experiment)
+    told = "; ".join(
+        f"{solver}: " + ", ".join(f"{count[o]} {o}" for o in tables.OUTCOMES if count[o])
+        for solver, count in counts.items()
+    )
+    cases = len(experiment.cases)
+    return f"{cases} case{'s' * (cases != 1)}, {len(experiment.runs)} runs. {told}."
+
+
+def _contents(experiment: Experiment) -> str:
+    links = [("headline", "First transition")]
+    links += [(_anchor(case.label), case.label) for case in experiment.cases]
+    links += [
+        ("failures", "What did not work"),
+        ("definitions", "Definitions"),
+        ("tables", "Tables"),
+        ("made", "How it was made"),
+    ]
+    return "\n".join(f'<a href="#{anchor}">{escape(text)}</a>' for anchor, text in links)
+
+
+def _anchor(label: str) -> str:
+    return "case-" + "".join(c if c.isalnum() else "-" for c in label).strip("-")
+
+
+def _warnings(experiment: Experiment) -> str:
+    told = []
+    for label, truth in experiment.truths.items():
+        if truth.failure:
+            told.append(f"<strong>{escape(label)}</strong> has no truth, and was not run: {escape(truth.failure)}.")
+        told += [
+            f"<strong>{escape(label)}</strong>: the reference disagrees with itself: {escape(note)}."
+            for note in truth.notes
+        ]
+    return "\n".join(f'<div class="warning">{text}</div>' for text in told)
+
+
+# --- sections ---------------------------------------------------------------------------------------------------------
+
+
+def _headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
+    """The picture, and a table of cases against routes: finest setting above, the engine as it comes below."""
+    picture = "".join(_figure(d, figures, command) for d in drawn if d.name == "headline")
+    if frame.empty:
+        return picture
+    rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in _records(frame)}
+    routes = list(dict.fromkeys(key[1:] for key in rows))
+    head = "".join(f"<th>{escape(solver)}<br>{escape(route)}</th>" for solver, route in routes)
+    body = ""
+    for case in dict.fromkeys(frame["case"]):
+        cells = "".join(f"<td>{_headline_cell(rows.get((case, *route)))}</td>" for route in routes)
+        body += f'<tr><th><a href="#{_anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
+    table = f"<thead><tr><th>case</th>{head}</tr></thead><tbody>{body}</tbody>"
+    return (
+        f'{picture}<div class="scroll"><table class="short">{table}</table></div>'
+        '<p class="note">Above: the finest setting. Below, small: the engine as it comes. Where the truth has no '
+        "transition, the largest error of the centre in m stands instead; an error inside the truth's own error bar is "
+        'told as below that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
+        f"</p>{_remake(command)}"
+    )
+
+
+def _headline_cell(row: dict[str, Any] | None) -> str:
+    if row is None:
+        return ""
+    finest, own = (tables.error_text(row, column) for column in ("finest_error", "default_error"))
+    return escape(finest) + (f"<br><small>{escape(own)}</small>" if own else "")
+
+
+def _records(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    return [{str(column): value for column, value in row.items()} for row in frame.to_dict("records")]
+
+
+def _case(experiment, case: Case, frames, drawn: Sequence[Drawn], figures: Path, manifest) -> str:
+    label, truth = case.label, experiment.truths[case.label]
+    command = _command(label, manifest)
+    pictures = "".join(_figure(d, figures, command) for d in drawn if d.case == label and d.name != "headline")
+    body = "" if truth.failure else _case_tables(experiment, label, frames, command)
+    return (
+        f'<section id="{_anchor(label)}">\n<h2>{escape(label)}</h2>\n<p>{escape(entry(case.name).summary)}</p>\n'
+        f"{pictures}{body}</section>"
+    )
+
+
+def _case_tables(experiment: Experiment, label: str, frames, command: str) -> str:
+    groups = tables.routes(run for run in experiment.runs if run.case == label).values()
+    finest = {(r.solver, r.route, r.setting) for r in map(tables.finest, groups) if r}
+    events, orders = frames["transitions"], frames["convergence"]
+    told = ""
+    if len(events):
+        keep = [
+            row["case"] == label and (row["solver"], row["route"], row["setting"]) in finest for row in _records(events)
+        ]
+        chosen = events[keep]
+        if len(chosen):
+            columns = {c: c.replace("_", " ") for c in events.columns if c not in ("case", "setting")}
+            told += "<h3>Transitions at the finest setting</h3>" + _table(chosen, columns) + _remake(command)
+    chosen = orders[orders["case"] == label] if len(orders) else orders
+    if len(chosen):
+        columns = {c: c.replace("_", " ") for c in orders.columns if c not in ("case", "settings_used")}
+        told += f"<details><summary>Observed orders</summary>{_table(chosen, columns)}{_remake(command)}</details>"
+    return told
+
+
+def _failures(frame: pd.DataFrame) -> str:
+    parts = []
+    words = {"refused": "Refused", "crashed": "Crashed", "timed_out": "Timed out", "wrong": "Wrong"}
+    columns = {"case": "case", "solver": "solver", "route": "route", "setting": "setting", "reason": "reason"}
+    for outcome, title in words.items():
+        rows = frame[frame["outcome"] == outcome] if len(frame) else frame
+        body = _table(rows, columns) if len(rows) else "<p>None.</p>"
+        parts.append(f"<h3>{title} ({len(rows)})</h3>{body}")
+    return "\n".join(parts)
+
+
+def _whole_table(name: str, frame: pd.DataFrame, command: str) -> str:
+    columns = {c: c for c in frame.columns}
+    more = f'<p class="note">The first {_SHOWN_ROWS} of {len(frame)} rows.</p>' if len(frame) > _SHOWN_ROWS else ""
+    links = f'<a href="tables/{name}.csv">{name}.csv</a>, <a href="tables/{name}.md">{name}.md</a>'
+    return (
+        f"<p>{links} — {escape(_TABLE_WORDS[name])} ({len(frame)} rows)</p>\n"
+        f"<details><summary>Show {name}</summary>{more}{_table(frame.head(_SHOWN_ROWS), columns)}{_remake(command)}"
+        "</details>"
+    )
+
+
+def _manifest(manifest: dict[str, Any]) -> str:
+    rows = [("command", f"<code>{escape(manifest['command'])}</code>"), ("when", escape(manifest["made_at"]))]
+    rows.append(("took", f"{manifest['seconds']:.0f} s"))
+    for key in ("commit", "machine", "python", "solvers", "packages", "settings"):
+        value = manifest[key]
+        text = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
+        rows.append((key, escape(text)))
+    body = "".join(f"<tr><th>{key}</th><td>{text}</td></tr>" for key, text in rows)
+    return (
+        f'<div class="scroll"><table>{body}</table></div><p class="note">All of it: '
+        '<a href="manifest.json">manifest.json</a>.</p>'
+    )
+
+
+# --- pieces -----------------------------------------------------------------------------------------------------------
+
+
+def _command(label: str, manifest: dict[str, Any]) -> str:
+    """The command that makes one case's figures and tables again."""
+    return f'python -m reports.build {manifest["options"]} --case "{label}"'.replace("  ", " ")
+
+
+def _figure(drawn: Drawn, folder: Path, command: str) -> str:
+    data = base64.b64encode((folder / f"{drawn.name}.svg").read_bytes()).decode()
+    title = f"{drawn.title}: {drawn.case}" if drawn.case else drawn.title
+    return (
+        f'<figure><a href="figures/{drawn.name}.svg"><img alt="{escape(title)}" '
+        f'src="data:image/svg+xml;base64,{data}"></a>'
+        f"<figcaption><strong>{escape(drawn.title)}.</strong> {escape(drawn.caption)}</figcaption></figure>"
+        f"{_remake(command)}"
+    )
+
+
+def _remake(command: str) -> str:
+    return f'<p class="remake">Make it again: <code>{escape(command)}</code></p>'
+
+
+def _table(frame: pd.DataFrame, columns: dict[str, str]) -> str:
+    """Some columns of a table as HTML; a line above each new case."""
+    numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
+    head = "".join(
+        f"<th{_class('number' if c in numeric else '')}>{escape(title)}</th>" for c, title in columns.items()
+    )
+    rows, before = [], None
+    for row in _records(frame):
+        new = "case" in columns and before is not None and row["case"] != before
+        before = row.get("case")
+        cells = "".join(_cell(row[c], c, numeric) for c in columns)
+        rows.append(f"<tr{_class('first') if new else ''}>{cells}</tr>")
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
+
+
+def _class(name: str) -> str:
+    return f' class="{name}"' if name else ""
+
+
+def _cell(value: Any, column: str, numeric: set[str]) -> str:
+    text = tables.shorten(value, column)
+    if column in numeric:
+        kind = "number"
+    elif text in (*tables.OUTCOMES, "matched", "missed", "spurious"):
+        kind = text
+    elif "setting" in column:
+        kind = "setting"
+    else:
+        kind = "reason" if column in ("reason", "note", "notes") else ""
+    return f"<td{_class(kind)}>{escape(text)}</td>"

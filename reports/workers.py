@@ -1,0 +1,216 @@
+"""Calls in processes of their own: a crash, a hang or a flood of output ends a worker and nothing else.
+
+Every call gets an empty scratch directory to work in, has its output captured, and is killed with everything it
+started when its time is over; the next call finds a fresh worker. POSIX only.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import shutil
+import signal
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any
+
+# An engine that writes more than this to one file is flooding; the largest honest log of one run is a few megabytes.
+_FILE_BYTES = 32 * 2**20
+# Far above what a plane body needs, far below what would bring the machine to its knees.
+_MEMORY_BYTES = 8 * 2**30
+# What is kept of a call's output: enough for the last error message of an engine.
+_OUTPUT_CHARACTERS = 2000
+# A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
+_STARTUP_SECONDS = 60.0
+# What a worker says when it begins with a call; its time runs from then.
+_BEGUN = "begun"
+# One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What came of a call: `outcome` is "done" (then `value` holds), "raised", "died" or "timed_out"; `reason` is one
+    sentence for the last three; `output` is the end of what the call printed."""
+
+    outcome: str
+    value: Any = None
+    reason: str = ""
+    output: str = ""
+
+
+def run(
+    function: Callable,
+    arguments: Sequence[tuple],
+    jobs: int = 1,
+    limit: float = 60.0,
+    instead: Callable[[int], Answer | None] = lambda index: None,
+) -> Iterator[tuple[int, Answer]]:
+    """Call `function(*arguments[i])` for every i, `jobs` at a time, each for at most `limit` seconds of wall time.
+
+    Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin, may
+    give an answer in its place. The function and its arguments travel by pickle, so the function
+    lives at the top of a module. Workers are killed and scratch directories removed when the iterator ends.
+    """
+    scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
+    waiting = list(reversed(list(enumerate(arguments))))
+    workers: list[_Worker] = []
+    try:
+        while waiting or any(worker.busy for worker in workers):
+            while waiting and len([worker for worker in workers if worker.busy]) < jobs:
+                index, args = waiting.pop()
+                given = instead(index)
+                if given is not None:
+                    yield index, given
+                    continue
+                worker = next((w for w in workers if not w.busy), None)
+                if worker is None:
+                    workers.append(worker := _Worker(scratch))
+                worker.start(index, function, args, limit)
+            busy = [worker for worker in workers if worker.busy]
+            if not busy:
+                break
+            wait([w.pipe for w in busy], timeout=max(0.0, min(w.deadline for w in busy) - time.monotonic()))
+            for worker in busy:
+                answer = worker.answer()
+                if answer is not None:
+                    yield worker.index, answer
+            workers = [worker for worker in workers if worker.alive]
+    finally:
+        for worker in workers:
+            worker.kill()
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+class _Worker:
+    """One process and the pipe to it."""
+
+    def __init__(self, scratch: Path):
+        context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
+        self.pipe, far_end = context.Pipe()
+        self.process = context.Process(target=_serve, args=(far_end, str(scratch)), daemon=True)
+        before = dict(os.environ)
+        os.environ.update(_ONE_THREAD)
+        try:
+            self.process.start()
+        finally:
+            os.environ.clear()
+            os.environ.update(before)
+        far_end.close()
+        self.busy, self.alive, self.index, self.deadline = False, True, -1, 0.0
+
+    def start(self, index: int, function: Callable, args: tuple, limit: float) -> None:
+        """Hand the process a call."""
+        self.index, self.busy, self.limit = index, True, limit
+        self.deadline = time.monotonic() + _STARTUP_SECONDS
+        try:
+            self.pipe.send((function, args, limit))
+        except (BrokenPipeError, ConnectionResetError):
+            pass  # it died while idle; the closed pipe says so when the answer is asked for
+
+    def answer(self) -> Answer | None:
+        """The call's answer, or None while it is running within its time."""
+        result: Answer | None = None
+        if self.pipe.poll():
+            try:
+                told = self.pipe.recv()
+                if told == _BEGUN:
+                    self.deadline = time.monotonic() + self.limit
+                    return None
+                result = told
+            except (EOFError, ConnectionResetError):
+                self.process.join(5.0)
+                result = Answer("died", reason=_death(self.process.exitcode))
+                self.kill()
+        elif time.monotonic() >= self.deadline:
+            self.kill()
+            result = Answer("timed_out", reason=f"it was still running after {self.limit:g} s")
+        self.busy = result is None
+        return result
+
+    def kill(self) -> None:
+        """End the process and what it started."""
+        self.alive = False
+        if self.process.pid is not None and self.process.exitcode is None:
+            try:
+                os.killpg(self.process.pid, signal.SIGKILL)
+            except (ProcessLookupError, PermissionError):
+                self.process.kill()  # it has not come as far as having a group of its own
+        self.process.join(5.0)
+        self.pipe.close()
+
+
+def _death(exitcode: int | None) -> str:
+    if exitcode is not None and exitcode < 0:
+        return f"the process was ended by signal {signal.Signals(-exitcode).name}"
+    return f"the process ended with exit code {exitcode}"
+
+
+def _serve(pipe: Connection, scratch: str) -> None:
+    """The worker's loop: take a call, answer it, until the pipe is closed."""
+    import resource
+
+    os.setsid()
+    for what, most in ((resource.RLIMIT_FSIZE, _FILE_BYTES), (resource.RLIMIT_AS, _MEMORY_BYTES)):
+        hard = resource.getrlimit(what)[1]
+        resource.setrlimit(what, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    while True:
+        try:
+            function, args, limit = pipe.recv()
+        except (EOFError, OSError):
+            return
+        pipe.send(_BEGUN)
+        # The system's own alarm ends the process even if the parent is gone and the engine holds the interpreter.
+        signal.alarm(int(limit) + 10)
+        answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
+        signal.alarm(0)
+        pipe.send(answer)
+
+
+def _call(function: Callable, args: tuple, folder: Path) -> Answer:
+    home = os.getcwd()
+    os.chdir(folder)
+    try:
+        with _captured(folder / "output.txt") as output:
+            try:
+                answer = Answer("done", value=function(*args))
+            except BaseException as problem:  # SystemExit too: an engine may try to leave
+                answer = Answer("raised", reason=f"{type(problem).__name__}: {problem}".strip())
+        return Answer(answer.outcome, answer.value, answer.reason, output.text)
+    finally:
+        os.chdir(home)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+class _captured:
+    """Standard output and error of this process, C code's included, into a file while the block runs."""
+
+    def __init__(self, path: Path):
+        self.path, self.text = path, ""
+
+    def __enter__(self) -> _captured:
+        self._file = open(self.path, "w+b")
+        self._saved = [os.dup(1), os.dup(2)]
+        for stream in (1, 2):
+            os.dup2(self._file.fileno(), stream)
+        return self
+
+    def __exit__(self, *_):
+        import sys
+
+        for python_stream in (sys.stdout, sys.stderr):
+            try:
+                python_stream.flush()
+            except (OSError, ValueError):
+                pass  # the file is full or closed: what is lost is output nobody asked for
+        for stream, saved in zip((1, 2), self._saved, strict=True):
+            os.dup2(saved, stream)
+            os.close(saved)
+        self._file.seek(0, os.SEEK_END)
+        self._file.seek(max(0, self._file.tell() - 4 * _OUTPUT_CHARACTERS))
+        self.text = self._file.read().decode(errors="replace")[-_OUTPUT_CHARACTERS:].strip()
+        self._file.close()

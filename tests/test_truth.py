@@ -1,0 +1,41 @@
+"""The kept truth: rebuilt in part, and small bars."""
+
+import pytest
+
+import cases
+from reference import certify
+from reference.certification import read
+from tests.authorities.paper_application import FIRST_TRANSITION
+
+KEPT = read()
+
+
+def test_every_case_of_the_catalogue_has_kept_truth():
+    labels = {case.label for name in cases.names() for case in cases.select(name)}
+    assert labels == KEPT.keys(), "rebuild the truth with `python -m reference`"
+
+
+@pytest.mark.parametrize("label", ["disc_in_circle[mu=0.2]", "disc_on_line[mu=0.1]"])
+def test_rebuilt_truth_agrees_with_the_kept_one_within_its_bars(label):
+    kept, rebuilt = KEPT[label], certify(cases.load(label))
+    assert [t[:2] for t in rebuilt.transitions] == [t[:2] for t in kept.transitions]
+    for one, other in zip(rebuilt.transitions, kept.transitions, strict=True):
+        assert abs(one[2].value - other[2].value) <= one[2].bar + other[2].bar
+    for quantity, bars in kept.samples.items():
+        for one, other in zip(rebuilt.samples[quantity], bars, strict=True):
+            assert abs(one.value - other.value) <= one.bar + other.bar
+
+
+@pytest.mark.parametrize("mu", FIRST_TRANSITION)
+def test_exact_value_lies_within_the_bar(mu):
+    _, after, time, xi1 = KEPT[f"disc_in_circle[mu={mu:g}]"].transitions[0]
+    exact_time, exact_xi1, follows = FIRST_TRANSITION[mu]
+    assert after is follows
+    assert abs(time.value - exact_time) <= time.bar
+    assert abs(xi1.value - exact_xi1) <= xi1.bar
+
+
+@pytest.mark.parametrize("label", KEPT)
+def test_bars_are_far_below_any_error_worth_reporting(label):
+    # Ten bars are the smallest error a report shows; a picosecond resolves every engine there is.
+    assert all(t[2].bar < 1e-12 for t in KEPT[label].transitions)
