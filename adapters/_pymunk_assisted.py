@@ -13,15 +13,17 @@ from math import hypot
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
-from cases import Case, CoulombFriction, Curve
+from cases import Case, CoulombFriction, Curve, Unilateral
 from cases.contact import Contact, Motion, find, start_motion
-from cases.errors import DoesNotFit
 
 from ._pymunk_native import pull
 from .interface import Setting
 
 # Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
 EVERYWHERE = 1e6
+
+# What a curve may raise where its expression has no value (DoesNotFit is one of them): beyond its domain.
+BEYOND = (ValueError, ArithmeticError)
 
 _TRACK, _PLATE = 1, 2
 
@@ -38,19 +40,21 @@ class Guide:
         self.lost = False
         self.problem: Exception | None = None
         self._case, self._body, self._h = case, body, h
+        self._two_sided = case.effect(Unilateral) is None
         start = start_motion(case)
         self._near = (start.xi1, start.xi2)
         self._before = _velocities(start)
         # Gravity alone tells how the velocities change in the first, half step; from then on they tell themselves.
         gx, gy = pull(case)
-        self._change = (0.5 * h * float(gx), 0.5 * h * float(gy), 0.0)
+        self._gravity = float(gx), float(gy)
+        self._change = (0.5 * h * self._gravity[0], 0.5 * h * self._gravity[1], 0.0)
 
     def pre_solve(self, arbiter: Arbiter, space: pymunk.Space, data: object) -> None:
         """Write contact point, normal and the normal velocity wanted into the arbiter; let go of a lost plate."""
         try:
             if not self.lost:
                 self._tell(arbiter)
-        except DoesNotFit:
+        except BEYOND:
             self.lost = True
         except Exception as problem:
             self.problem = self.problem or problem
@@ -72,8 +76,20 @@ class Guide:
         middle, along, _ = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
         lever_x, lever_y = middle.x - x - 0.5 * h * vx, middle.y - y - 0.5 * h * vy
         change = Vec2d(vx - omega * lever_y, vy + omega * lever_x).dot(along) - here.dot(tangent)
+        velocity = change * tangent - wanted * normal
+        # A guide on both sides pushes from the one that is needed; without a push there is no friction either, so the
+        # free motion alone decides.
+        if self._two_sided and self._free(point).dot(normal) > wanted:
+            normal = -normal
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
-        arbiter.surface_velocity = change * tangent - wanted * normal
+        arbiter.surface_velocity = velocity
+
+    def _free(self, point: Vec2d) -> Vec2d:
+        """The velocity of the plate's point there after this step, if the contact did nothing."""
+        (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
+        kick = self._h if len(self.contacts) > 1 else 0.5 * self._h
+        gx, gy = self._gravity
+        return Vec2d(vx + kick * gx - omega * (point.y - y), vy + kick * gy + omega * (point.x - x))
 
     def _predict(self) -> tuple[float, float, float]:
         """The velocities after this step, from their change in the one before."""

@@ -101,8 +101,9 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
 
 # --- the shapes' fineness --------------------------------------------------------------------------------------------
 
-# A polygon a person would type in.
-MODEST = 64
+# A polygon a person would type in; and the finest whose small overlaps the engine still finds (at 1000 corners an
+# elliptic plate of 0.3 m sank 7 cm into a circle).
+MODEST, MOST_CORNERS = 64, 800
 
 
 def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
@@ -120,13 +121,36 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         thickness = radii(case)[0] * (1.0 if h is None else 0.05)
         knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
     if plate_kind(case) == "polygon":
-        knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.4 / h), 200, 2000))
+        # Corners cost energy as facets do; 0.2 s over the step is where they cost as much as the step itself.
+        knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, MOST_CORNERS))
     return knobs
 
 
 def plate_kind(case: Case) -> str:
     """How the engine's shapes make the plate: "circle" or "polygon"."""
     return "circle" if as_circle(case.plate.outline) and case.plate.outline.period else "polygon"
+
+
+def scene_kind(case: Case) -> str:
+    """What decides the cost of a scene: the track's kind for a disc; "polygon" or "polygon on chain" for others."""
+    kind = track_kind(case)
+    if plate_kind(case) == "circle":
+        return kind
+    return "polygon on chain" if kind == "chain" else "polygon"
+
+
+def roughness(case: Case, setting: Setting) -> float:
+    """The largest sagitta (m) of the facets that stand for track and outline; zero where the shapes are exact."""
+    knobs, sagitta = dict(setting.values), 0.0
+    if "facets" in knobs:
+        part = stretch(case)
+        bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()
+        sagitta += float(bend) * (part.length / setting["facets"]) ** 2 / 8
+    if "vertices" in knobs:
+        bend = case.plate.outline.curvature(np.linspace(*case.plate.outline.look, 721)).min()
+        # Corners at equal turns: the longest facet is where the outline bends least.
+        sagitta += (2 * pi / setting["vertices"]) ** 2 / (8 * float(bend))
+    return sagitta
 
 
 def _tightest_hill(case: Case) -> float:
@@ -166,7 +190,7 @@ def _plate_shape(case: Case, body: pymunk.Body, setting: Setting) -> pymunk.Shap
     if plate_kind(case) == "circle" and circle:
         x, y = circle.centre
         return pymunk.Circle(body, circle.radius, (float(x), float(y)))
-    return pymunk.Poly(body, _matched_polygon(case, int(setting["vertices"])))
+    return pymunk.Poly(body, _matched_polygon(case, setting["vertices"]))
 
 
 def _matched_polygon(case: Case, count: int) -> list[tuple[float, float]]:
@@ -188,13 +212,12 @@ def _area(x: np.ndarray, y: np.ndarray) -> float:
 
 
 def _track_shapes(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
-    thickness, kind = float(setting["thickness"]), track_kind(case)
-    line, circle = as_line(case.track), as_circle(case.track)
-    if kind == "line" and line:
-        return [_line_segment(case, space, line, thickness)]
+    kind, line, circle = track_kind(case), as_line(case.track), as_circle(case.track)
     if kind == "hill" and circle:
         return [_static_circle(space, circle)]
-    return _chain(case, space, int(setting["facets"]), thickness)
+    if line:
+        return [_line_segment(case, space, line, setting["thickness"])]
+    return _chain(case, space, setting["facets"], setting["thickness"])
 
 
 def _static_circle(space: pymunk.Space, circle: Circle) -> pymunk.Shape:

@@ -19,7 +19,6 @@ import pymunk
 
 from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
 from cases.contact import Contact, Motion, find, slip_velocity, start_motion
-from cases.errors import DoesNotFit
 from cases.trajectory import Cost
 
 from . import _pymunk_assisted as assisted
@@ -40,20 +39,18 @@ def version() -> str:
 
 def refuses(case: Case, route: str) -> str | None:
     """Why pymunk cannot model the case by that route, in one sentence, or None."""
-    strange = [type(effect).__name__ for effect in case.effects if not isinstance(effect, KNOWN_EFFECTS)]
+    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if strange:
         return f"pymunk has nothing for {' and '.join(strange)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pymunk has one friction coefficient for slip and stick."
+    return _refuses_natively(case) if route == "native" else None
+
+
+def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
-    return _refuses_shape(case) if route == "native" else None
-
-
-def _refuses_shape(case: Case) -> str | None:
-    if case.plate.radius:
-        return None
     outline = case.plate.outline
     if not outline.period or np.any(outline.curvature(np.linspace(*outline.look, 721)) <= 0.0):
         return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
@@ -62,15 +59,18 @@ def _refuses_shape(case: Case) -> str | None:
 
 # --- settings --------------------------------------------------------------------------------------------------------
 
-# Steps in seconds for a case of a few seconds; a longer case has as many steps, so that a ladder's cost is bounded.
-# The first is a game's: 60 a second.
+# Steps in seconds, the first a game's: 60 a second. A case longer than the usual one has longer steps, at most three
+# times as long: that bounds a ladder's cost and keeps every step below the game's.
 STEPS = {
     "chain": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
-    "line": (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
-    "hill": (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "line": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "hill": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "polygon": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4),
+    # A polygon meets hundreds of facets in every step, and every corner of it is looked at each time.
+    "polygon on chain": (1 / 60, 5e-3, 4e-3, 2e-3, 1e-3, 5e-4),
     "assisted": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
 }
-USUAL_DURATION = 2.5
+USUAL_DURATION, MOST_STRETCHED = 2.5, 3.0
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
@@ -80,8 +80,8 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     The others correct all overlap beyond a hundred-thousandth of the plate at once, and tighten step and facets
     together. Assisted: there is the step alone.
     """
-    first, *others = STEPS["assisted" if route == "assisted" else native.track_kind(case)]
-    stretched = max(1.0, case.duration / USUAL_DURATION)
+    first, *others = STEPS["assisted" if route == "assisted" else native.scene_kind(case)]
+    stretched = min(MOST_STRETCHED, max(1.0, case.duration / USUAL_DURATION))
     steps = [h * stretched for h in others]
     if route == "assisted":
         return tuple(Setting.of(h=h, iterations=assisted.iterations(case)) for h in [first, *steps])
@@ -100,7 +100,10 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 @dataclass
 class Model:
-    """One run: the space, its moving body, the step in seconds and how many, and the recorded rows."""
+    """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
+
+    `roughness`: sagitta in metres of the facets that stand for the curves; `guide`: what the assisted route tells.
+    """
 
     case: Case
     route: str
@@ -108,6 +111,7 @@ class Model:
     body: pymunk.Body
     h: float
     steps: int
+    roughness: float = 0.0
     guide: assisted.Guide | None = None
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
@@ -116,16 +120,17 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
     steps = max(2, round(case.duration / setting["h"]))
     h = case.duration / steps
-    guide: assisted.Guide | None = None
     if route == "native":
         space, body = native.build(case, setting)
+        model = Model(case, route, space, body, h, steps, native.roughness(case, setting))
     else:
         space, body, guide = assisted.build(case, setting, h)
+        model = Model(case, route, space, body, h, steps, guide=guide)
     start = start_motion(case)
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
     body.velocity, body.angular_velocity = (start.vx, start.vy), start.omega
-    return Model(case, route, space, body, h, steps, guide)
+    return model
 
 
 def run(model: Model) -> None:
@@ -173,7 +178,9 @@ def read(model: Model) -> Trajectory:
     kick[0] *= 0.5
     force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
     contacts = _told(model.guide) if model.guide else _follow(case, start, pose)
-    ending = _ending(case, contacts, pose, force, model.h)
+    # A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
+    rounding = 10 * np.finfo(float).eps * case.plate.mass * float(np.abs(rates[:, :2]).max()) / model.h
+    ending = _ending(case, contacts, pose, force, rounding, _hop(case, force, model.h, model.roughness))
     pose, rates, force = pose[: ending.kept], rates[: ending.kept], force[: ending.kept]
     xi1, xi2, gap = (part[: ending.kept] for part in contacts)
     x, y, theta = pose.T
@@ -183,7 +190,7 @@ def read(model: Model) -> Trajectory:
     nx, ny = case.track.normal(xi1)
     normal_force = force[:, 0] * nx + force[:, 1] * ny
     return Trajectory(
-        t=model.h * np.arange(ending.kept),
+        t=np.linspace(0.0, case.duration, model.steps + 1)[: ending.kept],
         x=x,
         y=y,
         theta=theta,
@@ -220,60 +227,69 @@ def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
     for x, y, theta in pose.tolist():
         try:
             contact = find(case, x, y, theta, near)
-        except DoesNotFit:
+        except assisted.BEYOND:
             break
         near = (contact.xi1, contact.xi2)
         rows.append(contact)
     return _table(rows)
 
 
-def _ending(case: Case, contacts: _Contacts, pose: np.ndarray, force: np.ndarray, h: float) -> _Ending:
-    """The first of the things that end a motion, or the end of its time."""
+def _ending(
+    case: Case, contacts: _Contacts, pose: np.ndarray, force: np.ndarray, rounding: float, hop: float
+) -> _Ending:
+    """The first of the things that end a motion, or the end of its time.
+
+    A contact pushes with more than the `rounding` (N) of the forces; a gap (m) above `hop` is a flight.
+    """
     found = len(contacts.gap)
     endings = [_Ending(len(pose))]
-    if found < len(pose):
-        endings.append(_Ending(found, "lost_track", "No point of the track is near the plate any more."))
     smallest, _ = native.radii(case)
     through = contacts.gap < -smallest
     if through.any():
         endings.append(_Ending(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
     for name, curve, xi in (("track", case.track, contacts.xi1), ("outline", case.plate.outline, contacts.xi2)):
         if curve.domain and not curve.period:
+            # Where there was no contact any more, the next one would have been about as far ahead as the last.
+            xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < found < len(pose) else xi
             outside = (xi < curve.domain[0]) | (xi > curve.domain[1])
             if outside.any():
                 reason = f"The contact reached the end of the {name}'s domain."
                 endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
-    flown = contacts.gap > _hop(case, force, h)
+    if found < len(pose):
+        endings.append(_Ending(found, "lost_track", "No point of the track is near the plate any more."))
+    flown = contacts.gap > hop
     if flown.any():
         strength = np.hypot(*force[: int(np.argmax(flown)) + 1].T)
-        # A contact that pushes at all pushes with more than the rounding of the velocities' difference.
-        pushed = np.flatnonzero(strength > 1e-9 * strength.max())
+        pushed = np.flatnonzero(strength > 1e-9 * strength.max() + rounding)
         kept = int(pushed[-1]) + 1 if pushed.size else 1
         endings.append(_Ending(kept, "lift_off", "The contact stopped pushing and the plate left its track."))
     return min(endings, key=lambda ending: ending.kept)
 
 
-def _hop(case: Case, force: np.ndarray, h: float) -> float:
+def _hop(case: Case, force: np.ndarray, h: float, roughness: float) -> float:
     """A gap in metres that only a plate in flight reaches.
 
     An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
-    of gravity or contact. Four times that, and a millionth of the plate for rounding, is a flight; the cut goes back to
-    the flight's beginning.
+    of gravity or contact; and facets stand off the curve by their sagitta (`roughness`). Four times that, and a
+    millionth of the plate for rounding, is a flight; the cut goes back to the flight's beginning.
     """
     strongest = float(np.hypot(*native.pull(case))) + float(np.hypot(*force.T).max()) / case.plate.mass
-    return 1e-6 * native.radii(case)[0] + 2.0 * strongest * h**2
+    return 1e-6 * native.radii(case)[0] + 2.0 * strongest * h**2 + 4.0 * roughness
 
 
 def _creep(case: Case, xi1: np.ndarray, rates: np.ndarray, normal_force: np.ndarray, h: float) -> float:
-    """The slip velocity (m/s) that remains where the engine sticks.
+    """The slip velocity (m/s) that remains where the engine sticks, in all but one step in a hundred.
 
     It sticks with the velocities of a half step, along a tangent that turns by some angle a in a step: the mean of
-    two such velocities falls short by v a²/8, and a facet's own direction is off by as much again. And on facets the
-    normal force scatters from step to step; where it falls short, so does friction, for one step.
+    two such velocities misses by v a²/8 at the centre, and by as much at the contact, whose lever turns too; doubled
+    for plates whose outline bends more than the track. And on facets the normal force scatters from step to step:
+    where it falls short, so does friction, for one step.
     """
     turn = float(np.abs(np.diff(case.track.tangent_angle(xi1))).max(initial=0.0))
-    scatter = float(np.sqrt(0.5 * np.mean(np.diff(normal_force) ** 2))) if len(normal_force) > 1 else 0.0
+    # Half the difference of two neighbours is their distance from what they scatter about; the rarest are jumps.
+    jumps = np.abs(np.diff(normal_force))
+    scatter = 0.5 * float(np.percentile(jumps, 99)) if jumps.size else 0.0
     friction, plate = case.effect(CoulombFriction), case.plate
     ease = 1 / plate.mass + native.radii(case)[1] ** 2 / plate.inertia
     missing = h * (friction.mu if friction else 0.0) * scatter * ease
-    return float(0.25 * np.hypot(rates[:, 0], rates[:, 1]).max() * turn**2) + missing
+    return float(0.5 * np.hypot(rates[:, 0], rates[:, 1]).max() * turn**2) + missing
