@@ -61,7 +61,8 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
         solver.step()
         if solver.status == "failed":
             stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
-            return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
+            states = _joined(times[:-1], pieces) if pieces else lambda when: np.outer(y, np.ones(len(when)))
+            return Arc(phase, np.array(times), states, stop, solver.nfev)
         piece = solver.dense_output()
         found = _first_zero(phase, piece, first=not pieces)
         if found:
@@ -176,13 +177,10 @@ def _joined(starts, pieces) -> Callable[[np.ndarray], np.ndarray]:
 
     def states(times: np.ndarray) -> np.ndarray:
         which = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
-        blocks = np.empty((0, 0))
-        for i in np.unique(which):
-            chosen = which == i
-            values = pieces[i](times[chosen])
-            if blocks.size == 0:
-                blocks = np.empty((values.shape[0], len(times)))
-            blocks[:, chosen] = values
-        return blocks
+        values = {i: pieces[i](times[which == i]) for i in np.unique(which)}
+        joined = np.empty((len(next(iter(values.values()))), len(times)))
+        for i, block in values.items():
+            joined[:, which == i] = block
+        return joined
 
     return states

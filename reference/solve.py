@@ -53,6 +53,15 @@ NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Pain
 TOO_MANY = ("accumulation", f"More than {MOST_PHASES} changes of regime: they accumulate.")
 
 
+# Guards whose zero changes the mode: the phrase a transition carries.
+CAUSES = {
+    "slip": "the slip velocity vanished",
+    "cone_forward": "friction reached its cone",
+    "cone_backward": "friction reached its cone",
+    "normal_force": "the normal force vanished",
+}
+
+
 def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
     """The motion of a case by the paper's equations.
 
@@ -147,14 +156,6 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate):
             transitions.append(Transition(t, regime.mode, following.mode, y[0], y[1], CAUSES[guard]))
         regime = following
     return arcs, transitions, TOO_MANY
-
-
-CAUSES = {
-    "slip": "the slip velocity vanished",
-    "cone_forward": "friction reached its cone",
-    "cone_backward": "friction reached its cone",
-    "normal_force": "the normal force vanished",
-}
 
 
 def _after(case: Case, now: Phase, guard: str, t: float, y: Sequence[float]) -> Regime | None:
