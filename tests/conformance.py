@@ -1,0 +1,406 @@
+"""Laws of mechanics that every adapter is held to, as plain functions of one route of an adapter.
+
+`LAWS` names them all. A law raises AssertionError, which begins with the law's name, if the route breaks it, and
+Refused if the route cannot model the law's scene. Nothing here compares one solver with another: each law follows from
+Newton's and Coulomb's laws, or from a symmetry of theirs.
+
+Tolerances. They follow from the rung that is run (the finest but one) and from the case, never from what was measured:
+
+- `kick`, a·h: the velocity that the case's accelerations give within one step of h. Every engine here is at least of
+  first order, and a first-order step acts up to one step early or late.
+- `loss`, ½ m (a h)²·T/h: what is lost if every step removes a velocity a·h that it had let grow.
+- `tilt`: by how much a facet's direction, or the direction a step goes by, is off the curve's: the track's and the
+  plate's turn within a step, and 2π over the `vertices` or `facets` where the setting names them.
+- `motion.slip_resolution`: the creep that a solver declares it cannot tell from stick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import atan, cos, pi, sin
+from typing import Any
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+
+from adapters import Setting
+from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
+from cases.contact import pose, start_motion
+from reports.metrics import energy
+
+G = 9.81
+# The finest rung is what an engine's own tests look at; the one before costs half and every tolerance follows it.
+RUNG = -2
+# Polygons of more vertices than this take minutes a run; their ladder is taken to end before them.
+MOST_VERTICES = 500
+
+
+class Refused(Exception):
+    """The route cannot model the law's scene; the text is the adapter's reason."""
+
+
+@dataclass(frozen=True)
+class Route:
+    """One route of an adapter, `adapter` being a module or anything else with its functions."""
+
+    adapter: Any
+    name: str
+
+    def run(self, case: Case) -> Run:
+        """The motion at the finest rung but one; raises Refused."""
+        return _run(self.adapter, self.name, case)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A motion, what was asked and with which setting, and the scales of its error (see the module)."""
+
+    case: Case
+    setting: Setting
+    motion: Trajectory
+
+    @property
+    def step(self) -> float:
+        """The longest step between samples, s."""
+        return float(np.max(np.diff(self.motion.t)))
+
+    @property
+    def speed(self) -> float:
+        """The largest speed of the centre or, by spin, of the outline, m/s."""
+        size = float(np.hypot(*self.case.plate.outline.point(0.0)))
+        return float(np.max(np.hypot(self.motion.vx, self.motion.vy) + size * np.abs(self.motion.omega)))
+
+    @property
+    def bend(self) -> float:
+        """The largest curvature of the track that was passed, 1/m."""
+        return float(np.abs(self.case.track.curvature(self.motion.xi1)).max())
+
+    @property
+    def acceleration(self) -> float:
+        """Gravity and what the track's bend asks for, m/s²."""
+        gravity = self.case.effect(Gravity)
+        return (gravity.g if gravity else 0.0) + self.speed**2 * self.bend
+
+    @property
+    def kick(self) -> float:
+        """m/s."""
+        return self.acceleration * self.step
+
+    @property
+    def loss(self) -> float:
+        """J."""
+        return 0.5 * self.case.plate.mass * self.kick**2 * float(self.motion.t[-1]) / self.step
+
+    @property
+    def corners(self) -> float:
+        """The part of `tilt` that facets have, rad."""
+        knobs = dict(self.setting.values)
+        return sum(2 * pi / float(knobs[name]) for name in ("vertices", "facets") if name in knobs)
+
+    @property
+    def tilt(self) -> float:
+        """rad."""
+        turn = self.speed * self.bend + float(np.abs(self.motion.omega).max())
+        return turn * self.step + self.corners
+
+
+@lru_cache(maxsize=64)
+def _run(adapter, route: str, case: Case) -> Run:
+    refusal = adapter.refuses(case, route)
+    if refusal:
+        raise Refused(refusal)
+    ladder = adapter.ladder(case, route)
+    setting = [rung for rung in ladder if dict(rung.values).get("vertices", 0) <= MOST_VERTICES][RUNG]
+    model = adapter.build(case, route, setting)
+    adapter.run(model)
+    return Run(case, setting, adapter.read(model))
+
+
+def _hold(law: str, what: str, error, tolerance) -> None:
+    """Raises AssertionError, with the law's name, where the error (a number or an array) exceeds its tolerance."""
+    error, tolerance = np.broadcast_arrays(np.abs(np.asarray(error, dtype=float)), tolerance)
+    # Written so that NaN fails.
+    bad = ~(error <= tolerance)
+    if bad.any():
+        at = int(np.argmax(np.where(np.isfinite(error), error - tolerance, np.inf)))
+        raise AssertionError(
+            f"{law}: {what} is off by {error.flat[at]:.3g}, allowed {tolerance.flat[at]:.3g} ({bad.sum()} samples)"
+        )
+
+
+# --- scenes ----------------------------------------------------------------------------------------------------------
+
+CIRCLE = Curve(lambda s: (1.0 * curves.cos(s), 1.0 * curves.sin(s)))
+
+
+def _let_go(plate: Plate, start: Start, mu: float | None = 0.1) -> Case:
+    friction = (CoulombFriction(mu),) if mu else ()
+    return Case(CIRCLE, plate, (Gravity(G), *friction, Unilateral()), start, duration=1.0)
+
+
+def _elliptic_plate() -> Plate:
+    a, b = 0.2, 0.12
+    return Plate(Curve(lambda s: (a * curves.cos(s), b * curves.sin(s))), 1.0, (a * a + b * b) / 4)
+
+
+# A disc and a plate that is none, let go on the wall of a circle. An inertia of its own keeps the disc from hiding a
+# solver that assumes ½ m r².
+SCENES = {
+    "disc in a circle": _let_go(disc(0.1, 2.0, inertia=0.012), Start(-2.6, slip=0.3, omega=1.0)),
+    "ellipse in a circle": _let_go(_elliptic_plate(), Start(-2.6, xi2=-1.2, slip=0.3)),
+}
+
+
+def _slope(angle: float, mu: float, **how) -> Case:
+    """A hollow-ish disc on a line that falls to the right."""
+    track = Curve(lambda s: (s * curves.cos(angle), -s * curves.sin(angle)))
+    return Case(track, disc(0.1, 2.0), (Gravity(G), CoulombFriction(mu), Unilateral()), Start(0.0), **how)
+
+
+def mirrored(case: Case) -> Case:
+    """The case seen in a mirror that swaps left and right; parameters run backwards so that left stays left."""
+    start, gravity = start_motion(case), case.effect(Gravity)
+    assert gravity is not None
+    others = tuple(effect for effect in case.effects if effect is not gravity)
+    return replace(
+        case,
+        track=_mirror(case.track),
+        plate=replace(case.plate, outline=_mirror(case.plate.outline)),
+        effects=(Gravity(gravity.g, pi - gravity.direction), *others),
+        start=Start(-start.xi1, -start.xi2, -case.start.slip, -case.start.omega),
+    )
+
+
+def _mirror(curve: Curve) -> Curve:
+    def function(s):
+        x, y = curve.function(-s)
+        return -x, y
+
+    return Curve(function, domain=curve.domain and (-curve.domain[1], -curve.domain[0]))
+
+
+def turned(case: Case, angle: float) -> Case:
+    """The case with its track and its gravity turned about the origin."""
+    start, gravity = start_motion(case), case.effect(Gravity)
+    assert gravity is not None
+
+    def function(s):
+        x, y = case.track.function(s)
+        return x * cos(angle) - y * sin(angle), x * sin(angle) + y * cos(angle)
+
+    others = tuple(effect for effect in case.effects if effect is not gravity)
+    return replace(
+        case,
+        track=Curve(function, domain=case.track.domain),
+        effects=(Gravity(gravity.g, gravity.direction + angle), *others),
+        start=replace(case.start, xi2=start.xi2),
+    )
+
+
+# --- laws ------------------------------------------------------------------------------------------------------------
+
+
+def friction_torque(route: Route) -> None:
+    """A sliding disc spins up: ω = −(μ g t) m r/J, whatever its inertia."""
+    mu, mass, radius, inertia = 0.1, 2.0, 0.1, 0.012
+    # It would roll after v₀/(μ g (1 + m r²/J)) = 0.38 s.
+    case = Case(
+        Curve(lambda s: (s, 0)),
+        disc(radius, mass, inertia),
+        (Gravity(G), CoulombFriction(mu), Unilateral()),
+        Start(0.0, slip=1.0),
+        duration=0.3,
+    )
+    run = route.run(case)
+    exact = -mu * G * run.motion.t * mass * radius / inertia
+    # Friction's kick, through the same lever.
+    allowed = mu * run.kick * mass * radius / inertia
+    _hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, allowed)
+
+
+def cone(route: Route, scene: Case) -> None:
+    """|T| ≤ μ N at every sample: friction never exceeds Coulomb's bound, nor acts where nothing presses."""
+    run = route.run(scene)
+    normal, friction = run.motion.normal_force, run.motion.friction_force
+    mu = _mu(scene)
+    # A push along a direction that is off by `tilt` has this share along the tangent; 1e-9 of the weight is rounding.
+    allowed = (mu + run.tilt) * np.abs(normal) + 1e-9 * scene.plate.mass * G
+    _hold("cone", "friction beyond zero", friction, allowed)
+    _hold("cone", "the normal force below zero", np.minimum(normal, 0.0), run.tilt * np.abs(friction) + 1e-9 * G)
+
+
+def friction_opposes_slip(route: Route, scene: Case) -> None:
+    """T = −μ N sign(v) where the plate surely slips: the force's direction, and its size in the mean."""
+    run, mu = route.run(scene), _mu(scene)
+    motion = run.motion
+    # Slip that a step can reverse is left out: friction acts on both of its sides there.
+    sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * _ease(scene.plate)
+    sure[0] = False
+    if sure.sum() < 10:
+        raise Refused("the plate hardly slips in this scene")
+    against = -np.sign(motion.slip[sure]) * motion.friction_force[sure]
+    pressed = motion.normal_force[sure]
+    # On facets the force of one step is noise, its sum is not.
+    _hold("friction opposes slip", "the sum of friction", against.sum() / pressed.sum() - mu, run.tilt + 1e-6)
+
+
+def sticking_threshold(route: Route) -> None:
+    """A disc rolls down an incline up to tan = 3μ and slips beyond: told apart 0.1 % on either side."""
+    mu, off, duration = 0.1, 1e-3, 1.0
+    for share, slips in ((1 - off, False), (1 + off, True)):
+        angle = atan(3 * mu * share)
+        run = route.run(_slope(angle, mu, duration=duration))
+        # m r²/J = 2, so slip grows with g (sin − 3 μ cos), if it grows.
+        exact = G * (sin(angle) - 3 * mu * cos(angle)) * duration if slips else 0.0
+        # Half of the slip there is on the other side tells the two apart.
+        allowed = 0.5 * G * 3 * mu * off * cos(angle) * duration
+        side = "above" if slips else "below"
+        _hold("sticking threshold", f"slip 0.1 % {side} tan = 3 mu", run.motion.slip[-1] - exact, allowed)
+
+
+def no_friction_no_spin(route: Route) -> None:
+    """Without friction a disc keeps its spin, since the normal force points at its centre."""
+    run = route.run(replace(SCENES["disc in a circle"], effects=(Gravity(G), Unilateral())))
+    omega = run.motion.omega
+    # Nothing acts on the spin, so there is nothing a step could misplace: rounding of a thousand steps or more.
+    _hold("no spin-up without friction", "the spin", omega - omega[0], 1e-9 * (1 + abs(omega[0])))
+
+
+def energy_kept(route: Route, scene: Case) -> None:
+    """Without friction the energy is what it was."""
+    frictionless = replace(scene, effects=(Gravity(G), Unilateral()))
+    run = route.run(frictionless)
+    total = energy(frictionless, run.motion)
+    _hold("energy kept without friction", "the energy", total - total[0], run.loss + _swing(run))
+
+
+def energy_never_grows(route: Route, scene: Case) -> None:
+    """With friction and no load the energy falls or stays."""
+    run = route.run(scene)
+    total = energy(scene, run.motion)
+    growth = total - np.minimum.accumulate(total)
+    _hold("energy never grows", "the energy, above its least so far,", growth, _swing(run))
+
+
+def mirror_image(route: Route, scene: Case) -> None:
+    """The mirrored case has the mirrored motion."""
+    here, there = route.run(scene), route.run(mirrored(scene))
+    a, b = _common(here, there)
+    image = replace(b, x=-b.x, theta=-b.theta)
+    _hold_same_motion("mirror image", here, a, image)
+
+
+def turned_frame(route: Route, scene: Case) -> None:
+    """The case turned about the origin, gravity and all, has the turned motion."""
+    angle = 2.1
+    here, there = route.run(scene), route.run(turned(scene, angle))
+    a, b = _common(here, there)
+    back = replace(
+        b, x=b.x * cos(angle) + b.y * sin(angle), y=b.y * cos(angle) - b.x * sin(angle), theta=b.theta - angle
+    )
+    _hold_same_motion("turned frame", here, a, back)
+
+
+def momentum_balance(route: Route, scene: Case) -> None:
+    """m v and J ω grow by what the reported forces and gravity sum up to: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
+    run, motion, plate = route.run(scene), route.run(scene).motion, scene.plate
+    tangent, normal = scene.track.tangent(motion.xi1), scene.track.normal(motion.xi1)
+    fx, fy = motion.normal_force * normal + motion.friction_force * tangent
+    arm = scene.track.point(motion.xi1) - pose(scene, motion.xi1, motion.xi2)[:2]
+    pulled = -plate.mass * G
+
+    def sum_up(rate):
+        return cumulative_trapezoid(rate, motion.t, initial=0.0)
+
+    lever = float(np.hypot(*arm).max())
+    # Where on a facet the force acts is not reported; the arm is known to its length.
+    vague = lever * run.corners * sum_up(np.abs(motion.normal_force))[-1]
+    for what, change, force, allowed in (
+        ("m vx", plate.mass * (motion.vx - motion.vx[0]), fx, plate.mass * run.kick),
+        ("m vy", plate.mass * (motion.vy - motion.vy[0]), fy + pulled, plate.mass * run.kick),
+        (
+            "J omega",
+            plate.inertia * (motion.omega - motion.omega[0]),
+            arm[0] * fy - arm[1] * fx,
+            lever * plate.mass * run.kick + vague,
+        ),
+    ):
+        _hold("momentum balance", f"{what} against the reported forces", change - sum_up(force), allowed)
+
+
+def lift_off(route: Route) -> None:
+    """A frictionless disc let go near the top of a circle leaves it where N vanishes: at ⅔ of its first cos φ."""
+    # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
+    track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
+    case = Case(track, disc(0.1, 2.0), (Gravity(G), Unilateral()), Start(0.2), duration=1.2)
+    run = route.run(case)
+    motion, length = run.motion, 1.1
+    if motion.status != "lift_off":
+        raise AssertionError(f"lift-off: the motion should end with lift_off, and its status is {motion.status}")
+    exact = 2 / 3 * cos(0.2)
+    speed = (G * length * exact) ** 0.5
+    # A step of travel, and N = m (g cos φ − v²/L) read with a speed that is off by a kick.
+    allowed = run.step * speed / length + 2 * speed * run.kick / (3 * G * length)
+    _hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, allowed)
+
+
+def _mu(case: Case) -> float:
+    friction = case.effect(CoulombFriction)
+    return friction.mu if friction else 0.0
+
+
+def _ease(plate: Plate) -> float:
+    """How much of a kick on the centre reaches the contact point: 1 + m ρ²/J with the largest lever ρ."""
+    lever = float(np.hypot(*plate.outline.point(np.linspace(*plate.outline.look, 65))).max())
+    return 1 + plate.mass * lever**2 / plate.inertia
+
+
+def _swing(run: Run) -> float:
+    """By how much the energy of a sample, J, may be off if its velocity is off by a kick."""
+    return run.case.plate.mass * run.speed * run.kick
+
+
+def _common(here: Run, there: Run) -> tuple[Trajectory, Trajectory]:
+    """Both motions up to the end of the shorter."""
+    count = min(len(here.motion.t), len(there.motion.t))
+    return _cut(here.motion, count), _cut(there.motion, count)
+
+
+def _cut(motion: Trajectory, count: int) -> Trajectory:
+    names = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force", "xi1", "xi2")
+    return replace(motion, dense=None, **{name: getattr(motion, name)[:count] for name in names})
+
+
+def _hold_same_motion(law: str, run: Run, a: Trajectory, b: Trajectory) -> None:
+    # A velocity that is off by a kick, for as long as the motion lasts.
+    drift = run.kick * float(a.t[-1])
+    _hold(law, "the end of the motion", float(a.t[-1]) - run.case.duration, 2 * run.step)
+    _hold(law, "the centre", np.hypot(a.x - b.x, a.y - b.y), drift)
+    turns = 2 * pi * round(float(a.theta[0] - b.theta[0]) / (2 * pi))
+    size = run.case.plate.radius or float(np.hypot(*run.case.plate.outline.point(np.pi / 2)))
+    _hold(law, "the angle", a.theta - b.theta - turns, drift / size)
+
+
+Law = Callable[[Route], None]
+
+
+def _everywhere(law: Callable[[Route, Case], None]) -> dict[str, Law]:
+    name = law.__name__
+    return {f"{name}[{scene}]": lambda route, case=case: law(route, case) for scene, case in SCENES.items()}
+
+
+LAWS: dict[str, Law] = {
+    "friction_torque": friction_torque,
+    "sticking_threshold": sticking_threshold,
+    "no_friction_no_spin": no_friction_no_spin,
+    "lift_off": lift_off,
+    **_everywhere(cone),
+    **_everywhere(friction_opposes_slip),
+    **_everywhere(energy_kept),
+    **_everywhere(energy_never_grows),
+    **_everywhere(mirror_image),
+    **_everywhere(turned_frame),
+    **_everywhere(momentum_balance),
+}
