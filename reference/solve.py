@@ -62,6 +62,9 @@ CAUSES = {
 }
 
 
+_FREE = Cost()
+
+
 def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
     """The motion of a case by the paper's equations.
 
@@ -80,15 +83,17 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     regime = first_regime(case, start)
     setup = time.perf_counter() - began_setup
     cpu, wall = time.process_time(), time.perf_counter()
-    arcs, transitions, (status, reason) = run(case, regime, start, rtol, integrate)
-    cost = Cost(
-        cpu_s=time.process_time() - cpu,
-        wall_s=time.perf_counter() - wall,
-        setup_s=setup,
-        steps=sum(len(arc.times) - 1 for arc in arcs),
-        evaluations=sum(arc.evaluations for arc in arcs),
+    arcs, transitions, ending = run(case, regime, start, rtol, integrate)
+    spent = time.process_time() - cpu, time.perf_counter() - wall
+    return sampled(case, arcs, transitions, ending, Cost(*spent, setup_s=setup))
+
+
+def sampled(case: Case, arcs: list[Arc], transitions, ending: tuple[str, str], cost: Cost = _FREE) -> Trajectory:
+    """What `run` returned, as a trajectory: sampled, cut at a second contact; `cost` is filled up with the work."""
+    cost = replace(
+        cost, steps=sum(len(arc.times) - 1 for arc in arcs), evaluations=sum(arc.evaluations for arc in arcs)
     )
-    motion = _trajectory(case, arcs, transitions, status, reason, cost)
+    motion = _trajectory(case, arcs, transitions, *ending, cost)
     return motion if fits_everywhere(case) else _until_second_contact(case, motion)
 
 

@@ -26,6 +26,7 @@ from cases.errors import unknown
 if TYPE_CHECKING:
     from adapters import Setting
 
+    from .precision import Measured
     from .records import Experiment
 
 MADE_BY = "slip-to-roll report"
@@ -245,15 +246,26 @@ def _build(plan: Plan) -> int:
 
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress)
+    measured = _measure(plan, found)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
     try:
-        _write(plan, found, partial)
+        _write(plan, found, measured, partial)
         _move(partial, plan.out)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
     print(_told(plan, found))
     return 0
+
+
+def _measure(plan: Plan, found: Experiment) -> Measured:
+    """The timed pass, after everything else has ended; a quick report goes without."""
+    from . import precision
+
+    if plan.effort == "quick":
+        _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
+        return precision.Measured()
+    return precision.measure(found, plan.files, plan.effort == "full", _progress)
 
 
 def _progress(step: str, total: int, answers: Iterator) -> Iterator:
@@ -268,17 +280,18 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _write(plan: Plan, found: Experiment, folder: Path) -> None:
+def _write(plan: Plan, found: Experiment, measured: Measured, folder: Path) -> None:
     """Tables, figures, page and manifest into the folder."""
-    from . import figures, tables, webpage
+    from . import figures, precision, precision_figures, tables, webpage
     from .manifest import manifest
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
-    frames = tables.frames(found)
+    frames = tables.frames(found) | precision.frames(found, measured)
     tables.write(frames, folder / "tables")
     count = 1 + 3 * len(found.cases)
     drawn = list(_progress("figures", count, figures.draw(found, folder / "figures")))
+    drawn += precision_figures.draw(found, measured, folder / "figures")
     _say("page")
     told = manifest(plan.solvers, plan.jobs, plan.limit)
     told |= {
@@ -290,7 +303,7 @@ def _write(plan: Plan, found: Experiment, folder: Path) -> None:
         "seconds": found.seconds,
         "cases": {case.label: dict(case.parameters) for case in found.cases},
     }
-    page = webpage.render(found, frames, drawn, folder / "figures", told)
+    page = webpage.render(found, measured, frames, drawn, folder / "figures", told)
     (folder / "index.html").write_text(page, encoding="utf-8")
     files = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
     told["files"] = [*files, "manifest.json"]

@@ -60,6 +60,7 @@ class Truth:
     samples: dict[str, np.ndarray] = field(default_factory=dict)
     witnesses: tuple[str, ...] = ()
     failure: str = ""
+    centre_bar: float = float("nan")  # m; how sure the motion's centre is
 
 
 @dataclass(frozen=True)

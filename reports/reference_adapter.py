@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import reference
 from adapters import Setting
 from cases import Case, Trajectory
-from reference.solve import prepare
+from reference import solve
+from reference.modes import start_state
 
 NAME = "reference"
 routes = reference.METHODS
@@ -22,8 +23,11 @@ _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 
 @dataclass
 class _Model:
-    simulate: Callable[[], Trajectory]
-    motion: Trajectory | None = None
+    """A case and how to integrate it; after the run also what `solve.run` returned."""
+
+    case: Case
+    integrate: Callable[[], tuple]
+    result: tuple | None = None
 
 
 def refuses(case: Case, route: str) -> str | None:
@@ -38,19 +42,22 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 def build(case: Case, route: str, setting: Setting) -> _Model:
     """Derive and compile the equations; raises NotSupported for a case without."""
-    prepare(case, route, setting["rtol"])
-    return _Model(lambda: reference.simulate(case, rtol=setting["rtol"], method=route))
+    solve.prepare(case, route, setting["rtol"])
+    start = start_state(case)
+    regime = solve.first_regime(case, start)
+    _, integrator = solve.INTEGRATORS[route]
+    return _Model(case, lambda: solve.run(case, regime, start, setting["rtol"], integrator))
 
 
 def run(model: _Model) -> None:
-    """Integrate."""
-    model.motion = model.simulate()
+    """Integrate and locate the transitions: what an engine does while it steps."""
+    model.result = model.integrate()
 
 
 def read(model: _Model) -> Trajectory:
-    """The motion, with the transitions the reference located itself."""
-    assert model.motion is not None, "read comes after run"
-    return model.motion
+    """The motion sampled, with the transitions the reference located itself."""
+    assert model.result is not None, "read comes after run"
+    return solve.sampled(model.case, *model.result)
 
 
 def version() -> str:

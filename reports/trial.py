@@ -17,7 +17,7 @@ import cases
 import reference
 from adapters import EngineFailure, Setting
 from cases import Case, CoulombFriction, NotSupported, Trajectory
-from reference.certification import NotCertified, kept_or_new
+from reference.certification import Certificate, NotCertified, kept_or_new
 
 from . import metrics
 from .records import REFERENCE, TRUTH_RTOL, CaseKey, Offer, Run, Truth
@@ -99,7 +99,18 @@ def find_truth(key: CaseKey) -> Truth:
         reason=motion.reason,
         samples=_shown(case, _evenly(motion)),
         witnesses=certificate.witnesses,
+        centre_bar=_centre_bar(certificate, motion),
     )
+
+
+def _centre_bar(certificate: Certificate, motion: Trajectory) -> float:
+    """How sure the centre of the motion is, m: its largest distance from the certified samples, and their bars."""
+    state = motion(np.minimum(certificate.times, motion.t[-1]))
+    off = []
+    for values, certified in ((state.x, certificate.samples["x"]), (state.y, certificate.samples["y"])):
+        centres, bars = np.array(certified).T
+        off.append(np.abs(values - centres) + bars)
+    return float(np.hypot(*off).max())
 
 
 def _evenly(motion: Trajectory) -> Trajectory:

@@ -13,8 +13,9 @@ import numpy as np
 
 from cases import Case, entry
 
-from . import tables
+from . import precision, tables
 from .figures import Drawn
+from .precision import Measured
 from .records import TRUTH_RTOL, Experiment
 
 if TYPE_CHECKING:
@@ -28,6 +29,9 @@ _TABLE_WORDS = {
     "convergence": "Observed order of every route",
     "truth": "The certified transitions the runs are judged by",
     "errata": "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
+    "work_precision": "Error and CPU time of every right run of the timed cases",
+    "time_to_accuracy": "CPU time to each accuracy, and its ratio to the fastest route",
+    "null_scores": "What motions that know nothing of friction's law would score",
 }
 # Rows of a table that are shown on the page; the files hold the rest.
 _SHOWN_ROWS = 400
@@ -35,6 +39,7 @@ _SHOWN_ROWS = 400
 
 def render(
     experiment: Experiment,
+    measured: Measured,
     frames: dict[str, pd.DataFrame],
     drawn: Sequence[Drawn],
     figures: Path,
@@ -48,6 +53,7 @@ def render(
         "contents": _contents(experiment),
         "warnings": _warnings(experiment),
         "headline": _headline(frames["headline"], drawn, figures, command),
+        "precision": _precision(measured, frames, drawn, figures, command),
         "cases": "\n".join(_case(experiment, case, frames, drawn, figures, manifest) for case in experiment.cases),
         "failures": _failures(frames["trajectories"]),
         "tables": "\n".join(_whole_table(name, frame, command) for name, frame in frames.items()),
@@ -69,7 +75,7 @@ def _summary(experiment: Experiment) -> str:
 
 
 def _contents(experiment: Experiment) -> str:
-    links = [("headline", "First transition")]
+    links = [("headline", "First transition"), ("precision", "What accuracy costs in time")]
     links += [(_anchor(case.label), case.label) for case in experiment.cases]
     links += [
         ("failures", "What did not work"),
@@ -122,6 +128,30 @@ def _headline_cell(row: dict[str, Any] | None) -> str:
         return ""
     finest, own = (tables.error_text(row, column) for column in ("finest_error", "default_error"))
     return escape(finest) + (f"<br><small>{escape(own)}</small>" if own else "")
+
+
+def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
+    """The sentence, the picture over all cases, and the time to each accuracy."""
+    if not measured.cases:
+        return "<p>Not measured: a quick report takes no timings. Leave out <code>--quick</code>.</p>"
+    told = _records(frames["time_to_accuracy"])
+    quantity = {verdict.case: verdict.quantity for verdict in precision.verdicts(told)}
+    frame = frames["time_to_accuracy"]
+    shown = frame[[quantity.get(row["case"]) == row["quantity"] for row in told]]
+    picture = "".join(_figure(d, figures, command) for d in drawn if d.name == "work_precision")
+    failed = "".join(
+        f"<p>{escape(case)} could not be timed: {escape(why)}</p>" for case, why in measured.failures.items()
+    )
+    columns = {c: c.replace("_", " ") for c in frame.columns}
+    points, times, nulls = (
+        f'<a href="tables/{name}.csv">{name}.csv</a>' for name in ("work_precision", "time_to_accuracy", "null_scores")
+    )
+    return (
+        f"<p><strong>{escape(precision.headline(told))}</strong></p>{failed}{picture}"
+        f'<p class="note">Timed: {escape(", ".join(measured.cases))}. All quantities: {times}, {points}; what a motion '
+        f"that knows nothing of friction would score: {nulls}.</p>"
+        f"<details><summary>Time to accuracy</summary>{_table(shown, columns)}</details>{_remake(command)}"
+    )
 
 
 def _records(frame: pd.DataFrame) -> list[dict[str, Any]]:
