@@ -326,7 +326,7 @@ def headline(rows: Sequence[dict[str, Any]]) -> str:
     timed = [row for row in rows if not isinstance(row["cpu_s"], str)]
     if any(row["disturbed"] for row in timed):
         part = sum(row["disturbed"] for row in timed) / len(timed)
-        told += f" The machine was disturbed during {part:.0%} of these timings: ratios hold, absolute times may not."
+        told += f" The machine was disturbed during {part:.0%} of these timings: make them again on a quiet one."
     return told
 
 
