@@ -20,8 +20,6 @@ from tests.conformance import LAWS, SCENES, Refused, Route
 # adapter fails here until its line is taken out.
 KNOWN_FAULTS: dict[tuple[str, str, str], str] = {
     ("pymunk", "native", "lift_off"): "build raises KeyError('thickness'): a hill's ladder does not name it",
-    ("pymunk", "native", "cone[ellipse in a circle]"): "|T|/N reaches 0.204 with mu = 0.1, in 3 of 501 samples at "
-    "h = 2e-3 with 200 vertices: corners meet; 0.161 is allowed for facets that are tilted",
 }
 
 
