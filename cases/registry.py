@@ -9,6 +9,8 @@ import pkgutil
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -121,6 +123,17 @@ def _import_catalogue() -> None:
 
     for module in pkgutil.iter_modules(catalogue.__path__):
         importlib.import_module(f"{catalogue.__name__}.{module.name}")
+    _import_packages()
+
+
+@lru_cache(maxsize=1)
+def _import_packages() -> None:
+    """Cases of installed packages: modules named by entry points of the group "slip_to_roll.cases"."""
+    for found in entry_points(group="slip_to_roll.cases"):
+        try:
+            found.load()
+        except Exception as problem:
+            raise BadValue(f"the cases of {found.value} fail: {type(problem).__name__}: {problem}") from problem
 
 
 def _parse(text: str) -> tuple[str, dict[str, float]]:

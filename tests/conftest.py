@@ -1,4 +1,4 @@
-"""The fixture `accuracy`: a cross-check that asserts its bound and is listed when pytest ends."""
+"""Fixtures: `accuracy`, a cross-check listed when pytest ends, and `any_case`, every case of the catalogue."""
 
 from __future__ import annotations
 
@@ -6,8 +6,41 @@ from collections.abc import Callable
 
 import pytest
 
+import cases
+from cases import CaseError
+
 _PROPERTY = "accuracy"
 _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
+
+
+def pytest_addoption(parser):
+    """--case-file=FILE (with the =, else pytest takes FILE for a test file): test its cases, and nothing else."""
+    parser.addoption("--case-file", action="append", default=[], metavar="FILE", help="test the cases of this file")
+
+
+def pytest_configure(config):
+    """Load the case files; what is wrong with one is told in one line."""
+    try:
+        config.own_cases = [name for file in config.getoption("--case-file") for name in cases.load_file(file)]
+    except CaseError as problem:
+        raise pytest.UsageError(str(problem)) from None
+
+
+def pytest_generate_tests(metafunc):
+    """`any_case`: one test for each variant of each case, of the catalogue or of the case files."""
+    if "any_case" not in metafunc.fixturenames:
+        return
+    try:
+        chosen = [case for name in metafunc.config.own_cases or cases.names() for case in cases.select(name)]
+    except CaseError as problem:
+        raise pytest.UsageError(str(problem)) from None
+    metafunc.parametrize("any_case", chosen, ids=[case.label for case in chosen])
+
+
+def pytest_collection_modifyitems(config, items):
+    """With --case-file only the tests of those cases run."""
+    if config.own_cases:
+        items[:] = [item for item in items if "any_case" in item.fixturenames]
 
 
 @pytest.fixture

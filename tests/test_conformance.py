@@ -19,7 +19,12 @@ from tests.conformance import LAWS, SCENES, Refused, Route
 # What a law found wrong, until the adapter is right: (adapter, route, law) -> what was measured. Strict: a mended
 # adapter fails here until its line is taken out.
 KNOWN_FAULTS: dict[tuple[str, str, str], str] = {
-    ("pymunk", "native", "lift_off"): "build raises KeyError('thickness'): a hill's ladder does not name it",
+    (
+        "pymunk",
+        "native",
+        "lift_off",
+    ): "cos phi is off by 0.008 where it leaves, 0.001 is allowed: on facets the contact "
+    "is lost for good a few steps early, and no finer setting mends it",
 }
 
 

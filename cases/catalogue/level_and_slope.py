@@ -1,8 +1,8 @@
-"""Discs on straight tracks: bowling and the inclined plane."""
+"""Discs on straight tracks: bowling and the inclined plane. `shape` is J/(m r²): ½ disc, 1 hoop, ⅖ as a sphere's."""
 
-from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, case, disc
-from cases.curves import cos, sin
+from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
 from cases.errors import positive
+from cases.library import line
 
 
 @case(variants=[dict(mu=0.1), dict(mu=0.3)])
@@ -17,7 +17,7 @@ def disc_on_line(v0=1.0, mu=0.1, r=0.1, m=1.0, g=9.81):
     positive("v0 of disc_on_line", v0)
     positive("g of disc_on_line", g)
     return Case(
-        track=Curve(lambda s: (s, 0)),
+        track=line(),
         plate=disc(radius=r, mass=m),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0, slip=v0),
@@ -25,18 +25,44 @@ def disc_on_line(v0=1.0, mu=0.1, r=0.1, m=1.0, g=9.81):
     )
 
 
-@case(variants=[dict(slope=0.2), dict(slope=0.4)])
-def disc_on_incline(slope=0.2, mu=0.1, r=0.1, m=1.0, g=9.81, duration=1.0):
+@case(
+    variants=[
+        dict(backspin=2.0),
+        dict(backspin=-2.5),
+        dict(backspin=1.0, shape=1.0),
+        dict(shape=0.4),
+    ]
+)
+def thrown_with_spin(v0=1.0, backspin=0.0, shape=0.5, mu=0.2, r=0.1, m=1.0, g=9.81):
+    """A wheel thrown along a level line at v0 with back-spin (rim speed `backspin`, m/s; top-spin if negative).
+
+    Why: friction may brake, drive or turn the wheel back; only the inertia's `shape` and the spin decide.
+    Source: Coriolis, Théorie mathématique des effets du jeu de billard (1835); Sommerfeld, Mechanics, IV.8 (billiards).
+    Known exactly: it rolls after abs(v0 + backspin)/(μ g (1 + 1/shape)), at (v0 − shape·backspin)/(1 + shape): 5/7 of
+    v0 for a sphere without spin, and at rest for a hoop whose back-spin is v0. The case lasts twice that time.
+    """
+    slip = positive("v0 of thrown_with_spin", v0) + backspin
+    positive("mu of thrown_with_spin", mu), positive("shape of thrown_with_spin", shape)
+    return Case(
+        track=line(),
+        plate=disc(r, m, shape * m * r**2),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, slip=slip, omega=backspin / r),
+        duration=2.0 * abs(slip) / (mu * g * (1.0 + 1.0 / shape)),
+    )
+
+
+@case(variants=[dict(slope=0.2), dict(slope=0.29), dict(slope=0.3), dict(slope=0.4)])
+def disc_on_incline(slope=0.2, mu=0.1, shape=0.5, r=0.1, m=1.0, g=9.81, duration=1.0):
     """A disc let go on an incline of angle `slope` (rad): it rolls or it slips for ever.
 
     Source: the textbook problem; also Drake's benchmark `inclined_plane`.
     Known exactly: it rolls if tan(slope) ≤ 3 μ, with acceleration (2/3) g sin(slope); else it slips with
-    g (sin(slope) − μ cos(slope)).
+    g (sin(slope) − μ cos(slope)). For μ = 0.1 the two part at 0.29146 rad. In general tan(slope) ≤ μ (1 + 1/shape).
     """
-    slope = float(slope)
     return Case(
-        track=Curve(lambda s: (s * cos(slope), -s * sin(slope))),
-        plate=disc(radius=r, mass=m),
+        track=line(slope),
+        plate=disc(r, m, shape * m * r**2),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0),
         duration=duration,

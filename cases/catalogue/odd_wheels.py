@@ -1,0 +1,143 @@
+"""Wheels that are out of balance or out of round, and a rod on its end. Gravity pulls along −Y."""
+
+from math import atan, cos, pi, sinh, sqrt
+
+from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, case
+from cases import curves as c
+from cases.errors import positive
+from cases.library import catenary_hill, hill, line, logarithmic_spiral, rounded_polygon, superellipse
+
+
+def _eccentric(radius: float, eccentricity: float) -> Curve:
+    """A circle whose centre lies at −eccentricity on the plate's own x axis."""
+    r, e = positive("radius of the wheel", radius), positive("eccentricity of the wheel", eccentricity)
+    return Curve(lambda s: (r * c.cos(s) - e, r * c.sin(s)))
+
+
+@case
+def eccentric_disc_on_line(mu=0.1, e=0.03, omega=-6.0, r=0.1, m=1.0, g=9.81, duration=1.2):
+    """An unbalanced wheel started in rolling with its weight beside the axle: the normal force swings each turn.
+
+    Why: rolling and slipping alternate for a reason that no disc shows. J = m r²/2 about the centre of mass.
+    Source: Goldstein, Poole & Safko (unbalanced disc); Maritz & Theron, "Experimental verification of the motion of a
+    loaded hoop", Am. J. Phys. 80 (2012).
+    Known exactly: while it rolls, (J + m d²) ω²/2 + m g y is constant, d being its distance from the contact point.
+    """
+    return Case(
+        track=line(),
+        plate=Plate(_eccentric(r, e), m, 0.5 * m * r**2),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, xi2=-pi / 2, omega=omega),
+        duration=duration,
+    )
+
+
+@case
+def littlewood_hoop(mu=0.2, share=0.8, angle=0.4, r=0.5, m=1.0, g=9.81, duration=1.5):
+    """Littlewood's hoop: a weight on the rim of a light hoop, let go at the top. Does it hop?
+
+    Why: a century of arguments; friction decides, because the hoop slips before it leaves the ground. `share` is the
+    weight's share of the mass. It starts at `angle` from the top with the spin of rolling from rest there.
+    Source: Littlewood, A Mathematician's Miscellany (1953); Tokieda, "The hopping hoop", Am. Math. Monthly 104 (1997);
+    Butler, "Hopping hoops don't hop", Am. Math. Monthly 106 (1999).
+    Known exactly: while it rolls ω² = (g/r) share (1 − cos φ)/(1 + share cos φ), φ from the top.
+    """
+    spin = sqrt(g / r * share * (1 - cos(angle)) / (1 + share * cos(angle)))
+    e = share * r
+    return Case(
+        track=line(),
+        plate=Plate(_eccentric(r, e), m, m * (r**2 - e**2)),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, xi2=angle - pi, omega=-spin),
+        duration=duration,
+    )
+
+
+@case
+def superellipse_on_hill(mu=0.6, tilt=0.15, R=1.0, a=0.2, b=0.15, m=1.0, g=9.81, duration=1.5):
+    """A square with round corners, x⁴ and y⁴, rocking on a hill: nearly flat below, nearly a corner beside.
+
+    Why: the outline's curvature is zero at rest and large a little further on.
+    Source: Piet Hein's superellipse; Lamé, Examen des différentes méthodes (1818).
+    Known exactly: its area is 4 a b Γ(5/4)²/Γ(3/2). The inertia is (a² + b²)/3 of the box around it.
+    """
+    return Case(
+        track=hill(R),
+        plate=Plate(superellipse(a, b), m, m * (a * a + b * b) / 3),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, xi2=-pi / 2 + tilt),
+        duration=duration,
+    )
+
+
+@case
+def rounded_triangle_on_line(mu=0.3, sharpness=0.8, omega=-8.0, r=0.1, m=1.0, g=9.81, duration=1.2):
+    """A triangle of constant width rolling on a line, from its support function h(φ).
+
+    Why: a board laid over it stays level, the plate's centre does not.
+    Source: Reuleaux, Kinematics of Machinery (1876); Barbier, J. Math. Pures Appl. 5 (1860): its perimeter is 2π r.
+    Known exactly: while it rolls, (J + m (h² + h′²)) ω²/2 + m g h is constant.
+    """
+    return Case(
+        track=line(),
+        plate=Plate(rounded_polygon(r, 3, sharpness), m, 0.5 * m * r**2),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, xi2=-pi / 2 + 0.3, omega=omega),
+        duration=duration,
+    )
+
+
+@case
+def straight_edge_on_catenary(omega=-2.0, xi1=-0.1, mu=2.0, h=0.2, m=1.0, g=9.81, duration=0.5):
+    """A square wheel: one side of it rolling over a road of catenaries, its centre at one height.
+
+    Why: outline and track both have no circle anywhere, and yet the plate's path is a level line.
+    Source: Robison, "Rockers and rollers", Math. Mag. 33 (1960); Hall & Wagon, "Roads and wheels", ibid. 65 (1992).
+    Known exactly: the centre of mass stays level while the edge rolls, and (J + m d²) ω² is constant.
+    """
+    h = positive("h of straight_edge_on_catenary", h)
+    # The edge has rolled from the top of the road, so both have been passed over by the same length.
+    return Case(
+        track=catenary_hill(h, reach=h),
+        plate=Plate(Curve(lambda s: (s, -h), domain=(-h, h)), m, m * (2 * h) ** 2 / 6),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=xi1, xi2=h * sinh(xi1 / h), omega=omega),
+        duration=duration,
+    )
+
+
+@case
+def spiral_on_incline(growth=0.2, omega=-5.0, mu=0.5, start=0.1, m=1.0, g=9.81, duration=0.5):
+    """A logarithmic spiral with its mass at the pole, rolling down an incline of slope atan(growth) on the level.
+
+    Why: it rolls downhill and does not fall: the pole's path is level, equilibrium is neutral everywhere.
+    Source: Lockwood, A Book of Curves, ch. 11 (the pole of a rolling equiangular spiral runs on a straight line).
+    Known exactly: y of the centre of mass is constant while it rolls, and (J + m d²) ω² is. J = m·start²/2.
+    """
+    return Case(
+        track=line(atan(growth)),
+        plate=Plate(logarithmic_spiral(start, growth), m, 0.5 * m * start**2),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, xi2=-1.2, omega=omega),
+        duration=duration,
+    )
+
+
+@case(variants=[dict(mu=0.5), dict(mu=1.2)])
+def sliding_rod(mu=0.5, angle=1.2, v0=2.0, length=1.0, tip=0.001, m=1.0, g=9.81, duration=0.5):
+    """Painlevé's rod: a slender rod pushed along a line on its round tip, the tip leading, at `angle` to the line.
+
+    Why: above μ = 4/3 rigid Coulomb contact loses its unique force; below it friction only multiplies the normal force.
+    Source: Painlevé, C. R. Acad. Sci. 121 (1895); Génot & Brogliato, "New results on Painlevé paradoxes", Eur. J. Mech.
+    A/Solids 18 (1999).
+    Known exactly: N = m g/(1 + 3 cos²φ − 3 μ cos φ (sin φ + 2 tip/length)) at the start; a denominator of zero first
+    appears at μ = 4/3, tan φ = 2 (tip → 0).
+    """
+    half, tip = positive("length of sliding_rod", length) / 2, positive("tip of sliding_rod", tip)
+    return Case(
+        track=line(),
+        plate=Plate(_eccentric(tip, half), m, m * half**2 / 3),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, xi2=-pi / 2 - angle, slip=-v0),
+        duration=duration,
+    )

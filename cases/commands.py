@@ -1,0 +1,145 @@
+"""The command `python -m cases`.
+
+    python -m cases                            lists every case in one line
+    python -m cases new NAME                   writes NAME.py, a commented case to start from
+    python -m cases check FILE                 validates a file of cases and says what is wrong and where
+    python -m cases show NAME [mu=0.3 …]       a picture of scene and motion, facts, and who can run it
+    python -m cases export NAME [mu=0.3 …]     the scene and its true transitions as JSON and CSV
+
+`show` and `export` need solvers, which this package knows nothing of: whoever has them declares them as entry points
+of the group "slip_to_roll.commands" (the suite's own are `reports.show` and `reports.export`).
+"""
+
+from __future__ import annotations
+
+import keyword
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from . import registry
+from .errors import BadValue, CaseError, UnknownName, unknown
+
+OWN = ("new", "check")
+BY_OTHERS = ("show", "export")
+
+TEMPLATE = '''"""One case of your own. Edit the expression, then: python -m cases check {name}.py"""
+
+from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, case, disc
+from cases.curves import cos
+
+
+@case  # @case(variants=[dict(mu=0.1), dict(mu=0.3)]) runs several
+def {name}(depth=0.3, mu=0.1):
+    """Say in one sentence what happens here.
+
+    Why: what makes it interesting. Source: who posed it, or yourself.
+    """
+    return Case(
+        # The track, in metres: the plate lies on the left of increasing s. Use the functions of cases.curves,
+        # a ready-made curve of cases.library, or measured points: Curve.from_csv("points.csv").
+        track=Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3)),
+        # The plate: a disc, or Plate(outline, mass, inertia) with an outline about the centre of mass.
+        plate=disc(radius=0.1, mass=1.0),
+        # Leave out CoulombFriction for no friction, Unilateral for a two-sided guide.
+        effects=(Gravity(9.81), CoulombFriction(mu), Unilateral()),
+        # At rest unless slip= (m/s) and omega= (rad/s) say otherwise; xi2= for outlines that are no circle.
+        start=Start(xi1=-1.0),
+        duration=2.0,  # seconds
+    )
+'''
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status: 0, or 2 with one line if what was asked for makes no sense."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        if words and words[0] in ("-h", "--help"):
+            print((__doc__ or "").strip())
+        elif not words:
+            print(listing())
+        else:
+            run(words[0], words[1:])
+    except (CaseError, OSError) as problem:
+        print(f"cases: {problem}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def run(command: str, words: Sequence[str]) -> None:
+    """One of the commands; raises CaseError if it cannot."""
+    if command not in OWN + BY_OTHERS:
+        raise unknown("command", command, OWN + BY_OTHERS)
+    if command in BY_OTHERS:
+        found = list(entry_points(group="slip_to_roll.commands", name=command))
+        if not found:
+            raise BadValue(
+                f"{command} needs the installed suite: pip install -e . first, or python -m reports.{command}"
+            )
+        found[0].load()(words)
+        return
+    if len(words) != 1:
+        what = "NAME" if command == "new" else "FILE"
+        raise BadValue(f"{command} takes one {what}: python -m cases {command} {what}")
+    print(new(words[0]) if command == "new" else check(words[0]))
+
+
+def listing() -> str:
+    """Every case with its first line."""
+    names = registry.names()
+    width = max(map(len, names))
+    return "\n".join(f"{name:{width}}  {registry.entry(name).summary}" for name in names)
+
+
+def new(name: str) -> str:
+    """Write NAME.py into the working folder; raises BadValue for a name no case can have or a file that exists."""
+    name = name.removesuffix(".py")
+    if not name.isidentifier() or keyword.iskeyword(name):
+        raise BadValue(f"{name!r} cannot name a case; use letters, digits and underscores, for example my_valley")
+    if name in registry.names():
+        raise BadValue(f"there is already a case {name!r}; give another name")
+    path = Path(f"{name}.py")
+    if path.exists():
+        raise BadValue(f"{path} exists already; give another name, or remove it")
+    path.write_text(TEMPLATE.format(name=name), encoding="utf-8")
+    return f"written: {path}; edit its curve, then python -m cases check {path}"
+
+
+def check(file: str) -> str:
+    """Load a file and make every variant of its cases; raises CaseError with file and line of what is wrong."""
+    path = Path(file)
+    try:
+        names = registry.load_file(path)
+    except UnknownName:
+        raise
+    except CaseError as problem:
+        raise BadValue(f"{where(path, problem)}: {problem}") from problem
+    lines = []
+    for name in names:
+        try:
+            made = registry.select(name)
+        except Exception as problem:  # the author's code may fail in any way; it is told with its place
+            kind = "" if isinstance(problem, CaseError) else f"{type(problem).__name__}: "
+            raise BadValue(f"{where(path, problem)}, in {name}: {kind}{' '.join(str(problem).split())}") from problem
+        lines += [f"{case.label}: fits, and lasts {case.duration:g} s" for case in made]
+        if "Source:" not in (registry.entry(name).function.__doc__ or ""):
+            lines.append(f"{name}: its docstring names no source yet (Source: …); the acceptance tests ask for one")
+    return "\n".join(lines)
+
+
+def where(path: Path, problem: BaseException) -> str:
+    """path:line of the innermost place in the author's file that the problem came through."""
+    causes: list[BaseException] = [problem]
+    while causes[-1].__cause__:
+        causes.append(causes[-1].__cause__)
+    lines = [
+        frame.lineno
+        for cause in causes
+        for frame in traceback.extract_tb(cause.__traceback__)
+        if Path(frame.filename).resolve() == path.resolve()
+    ]
+    syntax = [cause.lineno for cause in causes if isinstance(cause, SyntaxError)]
+    line = (syntax or lines or [None])[-1]
+    return f"{path}:{line}" if line else str(path)

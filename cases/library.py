@@ -1,0 +1,169 @@
+"""Curves by name. Each is a `Curve` of one expression; lengths in metres, angles in radians.
+
+The plate lies on the left of increasing s: valleys and hills run to the right with the plate above them, `circle` and
+`ellipse` are tracks seen from inside and, equally, outlines; `hill` is a circle seen from outside. Sizes must be
+greater than zero (BadValue). Source of the curves' own facts: Lockwood, A Book of Curves (Cambridge 1961).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi
+from typing import Any
+
+import sympy as sp
+
+from .curves import PARAMETER, Curve, cos, cosh, exp, sin
+from .errors import BadCurve, BadValue, finite, positive
+
+
+def line(slope: float = 0.0) -> Curve:
+    """A straight line that falls to the right at the angle `slope`; s is arc length."""
+    angle = finite("slope of line", slope)
+    return Curve(lambda s: (s * cos(angle), -s * sin(angle)))
+
+
+def circle(radius: float) -> Curve:
+    """A circle about the origin, counter-clockwise; s is the polar angle."""
+    R = positive("radius of circle", radius)
+    return Curve(lambda s: (R * cos(s), R * sin(s)))
+
+
+def hill(radius: float) -> Curve:
+    """The outside of a circle about the origin; s is the angle from its top, to the right."""
+    R = positive("radius of hill", radius)
+    return Curve(lambda s: (R * sin(s), R * cos(s)))
+
+
+def ellipse(a: float, b: float) -> Curve:
+    """An ellipse about the origin with half-axes a (along X) and b, counter-clockwise."""
+    a, b = positive("a of ellipse", a), positive("b of ellipse", b)
+    return Curve(lambda s: (a * cos(s), b * sin(s)))
+
+
+def parabola(focus: float, reach: float = 3.0) -> Curve:
+    """The valley y = x²/(4·focus) for |x| ≤ reach; s = x. Radius of curvature 2·focus at the bottom."""
+    f, reach = positive("focus of parabola", focus), positive("reach of parabola", reach)
+    return Curve(lambda s: (s, s**2 / (4 * f)), (-reach, reach))
+
+
+def cosine(depth: float, wavenumber: float, reach: float = 3.0) -> Curve:
+    """The wave y = −depth·cos(wavenumber·x) for |x| ≤ reach, a valley at s = x = 0."""
+    d, k, reach = (
+        positive("depth of cosine", depth),
+        positive("wavenumber of cosine", wavenumber),
+        finite("reach", reach),
+    )
+    return Curve(lambda s: (s, -d * cos(k * s)), (-reach, reach))
+
+
+def catenary(a: float, reach: float = 3.0) -> Curve:
+    """The hanging chain y = a cosh(x/a) for |x| ≤ reach; s = x. Its curvature is a/y²."""
+    a, reach = positive("a of catenary", a), positive("reach of catenary", reach)
+    return Curve(lambda s: (s, a * cosh(s / a)), (-reach, reach))
+
+
+def catenary_hill(a: float, reach: float) -> Curve:
+    """The same chain upside down, y = −a cosh(x/a): the road on which a straight edge rolls level."""
+    a, reach = positive("a of catenary_hill", a), positive("reach of catenary_hill", reach)
+    return Curve(lambda s: (s, -a * cosh(s / a)), (-reach, reach))
+
+
+def cycloid(a: float, offset: float = 0.0) -> Curve:
+    """The valley x = a(s + sin s), y = −a cos s, moved down its normal by `offset`.
+
+    A disc of radius `offset` on it has its *centre* on the cycloid itself. The domain |s| ≤ 2.9 leaves out the cusps
+    at ±π. One arch from cusp to cusp is 8a long.
+    """
+    a = positive("a of cycloid", a)
+    r = finite("offset of cycloid", offset)
+    return Curve(lambda s: (a * (s + sin(s)) + r * sin(s / 2), -a * cos(s) - r * cos(s / 2)), (-2.9, 2.9))
+
+
+def trochoid(a: float, arm: float, arches: int = 2) -> Curve:
+    """x = a s + arm·sin s, y = −arm·cos s: a point at distance `arm` from the centre of a wheel of radius a.
+
+    A valley at s = 0, `arches` arches to each side. BadCurve for arm = a (the cycloid's cusps) and arm > a (loops).
+    """
+    a, d = positive("a of trochoid", a), positive("arm of trochoid", arm)
+    if d >= a:
+        raise BadCurve(f"arm = {d:g} of trochoid is not below a = {a:g}: it has cusps or loops; give a shorter arm")
+    return Curve(lambda s: (a * s + d * sin(s), -d * cos(s)), (-2 * pi * arches, 2 * pi * arches))
+
+
+def superellipse(a: float, b: float, exponent: int = 4) -> Curve:
+    """|x/a|ⁿ + |y/b|ⁿ = 1 for an even whole number n ≥ 2; s is the polar angle of (x/a, y/b).
+
+    For n > 2 its four flat points have curvature zero: it fits on a hill, and touches a straight line there only at
+    the limit of fitting.
+    """
+    a, b = positive("a of superellipse", a), positive("b of superellipse", b)
+    n = int(exponent)
+    if n != exponent or n < 2 or n % 2:
+        raise BadValue(f"exponent of superellipse is {exponent}; give an even whole number, at least 2")
+
+    def point(s):
+        # A root of a root of cosines to whole powers is smooth all round; |cos s|^(2/n), the usual form, is not.
+        scale = (cos(s) ** n + sin(s) ** n) ** sp.Rational(-1, n)
+        return a * cos(s) * scale, b * sin(s) * scale
+
+    return Curve(point)
+
+
+def logarithmic_spiral(start: float, growth: float, turns: float = 0.5) -> Curve:
+    """r = start·e^(growth·s) about the origin for |s| ≤ 2π·turns, counter-clockwise.
+
+    It meets every radius at the same angle, whose cotangent is `growth`.
+    """
+    a, b = positive("start of logarithmic_spiral", start), finite("growth of logarithmic_spiral", growth)
+    reach = 2 * pi * positive("turns of logarithmic_spiral", turns)
+    return Curve(lambda s: (a * exp(b * s) * cos(s), a * exp(b * s) * sin(s)), (-reach, reach))
+
+
+def from_support(support: Callable[[Any], Any]) -> Curve:
+    """The outline whose tangent with outward normal (cos s, sin s) lies at the distance h(s) from the origin.
+
+    `support` takes a symbol and returns h in metres. Its radius of curvature is h + h″, which must stay positive
+    (BadCurve where it reaches zero: the outline has a cusp there).
+    """
+    h = sp.sympify(support(PARAMETER))
+    h1 = sp.diff(h, PARAMETER)
+    outline = Curve(lambda s: (h * cos(s) - h1 * sin(s), h * sin(s) + h1 * cos(s)))
+    radius = sp.lambdify(PARAMETER, sp.sympify(h + sp.diff(h1, PARAMETER)), "math")
+    worst = min((2 * pi * i / 720 for i in range(720)), key=radius)
+    if radius(worst) <= 0.0:
+        raise BadCurve(f"h + h'' is {radius(worst):.6g} m at s = {worst:.6g}, so the outline has a cusp; add to h")
+    return outline
+
+
+def rounded_polygon(radius: float, corners: int, sharpness: float = 0.5) -> Curve:
+    """h = radius·(1 + sharpness·cos(n s)/(n² − 1)): an outline with n rounded corners, `sharpness` from 0 to below 1.
+
+    For odd n its width is 2·radius in every direction.
+    """
+    r, k = positive("radius of rounded_polygon", radius), finite("sharpness of rounded_polygon", sharpness)
+    n = int(corners)
+    if n != corners or n < 2:
+        raise BadValue(f"corners of rounded_polygon is {corners}; give a whole number, at least 2")
+    if not 0 <= k < 1:
+        raise BadValue(f"sharpness of rounded_polygon is {k:g}; give a number from 0 to below 1")
+    swell = r * k / (n * n - 1)
+    return from_support(lambda s: r + swell * cos(n * s))
+
+
+__all__ = [
+    "catenary",
+    "catenary_hill",
+    "circle",
+    "cosine",
+    "cycloid",
+    "ellipse",
+    "from_support",
+    "hill",
+    "line",
+    "logarithmic_spiral",
+    "parabola",
+    "rounded_polygon",
+    "superellipse",
+    "trochoid",
+]

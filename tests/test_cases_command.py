@@ -1,0 +1,125 @@
+"""The command `python -m cases`, tried as a new user would, with a deliberate mistake at each step."""
+
+import json
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import cases
+from cases import registry
+from cases.commands import TEMPLATE, main
+from reports import export, show
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch):
+    """An empty working folder, a catalogue that forgets what is loaded, and the suite's own commands installed."""
+    monkeypatch.chdir(tmp_path)
+    cases.names()
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    commands = {"show": show.run, "export": export.run}
+    monkeypatch.setattr(
+        "cases.commands.entry_points", lambda group, name: [SimpleNamespace(load=lambda: commands[name])]
+    )
+    return tmp_path
+
+
+def run(capsys, *words) -> tuple[int, str, str]:
+    status = main(list(words))
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+def refused(capsys, *words) -> str:
+    status, out, err = run(capsys, *words)
+    assert status == 2 and not out
+    assert err.startswith("cases: ") and err.count("\n") == 1
+    return err
+
+
+def test_without_words_every_case_is_listed_in_one_line(capsys):
+    status, out, _ = run(capsys)
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()] == cases.names()
+
+
+def test_new_then_check_then_show_works_without_an_edit(desk, capsys):
+    assert run(capsys, "new", "my_valley")[0] == 0
+    status, out, _ = run(capsys, "check", "my_valley.py")
+    assert status == 0 and "my_valley: fits" in out
+    status, out, _ = run(capsys, "show", "my_valley", "mu=0.2", "--case-file", "my_valley.py")
+    assert status == 0 and "mu = 0.2" in out and "reference: runs it" in out
+    assert (desk / "my_valley.png").stat().st_size > 10_000
+
+
+def test_export_holds_what_a_scene_needs(desk, capsys):
+    assert run(capsys, "export", "disc_on_line", "mu=0.1")[0] == 0
+    scene = json.loads((desk / "disc_on_line" / "scene.json").read_text())
+    (first,) = scene["transitions"]
+    assert abs(first["time"]["value"] - 1 / (0.3 * 9.81)) <= first["time"]["bar"]
+    assert scene["effects"]["Gravity"]["g"] == 9.81 and scene["start"]["slip"] == 1.0
+    s, x, y, nx, ny, bend = np.loadtxt(desk / "disc_on_line" / "outline.csv", delimiter=",", skiprows=1).T
+    assert bend == pytest.approx(10.0 + 0 * s)
+    assert nx * x + ny * y == pytest.approx(-0.1 + 0 * s)  # the left normal points to the centre
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["shwo"], "choose from"),
+        (["new"], "new NAME"),
+        (["new", "my valley"], "cannot name a case"),
+        (["new", "class"], "cannot name a case"),
+        (["new", "disc_on_line"], "already a case"),
+        (["check", "nowhere.py"], "no case file"),
+        (["check"], "check FILE"),
+        (["show"], "NAME"),
+        (["show", "disc_on_lime"], "disc_on_line"),
+        (["show", "disc_on_line", "mew=0.3"], "mu"),
+        (["show", "disc_on_line", "mu=slippery"], "parameter=number"),
+        (["show", "disc_on_line", "--colour"], "--colour"),
+        (["show", "disc_on_line", "--out"], "--out"),
+        (["export", "disc_on_line", "mu=-1"], "zero"),
+    ],
+)
+def test_a_mistake_on_the_command_line_gives_one_line(desk, capsys, words, says):
+    assert says in refused(capsys, *words)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "line", "says"),
+    [
+        ("domain=(-3, 3)", "domain=(3, -3)", True, "smaller number first"),
+        ("cos(2 * s)", "cos(2 * t)", True, "'t' is not defined"),
+        ("cos(2 * s)", "cos(2 * s", True, "never closed"),
+        ("radius=0.1", "radius=3.0", True, "smaller plate"),
+        ("xi1=-1.0", "xi1=-7.0", True, "outside the track's domain"),
+        ("Start(", "Strat(", True, "Strat"),
+        ("import cos", "import cosinus", True, "cosinus"),
+        ("@case ", "# ", False, "@case"),
+        ("return Case(", "Case(", False, "return a Case"),
+    ],
+)
+def test_a_mistake_in_a_file_is_told_in_one_line_with_its_place(desk, capsys, before, after, line, says):
+    text = TEMPLATE.format(name="my_valley")
+    assert before in text
+    (desk / "my_valley.py").write_text(text.replace(before, after))
+    told = refused(capsys, "check", "my_valley.py")
+    assert says in told and "my_valley.py" in told
+    assert bool(re.search(r"my_valley\.py:\d+", told)) == line
+
+
+def test_a_suite_that_is_not_installed_says_how_to_show(capsys, monkeypatch):
+    monkeypatch.setattr("cases.commands.entry_points", lambda group, name: [])
+    assert "python -m reports.show" in refused(capsys, "show", "disc_on_line")
+
+
+def test_cases_of_an_installed_package_are_found(monkeypatch):
+    loaded = []
+    found = SimpleNamespace(value="their_package.cases", load=lambda: loaded.append(True))
+    monkeypatch.setattr(registry, "entry_points", lambda group: [found] if group == "slip_to_roll.cases" else [])
+    registry._import_packages.cache_clear()
+    cases.names()
+    assert loaded

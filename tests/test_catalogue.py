@@ -1,0 +1,119 @@
+"""Acceptance: what every case of the catalogue must pass, and the facts that books and papers tell of them.
+
+`pytest --case-file=FILE` (with the =, or pytest takes the file for tests) runs the acceptance tests of its cases.
+"""
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from cases import Case, CoulombFriction, Mode, Unilateral
+from cases.contact import overlap, start_motion
+from reference import contact_frame
+from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
+from tests.motions import energy, in_other_units, mirrored, motion_of, work_of_friction
+
+FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FACTS]
+SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
+
+
+def second(case: Case, times) -> contact_frame.Answer:
+    """The second formulation, looking closely enough not to miss a short phase."""
+    if case.effect(Unilateral) is None and case.effect(CoulombFriction) is not None:
+        pytest.skip("the second formulation knows no two-sided guide with friction")
+    return contact_frame.solve(case, rtol=1e-12, times=times, looks=200)
+
+
+def compare(case: Case, answer: contact_frame.Answer, times, sign=1.0, time=1.0, velocity=1.0) -> None:
+    """Asserts that an answer is the reference's motion of `case`, seen with that sign and in those units."""
+    motion = motion_of(case)
+    swapped = SWAPPED if sign < 0 else {}
+    expected = [(swapped.get(t.before, t.before), swapped.get(t.after, t.after)) for t in motion.transitions]
+    assert [(t.before, t.after) for t in answer.transitions] == expected
+    assert answer.status == motion.status
+    # Transitions and states of two integrations at 1e-12; a grazing slip loses the square root of that.
+    assert [t.time / time for t in answer.transitions] == pytest.approx([t.time for t in motion.transitions], abs=1e-8)
+    state = motion(times)
+    there = sign * np.array([state.xi1, state.xi2, state.omega / time, velocity * state.slip])
+    size = np.max(np.abs(there), axis=1, keepdims=True) + np.array([[1.0], [1.0], [1 / time], [velocity]])
+    assert np.nanmax(np.abs(answer.states - there) / size) <= 1e-8
+
+
+def times_of(case: Case) -> np.ndarray:
+    # Just short of the end: where contact ends there, the two formulations' ends differ by a rounding.
+    return np.linspace(0.0, (1 - 1e-9) * motion_of(case).t[-1], 30)
+
+
+def test_the_catalogue_has_at_least_thirty_cases():
+    assert sum(len(cases.select(name)) for name in cases.names()) >= 30
+
+
+def test_a_case_says_why_it_is_there_and_who_posed_it(any_case):
+    text = cases.entry(any_case.name).function.__doc__ or ""
+    assert text.strip().splitlines()[0].endswith((".", "?", ":")), "the docstring begins with one sentence"
+    assert "Source:" in text, "the docstring names the source"
+
+
+def test_the_start_is_an_admissible_contact(any_case):
+    start = start_motion(any_case)
+    assert overlap(any_case, start.x, start.y, start.theta) is None
+    assert start.slip == any_case.start.slip
+
+
+def test_the_reference_runs_and_says_how_it_ended(any_case):
+    motion = motion_of(any_case)
+    assert motion.reason.endswith(".")
+    assert len(motion.t) > 1 and motion.t[-1] <= any_case.duration
+    for name in ("x", "y", "theta", "normal_force", "slip"):
+        assert np.all(np.isfinite(getattr(motion, name)))
+
+
+def test_two_formulations_agree(any_case):
+    times = times_of(any_case)
+    compare(any_case, second(any_case, times), times)
+
+
+def test_friction_takes_the_energy_that_is_lost(any_case):
+    motion = motion_of(any_case)
+    lost = energy(any_case, motion(float(motion.t[-1]))) - energy(any_case, motion(0.0))
+    state = motion(times_of(any_case))
+    scale = float(np.ptp(energy(any_case, state))) + float(np.max(state.vx**2 + state.vy**2)) * any_case.plate.mass
+    # The reference's 1e-12 and Gauss's rule over forty panels a phase; what is left is far above either.
+    assert lost == pytest.approx(work_of_friction(motion), abs=1e-9 * scale)
+
+
+def test_the_mirror_image_moves_in_the_mirror(any_case):
+    times = times_of(any_case)
+    compare(any_case, second(mirrored(any_case), times), times, sign=-1.0)
+
+
+def test_rotation_and_change_of_units_change_nothing(any_case):
+    length, time, mass = 2.5, 1.7, 3.1
+    times = times_of(any_case)
+    moved = in_other_units(any_case, length, time, mass, turn=0.7)
+    compare(any_case, second(moved, times * time), times, time=time, velocity=length / time)
+
+
+@pytest.mark.parametrize("name", ["disc_in_circle", "ellipse_on_incline", "littlewood_hoop"])
+def test_the_reference_itself_does_not_see_mirror_rotation_or_units(name):
+    case = cases.select(name)[-1]
+    here = motion_of(case)
+    for other, time in ((mirrored(case), 1.0), (in_other_units(case, 2.5, 1.7, 3.1, 0.7), 1.7)):
+        there = reference.simulate(other, rtol=1e-12)
+        assert [t.time / time for t in there.transitions] == pytest.approx(
+            [t.time for t in here.transitions], abs=1e-10
+        )
+
+
+@pytest.mark.parametrize("fact", FACTS, ids=lambda fact: f"{fact.case}-{fact.quantity}")
+def test_a_fact_from_outside_holds(fact, accuracy):
+    case = cases.load(fact.case, **fact.parameters)
+    error = fact.measure(case, motion_of(case)) - fact.value
+    common = dict(case=case.label, solver="reference", route="best")
+    accuracy(**common, quantity=fact.quantity, error=error, tolerance=fact.tolerance)
+
+
+def test_there_are_at_least_twenty_five_facts_and_each_names_its_source():
+    assert len(FACTS) >= 25
+    assert all(len(fact.source) > 10 for fact in FACTS)
