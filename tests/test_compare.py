@@ -6,6 +6,7 @@ import pytest
 
 import cases
 import reference
+from cases import registry
 from reports import compare
 
 NAME = "disc_in_circle[mu=0.1]"
@@ -115,13 +116,15 @@ def test_energy_that_grows_is_told(tmp_path, capsys):
     assert "the energy grows" in text
 
 
-def test_plate_that_leaves_its_track_ends_there(tmp_path, capsys):
+def test_plate_that_leaves_its_track_ends_there(tmp_path, monkeypatch, capsys):
     (tmp_path / "hill.py").write_text(
         "from cases import *\nfrom cases import curves\n"
         '@case\ndef hilltop():\n    """A disc let go on a hill."""\n'
         "    track = Curve(lambda s: (curves.sin(s), curves.cos(s)))\n"
         "    return Case(track, disc(0.1, 1.0), (Gravity(9.81), Unilateral()), Start(0.2), duration=1.2)\n"
     )
+    cases.names()  # the catalogue is in; what the test brings goes with it
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
     cases.load_file(tmp_path / "hill.py")
     motion = reference.simulate(cases.load("hilltop"), rtol=1e-12)
     frame, end = table(motion=motion), motion.t[-1]
