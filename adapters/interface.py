@@ -18,9 +18,12 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
 from types import ModuleType
 
 from cases.errors import unknown
+
+GROUP = "slip_to_roll.adapters"
 
 
 class EngineFailure(RuntimeError):
@@ -46,15 +49,22 @@ class Setting:
 
 
 def engines() -> tuple[str, ...]:
-    """The adapters' names, in alphabetical order."""
+    """The adapters' names, in alphabetical order: this folder's, and those of installed packages."""
     from . import __path__ as folder
 
     modules = (m.name for m in pkgutil.iter_modules(folder))
-    return tuple(sorted(name for name in modules if name != "interface" and not name.startswith("_")))
+    own = {name for name in modules if name != "interface" and not name.startswith("_")}
+    return tuple(sorted(own | _installed().keys()))
 
 
 def engine(name: str) -> ModuleType:
     """The adapter of that name; raises UnknownName, or ImportError if its engine is not installed."""
     if name not in engines():
         raise unknown("engine", name, engines())
-    return importlib.import_module(f"adapters.{name}")
+    foreign = _installed().get(name)
+    return foreign.load() if foreign else importlib.import_module(f"adapters.{name}")
+
+
+def _installed() -> dict[str, EntryPoint]:
+    """Adapters that installed packages bring: `name = "their.module"` in the entry-point group GROUP."""
+    return {point.name: point for point in entry_points(group=GROUP)}

@@ -7,6 +7,7 @@ to its left: a plate can touch where its outline's curvature exceeds the track's
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -36,27 +37,49 @@ class Curve:
     """A smooth plane curve s ↦ (X(s), Y(s)), in metres.
 
     `function` takes a SymPy symbol and returns a pair of expressions made with the functions of `cases.curves`
-    (sin, cos, exp, …). `domain` is the parameter's range (a, b), or None for all real numbers. Floating-point
-    constants of the expression are its sizes: curves that differ only in them share one compiled system.
+    (sin, cos, exp, …), or is a pair of strings such as ("s", "-0.3*cos(2*s)"). `domain` is the
+    parameter's range (a, b), or None for all real numbers. Floating-point constants of the expression are its sizes:
+    curves that differ only in them share one compiled system.
 
-    Raises BadCurve for a cusp (R_p = 0), a value that is not finite or an expression without derivatives, BadValue
-    for a bad domain.
+    Raises BadCurve for a cusp (R_p = 0), a curve that crosses itself, a value that is not finite or an expression
+    without derivatives, BadValue for a bad domain.
     """
 
-    function: Callable[[Any], tuple[Any, Any]]
+    function: Callable[[Any], tuple[Any, Any]] | tuple[str, str]
     domain: tuple[float, float] | None = None
+    # Of a curve through measured points: the largest distance of a point from it, m.
+    residual: float | None = None
     expression: tuple[sp.Expr, sp.Expr] = field(init=False, repr=False)
 
     def __post_init__(self):
         object.__setattr__(self, "domain", _checked_domain(self.domain))
         object.__setattr__(self, "expression", _expression(self.function))
         self._check_regular()
+        self._check_simple()
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
 
     def __hash__(self) -> int:
         return hash((self.expression, self.domain))
+
+    @classmethod
+    def through(cls, points, closed: bool) -> Curve:
+        """A smooth curve that fits points (n, 2) in metres, in order along it; `residual` tells by how much it misses.
+
+        A Fourier series of s in (0, 2π) if closed, else a polynomial on (−1, 1). Raises BadValue or BadCurve.
+        """
+        from . import measured  # it is written in terms of this module
+
+        found = measured.fit(points, closed)
+        return cls(lambda s: found.expression, found.domain, found.residual)
+
+    @classmethod
+    def from_csv(cls, path, closed: bool) -> Curve:
+        """The same from a file of two columns x, y."""
+        from . import measured
+
+        return cls.through(measured.read(path), closed)
 
     # --- evaluation -------------------------------------------------------------------------------------------------
 
@@ -219,6 +242,35 @@ class Curve:
         if not abs(np.log10(extreme / typical)) < 7:
             raise BadCurve(f"the curve {what} near s = {found.x:.6g}; give a domain that leaves it out")
 
+    def _check_simple(self) -> None:
+        """Raises BadCurve if the curve crosses itself, looked at as a polygon of 240 sides."""
+        if self.domain is None and not self.period:
+            return  # without ends: nothing says how far to look
+        grid = np.linspace(*self.look, 241)
+        if self.period:
+            grid += 0.37 * (grid[1] - grid[0])  # so that symmetric curves do not cross exactly at two corners
+        turns = np.abs(np.diff(self.tangent_angle(grid)))
+        turning = float(turns.sum())
+        # An open curve comes back to itself only if it turns by more than half a turn, a closed one that turns by
+        # exactly one is convex; 0.1 is well below what a loop adds.
+        if turning < (2 * np.pi + 0.1 if self.period else np.pi):
+            return
+        a, b = self.jets(grid)[:2].T[:-1], self.jets(grid)[:2].T[1:]
+
+        def side(p, q, r):
+            return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
+
+        p, q, u, v = a[:, None], b[:, None], a[None], b[None]
+        crosses = (side(p, q, u) * side(p, q, v) < 0) & (side(u, v, p) * side(u, v, q) < 0)
+        # A circle run through twice lies on itself and crosses nowhere; its polygons' sides do, at less than they turn.
+        d = (b - a) / np.hypot(*(b - a).T)[:, None]
+        crosses &= np.abs(d[:, None, 0] * d[None, :, 1] - d[:, None, 1] * d[None, :, 0]) > 2 * turns.max()
+        i, j = np.nonzero(np.triu(crosses, 2))
+        if i.size:
+            raise BadCurve(
+                f"the curve crosses itself between s = {grid[i[0]]:.4g} and s = {grid[j[0]]:.4g}; give a shorter domain"
+            )
+
     def _first_look(self) -> tuple[float, float]:
         return self.domain if self.domain is not None else (0.0, 2 * np.pi)
 
@@ -236,12 +288,39 @@ def _checked_domain(domain) -> tuple[float, float] | None:
     return (low, high)
 
 
+def _from_strings(texts: tuple[str, str]) -> tuple[sp.Expr, sp.Expr]:
+    """A pair of strings as expressions; only numbers, s, arithmetic and this module's functions may occur."""
+    known = {name: globals()[name] for name in __all__ if name != "Curve"} | {"s": PARAMETER}
+    allowed = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant)
+    arithmetic = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd)
+    for text in texts:
+        try:
+            nodes = list(ast.walk(ast.parse(text, mode="eval")))
+        except SyntaxError as problem:
+            raise BadCurve(f"the curve's coordinate {text!r} cannot be read ({problem.msg})") from None
+        for node in nodes:
+            if isinstance(node, ast.BitXor):
+                raise BadCurve(f"the curve's coordinate {text!r} has a ^; write ** for a power")
+            if isinstance(node, ast.Name) and node.id not in known:
+                raise BadCurve(f"the curve's coordinate {text!r} has {node.id!r}; use s and {', '.join(sorted(known))}")
+            number = not isinstance(node, ast.Constant) or isinstance(node.value, int | float)
+            if not isinstance(node, allowed + arithmetic) or not number:
+                raise BadCurve(f"the curve's coordinate {text!r} is more than arithmetic in s; write it as a function")
+    x, y = (sp.parse_expr(text, local_dict=known) for text in texts)
+    return x, y
+
+
 def _expression(function) -> tuple[sp.Expr, sp.Expr]:
+    if isinstance(function, tuple) and len(function) == 2 and all(isinstance(part, str) for part in function):
+        texts = function
+        function = lambda s: _from_strings(texts)  # noqa: E731 - one way on for both ways to write
     if not callable(function):
         raise BadCurve(f"a curve is a function of its parameter, not {function!r}; give lambda s: (X, Y)")
     try:
         pair = tuple(function(PARAMETER))
         x, y = (sp.sympify(part) for part in pair)
+    except BadCurve:
+        raise
     except Exception as problem:
         raise BadCurve(
             f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"

@@ -31,7 +31,9 @@ if TYPE_CHECKING:
 
 MADE_BY = "slip-to-roll report"
 REFERENCE = "reference"
-# Wall seconds a run may take, by effort: a whole default report takes under a minute on two cores.
+# The families every solver runs, whose whole ladders stand in every report; they alone make up a quick one.
+SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
+# Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
 _LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
 
 
@@ -46,15 +48,16 @@ class Plan:
     effort: str
     jobs: int
     argv: tuple[str, ...]
+    asked: bool  # whether the cases were named, not taken from the whole catalogue
 
     @property
     def limit(self) -> float:
         """Wall seconds a run may take."""
         return _LIMITS[self.effort]
 
-    def thin(self, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
-        """The rungs to run: all, or for a quick report the defaults, the coarsest and two in the middle."""
-        if self.effort != "quick":
+    def thin(self, case: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+        """The rungs to run: all, or for a quick report and in the breadth of the catalogue the defaults and three."""
+        if self.effort == "full" or (self.effort == "default" and (self.asked or case in SHARED)):
             return settings
         from .records import is_default_setting
 
@@ -132,8 +135,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     effort = parser.add_mutually_exclusive_group()
     add = effort.add_argument
-    add("--quick", action="store_true", help="fewer settings, and one variant of each case")
-    add("--full", action="store_true", help="all settings, with ten times the patience")
+    add("--quick", action="store_true", help="three cases, one variant each, fewer settings")
+    add("--full", action="store_true", help="every setting of every case, with ten times the patience")
     parser.add_argument("--jobs", metavar="N", default="2", help="runs beside each other (default: 2)")
     parser.add_argument("--list", action="store_true", help="print cases and solvers, and stop")
     return parser
@@ -153,7 +156,9 @@ def _plan(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     files = tuple(str(Path(file).resolve()) for file in options.case_file)
     own = [name for file in files for name in _guarded(file, lambda file=file: cases.load_file(file))]
     out = _checked_out(Path(options.out))
-    return Plan(out, _cases(options.case or own or cases.names(), effort), files, chosen, effort, jobs, tuple(argv))
+    asked = options.case or own
+    found = _cases(asked or (SHARED if effort == "quick" else cases.names()), effort)
+    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked))
 
 
 def _jobs(text: str) -> int:

@@ -24,12 +24,12 @@ def run(
     asked: tuple[Case, ...],
     solvers: tuple[str, ...],
     files: tuple[str, ...] = (),
-    thin: Callable[[tuple[Setting, ...]], tuple[Setting, ...]] = tuple,
+    thin: Callable[[str, tuple[Setting, ...]], tuple[Setting, ...]] = lambda case, settings: settings,
     jobs: int = 2,
     limit: float = LIMIT_SECONDS,
     tell: Callable[[str, int, Iterator], Iterator] = lambda step, total, answers: answers,
 ) -> Experiment:
-    """Run every setting (of those `thin` leaves of a ladder) of every route of every solver on every case.
+    """Run every setting (of those `thin(case name, ladder)` leaves) of every route of every solver on every case.
 
     `tell(step, total, answers)` may show progress: it hands on what it iterates over.
     """
@@ -53,7 +53,7 @@ def run(
     for (label, name), answer in zip(pairs, offers, strict=True):
         for offer in _offers(answer):
             excuse = _excuse(offer, truths[label])
-            for rung, setting in enumerate(() if excuse else thin(offer.settings), start=1):
+            for rung, setting in enumerate(() if excuse else thin(keys[label].name, offer.settings), start=1):
                 todo.append((len(runs), (keys[label], name, offer.route, setting, rung, truths[label])))
                 runs.append(None)
             if excuse:

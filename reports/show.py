@@ -15,7 +15,7 @@ from typing import NoReturn
 import adapters
 import cases
 import reference
-from cases import BadValue, Case, CaseError, Trajectory
+from cases import BadValue, Case, CaseError, Gravity, Trajectory
 
 
 class _Parser(argparse.ArgumentParser):
@@ -97,6 +97,10 @@ def draw(case: Case, motion: Trajectory, path: Path) -> None:
         title=case.label,
         aspect="equal",
     )
+    gravity = case.effect(Gravity)
+    if gravity is not None and np.sin(gravity.direction) > 0:
+        scene.invert_yaxis()  # gravity pulls down the page
+    scene.set(xlabel="X / m", ylabel="Y / m" + (" (points down)" if scene.yaxis_inverted() else ""))
     slip.plot(times, state.slip)
     force.plot(times, state.normal_force)
     for ax, label in ((slip, "slip velocity / (m/s)"), (force, "normal force / N")):

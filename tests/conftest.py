@@ -14,7 +14,7 @@ _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
 
 
 def pytest_addoption(parser):
-    """--case-file FILE: run the acceptance tests of that file's cases, and nothing else."""
+    """--case-file=FILE (with the =, else pytest takes FILE for a test file): test its cases, and nothing else."""
     parser.addoption("--case-file", action="append", default=[], metavar="FILE", help="test the cases of this file")
 
 

@@ -1,6 +1,6 @@
 """Acceptance: what every case of the catalogue must pass, and the facts that books and papers tell of them.
 
-`pytest --case-file FILE` runs the acceptance tests of that file's cases.
+`pytest --case-file=FILE` (with the =, or pytest takes the file for tests) runs the acceptance tests of its cases.
 """
 
 import numpy as np

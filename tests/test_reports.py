@@ -364,11 +364,18 @@ def test_list_names_every_case_and_solver(capsys):
     assert all(name in told for name in (*cases.names(), "reference", "exudyn", "pymunk", "disc_in_circle[mu=0.2]"))
 
 
-def test_quick_report_keeps_defaults_and_three_rungs():
+def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogue():
     settings = (Setting.of(rung="defaults"), *(Setting.of(h=10.0**-i) for i in range(7)))
-    plan = build.Plan(Path("x"), (), (), (), "quick", 1, ())
-    assert plan.thin(settings) == (settings[0], settings[1], settings[3], settings[5])
-    assert build.Plan(Path("x"), (), (), (), "default", 1, ()).thin(settings) == settings
+    few = (settings[0], settings[1], settings[3], settings[5])
+
+    def kept(effort, asked, case):
+        return build.Plan(Path("x"), (), (), (), effort, 1, (), asked).thin(case, settings)
+
+    assert kept("quick", True, "disc_in_circle") == few
+    assert kept("default", False, "disc_in_circle") == settings
+    assert kept("default", False, "littlewood_hoop") == few
+    assert kept("default", True, "littlewood_hoop") == settings
+    assert kept("full", False, "littlewood_hoop") == settings
 
 
 @pytest.fixture(scope="module")

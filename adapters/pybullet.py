@@ -1,0 +1,202 @@
+"""pybullet (Bullet 3, double precision): a sphere on a plane that is put along the track's tangent before every step.
+
+Bullet has no smooth concave shapes; it has an exact contact of a sphere with a plane. So the route is `assisted`: the
+suite says where the tangent is, inertia, friction cone, stick and push are Bullet's. The step is semi-implicit Euler
+on velocities with speculative contact: with erp = 1 the sphere touches the plane at the end of a step. The plane is
+therefore moved, by the chord's sagitta, to where the sphere will touch the track then; its direction is that of the
+step's beginning. Positions stand at k·h, velocities at (k+½)·h, since the first step accelerates for half its time.
+
+Source of the parameters: the PyBullet Quickstart Guide, `changeDynamics` and `setPhysicsEngineParameter`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import atan2, cos, sin
+
+import numpy as np
+import pybullet
+
+from cases import Case, Cost, CoulombFriction, Gravity, Trajectory, Unilateral
+from cases.contact import Contact, find, slip_velocity, start_motion
+from cases.errors import DoesNotFit, unknown
+
+from .interface import EngineFailure, Setting
+
+NAME = "pybullet"
+routes = ("assisted",)
+
+# Steps in seconds for a case of a few seconds; a longer case has as many steps.
+STEPS, USUAL_DURATION = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4), 2.5
+# Of the engine as it comes: 240 steps a second, a fifth of the overlap beyond the slop (m) corrected in each, sweeps up
+# to a residual, both dampings in 1/s.
+DEFAULTS = Setting.of(rung="defaults", h=1 / 240, erp=0.2, slop=1e-5, residual=1e-7, damping=0.04)
+
+
+def version() -> str:
+    """The engine's API version, its release by date; the package tells no other."""
+    return str(pybullet.getAPIVersion())
+
+
+def refuses(case: Case, route: str) -> str | None:
+    """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
+    if route not in routes:
+        raise unknown("route of pybullet", route, routes)
+    for effect in case.effects:
+        if not isinstance(effect, Gravity | CoulombFriction | Unilateral):
+            return f"pybullet has nothing for {type(effect).__name__}."
+    friction = case.effect(CoulombFriction)
+    if friction and friction.stick != friction.mu:
+        return "pybullet has one friction coefficient for slip and stick."
+    if not case.effect(Unilateral):
+        return "pybullet's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
+    if case.plate.radius is None:
+        return "pybullet's exact contact with a plane is a sphere's, and this outline is no circle about its centre."
+    return None
+
+
+def ladder(case: Case, route: str) -> tuple[Setting, ...]:
+    """Settings from coarse to fine: the engine as it comes, then the step alone, without damping and overlap."""
+    stretched = max(1.0, case.duration / USUAL_DURATION)
+    return (DEFAULTS, *(Setting.of(h=h * stretched, erp=1.0, slop=0.0, residual=0.0, damping=0.0) for h in STEPS))
+
+
+@dataclass
+class Model:
+    """One run: the case, the step (s) and how many, the engine's numbers of its objects, and what was noted."""
+
+    case: Case
+    h: float
+    steps: int
+    world: int
+    plate: int
+    plane: int
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    contacts: list[Contact] = field(default_factory=list)
+
+
+def build(case: Case, route: str, setting: Setting) -> Model:
+    """A world with the sphere at the case's start. The step divides the duration evenly."""
+    assert case.plate.radius is not None, "refuses() lets discs alone pass"
+    steps = max(2, round(case.duration / setting["h"]))
+    h, start, friction = case.duration / steps, start_motion(case), case.effect(CoulombFriction)
+    world = pybullet.connect(pybullet.DIRECT)
+    where = dict(physicsClientId=world)
+    pybullet.setGravity(*_pull(case), 0.0, **where)
+    knobs = dict(contactERP=setting["erp"], contactSlop=setting["slop"], solverResidualThreshold=setting["residual"])
+    pybullet.setPhysicsEngineParameter(**knobs, **where)
+    sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=case.plate.radius, **where)
+    ground = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=[0.0, 1.0, 0.0], **where)
+    plane = pybullet.createMultiBody(0.0, ground, **where)
+    # Not with useMaximalCoordinates: an inertia of one's own is then NaN from the first step on.
+    plate = pybullet.createMultiBody(case.plate.mass, sphere, basePosition=[start.x, start.y, 0.0], **where)
+    # The engine multiplies the two bodies' coefficients.
+    pybullet.changeDynamics(plane, -1, lateralFriction=1.0, **where)
+    damping = dict(linearDamping=setting["damping"], angularDamping=setting["damping"])
+    inertia, mu = [case.plate.inertia] * 3, friction.mu if friction else 0.0
+    pybullet.changeDynamics(plate, -1, lateralFriction=mu, localInertiaDiagonal=inertia, **damping, **where)
+    pybullet.resetBaseVelocity(plate, [start.vx, start.vy, 0.0], [0.0, 0.0, start.omega], **where)
+    return Model(case, h, steps, world, plate, plane)
+
+
+def run(model: Model) -> None:
+    """Step through the duration, with the plane put anew before each step; stops where no track is near."""
+    where = dict(physicsClientId=model.world)
+    try:
+        _step(model, where)
+    finally:
+        pybullet.disconnect(**where)
+
+
+def _step(model: Model, where: dict[str, int]) -> None:
+    case, h, start = model.case, model.h, start_motion(model.case)
+    # The engine's quaternion forgets whole turns; the angle is its own steps' sum. A sphere needs no other.
+    centre, theta, near = np.array([start.x, start.y]), start.theta, (start.xi1, start.xi2)
+    now, change = np.array([start.vx, start.vy]), 0.5 * h * _pull(case)
+    for k in range(model.steps + 1):
+        try:
+            near = _put_plane(model, centre, theta, now + change, 1.0 if k else 0.5, near, where)
+        except DoesNotFit:
+            return
+        pybullet.setTimeStep(h if k else 0.5 * h, **where)
+        pybullet.stepSimulation(**where)
+        (vx, vy, _), (_, _, omega) = pybullet.getBaseVelocity(model.plate, **where)
+        model.rows.append((*centre.tolist(), theta, vx, vy, omega))
+        before, now = now, np.array([vx, vy])
+        # The forces of a step are those of the last one, nearly; the first lasted half a step.
+        change = (1.0 if k else 2.0) * (now - before)
+        theta += h * omega
+        if k == 0:
+            # Half a step's acceleration, a whole step's way.
+            moved = [*(centre + h * now).tolist(), 0.0]
+            pybullet.resetBasePositionAndOrientation(model.plate, moved, [0.0, 0.0, 0.0, 1.0], **where)
+            pybullet.resetBaseVelocity(model.plate, [vx, vy, 0.0], [0.0, 0.0, omega], **where)
+        centre = np.array(pybullet.getBasePositionAndOrientation(model.plate, **where)[0][:2])
+
+
+def _put_plane(model: Model, centre, theta: float, velocity, share: float, near, where) -> tuple[float, float]:
+    """Put the plane such that a step with about that velocity ends on the track; `share`: of it the engine steps."""
+    case, (x, y), (way_x, way_y) = model.case, centre.tolist(), (model.h * velocity).tolist()
+    here = find(case, x, y, theta, near)
+    ahead = find(case, x + way_x, y + way_y, theta, here[:2])
+    model.contacts.append(here)
+    normal = case.track.normal(here.xi1)
+    rise = share * (way_x * normal[0] + way_y * normal[1] - ahead.gap)
+    touch = centre + normal * (rise - (case.plate.radius or 0.0))
+    half = 0.5 * atan2(-normal[0], normal[1])
+    turn = [0.0, 0.0, sin(half), cos(half)]
+    pybullet.resetBasePositionAndOrientation(model.plane, [*touch.tolist(), 0.0], turn, **where)
+    return here[:2]
+
+
+def _pull(case: Case) -> np.ndarray:
+    gravity = case.effect(Gravity) or Gravity(0.0)
+    return gravity.g * np.array([cos(gravity.direction), sin(gravity.direction)])
+
+
+def read(model: Model) -> Trajectory:
+    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
+    case, h, rows = model.case, model.h, np.array(model.rows)
+    if len(rows) < 3 or not np.isfinite(rows).all():
+        raise EngineFailure("pybullet's numbers are not finite, or there are fewer than three steps of them.")
+    start, after = start_motion(case), rows[:, 3:]
+    before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
+    rates = 0.5 * (before + after)
+    rates[0] = before[0]
+    kick = np.full((len(rows), 1), h)
+    kick[0] *= 0.5
+    force = (case.plate.mass * ((after - before)[:, :2] / kick - _pull(case))).T
+    xi1, xi2, gap = np.array(model.contacts, dtype=float).T
+    (nx, ny), (fx, fy), (tx, ty) = case.track.normal(xi1), force, case.track.tangent(xi1)
+    normal_force, friction_force = fx * nx + fy * ny, fx * tx + fy * ty
+    kept, status, reason = _ending(model, xi1, gap, normal_force)
+    x, y, theta, vx, vy, omega = np.hstack([rows[:, :3], rates]).T
+    turn = float(np.abs(np.diff(case.track.tangent_angle(xi1[:kept]))).max(initial=0.0))
+    columns = dict(
+        t=h * np.arange(len(rows)), x=x, y=y, theta=theta, vx=vx, vy=vy, omega=omega, xi1=xi1, xi2=xi2,
+        # The engine's friction acts on the sphere, a gap away from the track.
+        slip=slip_velocity(case, x - gap * nx, y - gap * ny, vx, vy, omega, xi1),
+        normal_force=normal_force, friction_force=friction_force,
+    )  # fmt: skip
+    # Means of two half steps' velocities, whose tangents differ by `turn`, fall short by up to v turn²/4 in stick.
+    creep, cost = float(0.25 * np.hypot(vx, vy).max() * turn**2), Cost(steps=len(rows))
+    columns = {name: column[:kept] for name, column in columns.items()}
+    return Trajectory(**columns, status=status, reason=reason, cost=cost, slip_resolution=creep)
+
+
+def _ending(model: Model, xi1: np.ndarray, gap: np.ndarray, normal_force: np.ndarray) -> tuple[int, str, str]:
+    """How many samples belong to the motion, status and reason: of what ends it first, or of the end of its time."""
+    case, count, domain = model.case, len(xi1), model.case.track.domain
+    lost = (count, "lost_track", "No point of the track is near the plate any more.")
+    endings = [(count, Trajectory.status, Trajectory.reason) if count > model.steps else lost]
+    if domain and not case.track.period:
+        outside = np.flatnonzero((xi1 < domain[0]) | (xi1 > domain[1]))
+        endings += [(int(i), "track_end", "The contact reached the end of the track's domain.") for i in outside[:1]]
+    # A hop of one step is ½ a h², a being gravity's or the contact's; four times that, and a rounding, is a flight.
+    strongest = float(np.hypot(*_pull(case))) + float(np.abs(normal_force).max()) / case.plate.mass
+    flown = np.flatnonzero(gap > 1e-6 * (case.plate.radius or 1.0) + 2.0 * strongest * model.h**2)
+    if flown.size:
+        pressed = np.flatnonzero(normal_force[: flown[0]] > 1e-9 * np.abs(normal_force).max())
+        kept = int(pressed[-1]) + 1 if pressed.size else 1
+        endings.append((kept, "lift_off", "The contact stopped pushing and the plate left its track."))
+    return min(endings, key=lambda ending: ending[0])

@@ -1,0 +1,282 @@
+"""`python -m reports.compare CASE FILE.csv`: judge a trajectory that a solver without Python has written to a file.
+
+Columns: t, x, y, theta of the plate (s, m, rad; the centre of mass), in any order and among others; optional vx, vy,
+omega (m/s, rad/s), slip (m/s), normal_force and friction_force (N). What is missing follows from the rest:
+
+- velocities by central differences, good to h² v''/6 where the motion is smooth and to h times the jump of the
+  acceleration at a transition; with poses 1 ms apart that is about 1e-5 m/s
+  and 3e-3 m/s for the disc in a circle;
+- slip from (11) at the contact point that `cases.contact.follow` finds. Its resolution is measured by what it changes
+  if every second sample is left out. Solvers that know their velocities or slip better should write them.
+
+The judgement is that of the report (`trial.judge`). Exit status: 0 if the file could be judged, whatever came
+out; 2, with one sentence, if it could not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from tabulate import tabulate
+
+import cases
+import reference
+from cases import BadValue, Case, CaseError, CoulombFriction, DoesNotFit, Trajectory, Unilateral
+from cases.contact import find, slip_velocity, start_motion
+from cases.errors import UnknownName
+
+from . import metrics, trial
+from .records import CaseKey, Run
+
+NEEDED = ("t", "x", "y", "theta")
+OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
+
+# Fewer samples than these leave no branch long enough to extrapolate a transition from.
+LEAST_SAMPLES = 50
+# The plate's or the track's direction may turn by so much (rad) between samples: differences are then good to
+# 0.2²/6 < 1 %, and the contact point is found from the one before.
+MOST_TURN = 0.2
+# Relative to the plate's size: what a solver's penalty or facets may miss the track by, and what a printed start may
+# be rounded to. Beyond, it is another scene.
+LOOSE = 1e-2
+# Velocities good to one percent give energies good to two.
+ENERGY = 2e-2
+# Relative; forces that a file holds with six digits, summed by their writer.
+CONE = 1e-4
+
+
+# --- the file --------------------------------------------------------------------------------------------------------
+
+
+def read_table(path: str | Path) -> pd.DataFrame:
+    """The known columns of the file as finite floats with growing times. Raises CaseError, in one sentence."""
+    path = Path(path)
+    if not path.is_file():
+        raise UnknownName(f"there is no file {str(path)!r}")
+    try:
+        table = pd.read_csv(path, skipinitialspace=True)
+    except (ValueError, OSError) as problem:
+        raise BadValue(f"{path} cannot be read as comma-separated values: {problem}") from problem
+    table = table.rename(columns=lambda name: str(name).strip())
+    missing = [name for name in NEEDED if name not in table]
+    if missing:
+        raise BadValue(f"{path.name} has no column {', '.join(missing)}; it needs t, x, y, theta in its first line")
+    table = table[[name for name in (*NEEDED, *OPTIONAL) if name in table]]
+    for name in table:
+        numbers = pd.to_numeric(table[name], errors="coerce")
+        bad = np.flatnonzero(~np.isfinite(numbers))
+        if len(bad):
+            raise BadValue(f"{name} in line {bad[0] + 2} of {path.name} is not a finite number")
+        table = table.assign(**{str(name): numbers.astype(float)})
+    backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
+    if len(backwards):
+        raise BadValue(f"the time in line {backwards[0] + 3} of {path.name} does not grow; sort the lines by t")
+    if len(table) < LEAST_SAMPLES:
+        raise BadValue(f"{path.name} has {len(table)} samples, too coarse to judge; give at least {LEAST_SAMPLES}")
+    return table
+
+
+def check_start(case: Case, table: pd.DataFrame) -> None:
+    """Raises DoesNotFit if the first row is not the case's start."""
+    start, first, size = start_motion(case), table.iloc[0], _size(case)
+    if abs(first["t"]) > 1e-9 * case.duration:
+        raise DoesNotFit(f"the first time is {first['t']:g} s; the case's motion begins at 0")
+    if np.hypot(first["x"] - start.x, first["y"] - start.y) > LOOSE * size:
+        raise DoesNotFit(
+            f"the centre of mass starts at ({first['x']:.6g}, {first['y']:.6g}), the case's at "
+            f"({start.x:.6g}, {start.y:.6g}) m; give metres, in the case's frame, of the same plate"
+        )
+    turn = (first["theta"] - start.theta + pi) % (2 * pi) - pi
+    if abs(turn) > LOOSE:
+        raise DoesNotFit(f"theta starts at {first['theta']:.6g}, the case's at {start.theta:.6g} rad; give radians")
+
+
+def trajectory_of(case: Case, table: pd.DataFrame) -> Trajectory:
+    """The table as a trajectory, cut where the plate has left its track for good. Raises CaseError."""
+    check_start(case, table)
+    columns = {str(name): table[name].to_numpy() for name in table}
+    t = columns["t"]
+    turns = np.abs(np.diff(columns["theta"]))
+    if turns.max() > MOST_TURN:
+        raise DoesNotFit(
+            f"theta changes by {turns.max():.3g} between two samples, too coarse above {MOST_TURN} rad; "
+            "give more samples, and theta in radians without jumps"
+        )
+    for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
+        slope = np.gradient(columns[name], t, edge_order=2)
+        given = columns.setdefault(rate, slope)
+        # A kink leaves differences off at few samples; a unit, a sign or a frame leaves them off at most.
+        if np.median(np.abs(given - slope)) > 0.05 * np.abs(slope).max() + 1e-9:
+            raise DoesNotFit(f"{rate} is not the rate of {name}; give it in the same units and the same frame")
+    xi1, xi2, gap = _followed(case, columns)
+    kept, status, reason = _ending(case, columns, gap)
+    resolution = 0.0
+    if "slip" not in columns:
+        columns["slip"] = _slip(case, columns, xi1)
+        resolution = _resolution(case, columns, xi1)
+    nothing = np.full(len(t), np.nan)
+    whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
+    return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)
+
+
+def _size(case: Case) -> float:
+    return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
+
+
+def _followed(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Contact parameters and gap of every pose; those of a plate far from any point of its track are NaN."""
+    start = start_motion(case)
+    near, rows = (start.xi1, start.xi2), []
+    for x, y, theta in zip(columns["x"].tolist(), columns["y"].tolist(), columns["theta"].tolist(), strict=True):
+        try:
+            contact = find(case, x, y, theta, near)
+        except DoesNotFit:
+            break
+        near = (contact.xi1, contact.xi2)
+        rows.append(contact)
+    found = np.full((len(columns["t"]), 3), np.nan)
+    found[: len(rows)] = rows
+    xi1, xi2, gap = found.T
+    turn = np.nanmax(np.abs(np.diff(case.track.tangent_angle(xi1[: len(rows)]))), initial=0.0)
+    if turn > MOST_TURN:
+        raise DoesNotFit(f"the track turns by {turn:.3g} rad between two samples, too coarse; give more samples")
+    return xi1, xi2, gap
+
+
+def _ending(case: Case, columns, gap: np.ndarray) -> tuple[int, str, str]:
+    """How many samples belong to the motion in contact, its status and reason."""
+    touching = np.flatnonzero(gap <= LOOSE * _size(case))
+    count = int(touching[-1]) + 1
+    if count == len(gap):
+        return count, Trajectory.status, Trajectory.reason
+    pressed = np.flatnonzero(columns["normal_force"][:count] > 0.0) if "normal_force" in columns else touching
+    # Without forces the flight is seen once the gap is there, and told so much later than it began.
+    return max(int(pressed[-1]) + 1, 2), "lift_off", "The plate left its track."
+
+
+def _slip(case: Case, columns, xi1: np.ndarray) -> np.ndarray:
+    known = np.isfinite(xi1)
+    slip = np.zeros(len(xi1))
+    x, y, vx, vy, omega = (columns[name][known] for name in ("x", "y", "vx", "vy", "omega"))
+    slip[known] = slip_velocity(case, x, y, vx, vy, omega, xi1[known])
+    return slip
+
+
+def _resolution(case: Case, columns, xi1: np.ndarray) -> float:
+    """What slip changes if every second sample is left out, over three (the error falls with h²): 95 % stay below."""
+    half = {name: columns[name][::2] for name in ("x", "y", "theta")}
+    for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
+        half[rate] = np.gradient(half[name], columns["t"][::2], edge_order=2)
+    return float(np.quantile(np.abs(_slip(case, half, xi1[::2]) - columns["slip"][::2]), 0.95) / 3)
+
+
+# --- the judgement ---------------------------------------------------------------------------------------------------
+
+
+def laws_broken(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
+    """Facts of mechanics the motion contradicts, one sentence each."""
+    broken, size, friction = [], _size(case), case.effect(CoulombFriction)
+    if gap.min() < -LOOSE * size:
+        broken.append(f"the plate overlaps its track by {-gap.min():.3g} m at t = {motion.t[np.argmin(gap)]:.6g} s")
+    if gap.max() > LOOSE * size:
+        broken.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
+    known = np.isfinite(motion.normal_force) & np.isfinite(motion.friction_force)
+    if known.any():
+        normal, tangential = motion.normal_force[known], np.abs(motion.friction_force[known])
+        scale = CONE * np.abs(normal).max()
+        beyond = tangential - (friction.stick if friction else 0.0) * np.abs(normal)
+        if beyond.max() > scale:
+            at = motion.t[known][np.argmax(beyond)]
+            broken.append(f"friction exceeds its cone by {beyond.max():.3g} N at t = {at:.6g} s")
+        if case.effect(Unilateral) and normal.min() < -scale:
+            broken.append(
+                f"the track pulls with {-normal.min():.3g} N at t = {motion.t[known][np.argmin(normal)]:.6g} s"
+            )
+    growth = energy_growth(case, motion)
+    if growth > ENERGY * kinetic(case, motion).max():
+        broken.append(f"the energy grows by {growth:.3g} J without a load")
+    return broken
+
+
+def kinetic(case: Case, motion: Trajectory) -> np.ndarray:
+    """Kinetic energy in J, shape (n,)."""
+    plate = case.plate
+    return 0.5 * (plate.mass * (motion.vx**2 + motion.vy**2) + plate.inertia * motion.omega**2)
+
+
+def energy_growth(case: Case, motion: Trajectory) -> float:
+    """The most the energy (J) rises above its least value so far."""
+    total = metrics.energy(case, motion)
+    return float((total - np.minimum.accumulate(total)).max())
+
+
+def compare(case: Case, path: str | Path, files: tuple[str, ...] = ()) -> str:
+    """The judgement as text. Raises CaseError if the file cannot be judged, or the reference has no truth."""
+    motion = trajectory_of(case, read_table(path))
+    key = CaseKey.of(case, files)
+    truth = trial.find_truth(key)
+    if truth.failure:
+        raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
+    exact = reference.simulate(case, rtol=trial.TRUTH_RTOL, method=truth.method)
+    row = Run(case.label, Path(path).name, "", "", 0, outcome="")
+    run = trial.judge(row, case, _until(motion, case.duration), exact, truth)
+    return _text(case, motion, run)
+
+
+def _until(motion: Trajectory, end: float) -> Trajectory:
+    """The samples up to `end`, the case's duration (a rounded last time still counts)."""
+    count = int(np.searchsorted(motion.t, end * (1 + 1e-9), side="right"))
+    names = (*NEEDED, *OPTIONAL, "xi1", "xi2")
+    cut: dict[str, Any] = {name: getattr(motion, name)[:count] for name in names}
+    return Trajectory(**cut, status=motion.status, reason=motion.reason, slip_resolution=motion.slip_resolution)
+
+
+def _text(case: Case, motion: Trajectory, run: Run) -> str:
+    gap = _followed(case, {name: getattr(motion, name) for name in NEEDED})[2]
+    ledger = [(r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, r.verdict) for r in run.ledger]
+    head = ("event", "before", "after", "time", "reference_time", "error", "verdict")
+    distance = [(name, value) for name, value in run.distance._asdict().items()]
+    total = metrics.energy(case, motion)
+    energy = [
+        ("energy at the start (J)", total[0]),
+        ("energy at the end (J)", total[-1]),
+        ("largest growth (J)", energy_growth(case, motion)),
+    ]
+    broken = laws_broken(case, motion, gap)
+    return "\n\n".join(
+        (
+            f"{run.solver} on {case.label}: {run.outcome}{f' ({run.reason})' if run.reason else ''}",
+            "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=".9g") if ledger else "none, as in the truth"),
+            "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
+            "Energy\n" + tabulate(energy, floatfmt=".6g"),
+            "Laws broken\n" + ("\n".join(broken) if broken else "none"),
+            f"Slip is told from stick above {motion.slip_resolution:.2g} m/s.",
+        )
+    )
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command; returns its exit status."""
+    parser = argparse.ArgumentParser(prog="python -m reports.compare", description="Judge an exported trajectory.")
+    parser.add_argument("case", help='a case, such as "disc_in_circle[mu=0.1]"')
+    parser.add_argument("file", help="comma-separated values with the columns t, x, y, theta")
+    parser.add_argument("--case-file", action="append", default=[], metavar="FILE", help="a Python file with cases")
+    asked = parser.parse_args(arguments)
+    try:
+        for file in asked.case_file:
+            cases.load_file(file)
+        print(compare(cases.load(asked.case), asked.file, tuple(asked.case_file)))
+    except CaseError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,117 @@
+"""Curves: the library against what is known of its curves, strings, measured points, and the errors of all three."""
+
+import re
+from math import gamma, pi, sinh
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import ellipe
+
+import cases
+import reference
+from cases import BadCurve, BadValue, Curve, UnknownName, library
+from cases import curves as c
+
+T = np.linspace(0, 2 * pi, 61)[:-1]
+SQUARE_ROOT = np.column_stack([0.3 * np.cos(T), 0.2 * np.sin(T) + 0.02 * np.cos(2 * T)])
+
+
+def length(curve, low, high):
+    return quad(lambda s: float(curve.speed(s)), low, high, epsabs=1e-13)[0]
+
+
+def area(curve):
+    def swept(s):
+        x, y, xp, yp = curve.jet(s)[:4]
+        return 0.5 * (x * yp - y * xp)
+
+    return sum(quad(swept, pi / 4 * i, pi / 4 * (i + 1), epsabs=1e-14)[0] for i in range(8))
+
+
+# Lockwood, A Book of Curves (1961); Barbier (1860) for constant width; Lamé's curve by Euler's beta integral.
+@pytest.mark.parametrize(
+    ("measured", "known"),
+    [
+        (lambda: 2 * length(library.cycloid(0.25), 0.0, 2.5), 8 * 0.25 * np.sin(1.25)),
+        (lambda: length(library.catenary(0.5), 0.0, 1.0), 0.5 * sinh(2.0)),
+        (lambda: length(library.ellipse(3.0, 2.0), 0.0, 2 * pi), 12 * float(ellipe(5 / 9))),
+        (lambda: length(library.rounded_polygon(0.1, 3, 0.8), 0.0, 2 * pi), 0.2 * pi),
+        (lambda: length(library.logarithmic_spiral(0.1, 0.2), -1.0, 1.0), 0.1 * 26**0.5 * 2 * sinh(0.2)),
+        (lambda: area(library.superellipse(0.2, 0.15)), 4 * 0.2 * 0.15 * gamma(1.25) ** 2 / gamma(1.5)),
+        (lambda: 1 / library.parabola(0.4).curvature(0.0), 0.8),
+        (lambda: 1 / library.trochoid(0.5, 0.3).curvature(0.0), 0.64 / 0.3),
+        (lambda: library.catenary(0.5).curvature(0.7), 0.5 / library.catenary(0.5).point(0.7)[1] ** 2),
+        (lambda: 1 / library.cycloid(0.25, 0.1).curvature(0.0), 4 * 0.25 + 0.1),
+        (lambda: library.hill(2.0).curvature(0.3), -0.5),
+    ],
+)
+def test_a_library_curve_has_the_size_that_books_give(measured, known):
+    assert measured() == pytest.approx(known, rel=1e-12)
+
+
+def refused(kind, says, make):
+    with pytest.raises(kind, match=re.escape(says)) as error:
+        make()
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "says", "make"),
+    [
+        (BadCurve, "cusps or loops", lambda: library.trochoid(0.3, 0.5)),
+        (BadCurve, "cusp", lambda: library.from_support(lambda s: 0.1 + 0.05 * c.cos(3 * s))),
+        (BadValue, "even whole number", lambda: library.superellipse(1.0, 1.0, 3)),
+        (BadValue, "greater than zero", lambda: library.circle(-1.0)),
+        (BadCurve, "crosses itself", lambda: Curve(lambda s: (c.sin(s), c.sin(2 * s)))),
+        (BadCurve, "crosses itself", lambda: Curve(lambda s: (s - 2 * c.sin(s), -2 * c.cos(s)), (-4, 4))),
+        (BadCurve, "**", lambda: Curve(("s", "s^2"), (-1, 1))),
+        (BadCurve, "'t'", lambda: Curve(("s", "cos(t)"))),
+        (BadCurve, "more than arithmetic", lambda: Curve(("s", "s.__class__"))),
+        (BadCurve, "cannot be read", lambda: Curve(("s", "cos(s"))),
+        (BadValue, "not enough", lambda: Curve.through([(0, 0), (1, 0), (1, 1)], closed=True)),
+        (BadValue, "point 3 is not finite", lambda: Curve.through([(0, 0), (1, 0), (np.nan, 1)] * 4, closed=False)),
+        (BadValue, "are the same", lambda: Curve.through([(0, 0), (0, 0), *SQUARE_ROOT], closed=True)),
+        (BadValue, "shape (n, 2)", lambda: Curve.through([1, 2, 3], closed=True)),
+        (BadCurve, "corners", lambda: Curve.through([(abs(x - 0.5), x) for x in np.linspace(0, 1, 30)], closed=False)),
+        (UnknownName, "nowhere.csv", lambda: Curve.from_csv("nowhere.csv", closed=True)),
+    ],
+)
+def test_a_wrong_curve_is_refused_in_one_sentence(kind, says, make):
+    refused(kind, says, make)
+
+
+def test_strings_and_a_function_give_one_curve():
+    assert Curve(("s", "-0.3*cos(2*s)"), (-3, 3)) == Curve(lambda s: (s, -0.3 * c.cos(2 * s)), (-3, 3))
+
+
+def test_a_closed_fit_meets_its_points_as_closely_as_it_says():
+    curve = Curve.through(SQUARE_ROOT, closed=True)
+    s = np.linspace(0, 2 * pi, 100_001)  # 16 µm apart: they add 0.2 µm to a distance of half a millimetre
+    near = [np.hypot(*(curve.point(s) - p[:, None])).min() for p in SQUARE_ROOT]
+    assert curve.period == pytest.approx(2 * pi)
+    assert max(near) <= curve.residual + 1e-6
+    assert curve.residual <= 1e-3 * 0.6
+
+
+def test_an_open_fit_of_a_parabola_misses_by_what_the_chord_parameter_costs():
+    x = np.linspace(-0.5, 0.5, 40)
+    curve = Curve.through(np.column_stack([x, x**2]), closed=False)
+    s = np.linspace(-1, 1, 201)
+    assert curve.point(s)[1] == pytest.approx(curve.point(s)[0] ** 2, abs=2 * curve.residual)
+
+
+def test_a_file_with_a_bad_line_is_told_with_the_line(tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_text("x,y\n0,0\n1,zero\n")
+    refused(BadValue, "points.csv:3", lambda: Curve.from_csv(file, closed=True))
+
+
+def test_equal_curves_in_different_parametrisations_give_equal_motions():
+    here = cases.load("disc_in_parabola")
+    other = Curve(lambda s: (c.sinh(s), c.sinh(s) ** 2 / 1.6), (-1.8, 1.8))
+    there = cases.Case(other, here.plate, here.effects, cases.Start(float(np.arcsinh(here.start.xi1))), here.duration)
+    a, b = reference.simulate(here, rtol=1e-12), reference.simulate(there, rtol=1e-12)
+    assert [t.time for t in b.transitions] == pytest.approx([t.time for t in a.transitions], abs=1e-10)
+    times = np.linspace(0, here.duration, 20)
+    assert b(times).x == pytest.approx(a(times).x, abs=1e-9)
