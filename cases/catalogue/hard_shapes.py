@@ -52,7 +52,7 @@ def tightest_fit(gap=1e-4, mu=0.2, amplitude=0.5, a=0.6, b=1.0, m=1.0, g=9.81, d
 
 
 @case(
-    variants=[dict(mu=0.1), dict(mu=0.5)],
+    variants=[dict(mu=0.1), dict(mu=0.1, omega=-10.0), dict(mu=0.5, omega=-12.0)],
     hard="an outline fifty times as long as wide: its curvature changes by a factor of 125,000 round the plate",
     outcome="rocks and slips on its flat side, or falls over its sharp end",
 )
