@@ -107,12 +107,16 @@ def load(name: str, **parameters) -> Case:
     return replace(made, name=bare, parameters=parameters)
 
 
-def select(text: str) -> list[Case]:
-    """What `--case TEXT` means: all variants of a bare name, or the one case of "name[parameter=value]"."""
+def select(text: str, long: bool = False) -> list[Case]:
+    """What `--case TEXT` means: all variants of a bare name, or the one case of "name[parameter=value]".
+
+    With `long` a bare name's variants that take minutes come too.
+    """
     bare, written = _parse(text)
     if written or "[" in text:
         return [load(text)]
-    return [load(bare, **variant) for variant in entry(bare).variants]
+    found = entry(bare)
+    return [load(bare, **variant) for variant in (*found.variants, *(found.long if long else ()))]
 
 
 def load_file(path: str | Path) -> list[str]:
