@@ -22,13 +22,14 @@ from .flight import Landing
 from .impact import Touch
 from .modes import Phase
 
-# Terms ρᵏ, ρ²ᵏ, ρ³ᵏ are removed: each costs two more impacts and digits to rounding.
-MOST_TERMS = 3
-# What is left of the time after m terms are removed, as a part of the natural time: below the rounding of the instants.
-NEGLIGIBLE = 1e-15
+# At most the terms ρᵏ, ρ²ᵏ, ρ³ᵏ, ρ⁴ᵏ are removed: each costs two more impacts and digits to rounding.
+MOST_TERMS = 4
+# What is left of the time after m terms are removed, as a part of the natural time. The smaller the bounces, the less
+# sure are their instants (the rounding of a position over a speed): there is nothing to gain below.
+NEGLIGIBLE = 1e-13
 # Bounces count from where the time that is left is this part of the natural time, and while the ratio of two flights
 # does not change by more than as much: there the expansion in powers of ρᵏ holds.
-SMALL = 1e-2
+SMALL = 2e-2
 
 
 class Limit(NamedTuple):
@@ -113,14 +114,18 @@ class Bounces:
 
 
 def extrapolated(sequence: Sequence[float]) -> float:
-    """The limit of a sequence of odd length by Wynn's ε-algorithm; its last term where it no longer changes."""
+    """The limit of a sequence of odd length by Wynn's ε-algorithm, as far as its columns agree with each other."""
     before, now = [0.0] * (len(sequence) + 1), list(sequence)
-    best = now[-1]
+    best, spread = now[-1], inf
     for column in range(1, len(sequence)):
         steps = [b - a for a, b in pairwise(now)]
         if any(step == 0.0 for step in steps):
             return best
         before, now = now, [before[i + 1] + 1.0 / step for i, step in enumerate(steps)]
         if column % 2 == 0:
-            best = now[-1]
+            # A term like ρᵏ that is removed moves the limit by 1/(1 − ρ) times the last change, and ρ is hardly above
+            # 0.97 for the second and third; what moves it more is rounding, blown up.
+            if abs(now[-1] - best) > 30.0 * spread:
+                return best
+            best, spread = now[-1], abs(now[-1] - now[-2]) if len(now) > 1 else 0.0
     return best
