@@ -6,13 +6,14 @@ move with it.
 
 from __future__ import annotations
 
-from math import nan, sqrt
+from collections.abc import Callable
+from math import isnan, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from adapters import EngineFailure, Setting
-from cases import Case, Load, Trajectory
+from cases import Case, Gravity, Load, Trajectory
 
 from . import health, metrics, trial
 from .records import CaseKey, is_default_setting
@@ -21,6 +22,9 @@ from .records import CaseKey, is_default_setting
 BLOWN_UP = 0.1
 # Six halvings of a factor of two leave the bracket a per cent wide.
 HALVINGS = 6
+# The steps looked at, as parts of the duration: with fewer than four there is no motion to speak of, and more than so
+# many nobody takes to be stable.
+FEW, MANY = 4, 200_000
 # Wall seconds for one search.
 PATIENCE = 60.0
 # The hard scenes on which a default report looks for the step: one where contact is all but conforming, one where the
@@ -59,29 +63,39 @@ def bracket(key: CaseKey, name: str, route: str) -> Bracket:
     def failure(h: float) -> str:
         return blow_up(module, case, route, _with_step(middle, h))
 
-    # A step needs room for at least four of it; the coarsest one is a quarter of the duration.
-    works, fails = nan, nan
-    h, how = min(float(middle["h"]), case.duration / 8), ""
-    most = case.duration / 4
+    found = search(failure, min(float(middle["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
+    return Bracket(case.label, name, route, rest, found.works, found.fails, case.duration / found.fails, found.how)
+
+
+class Found(NamedTuple):
+    """The largest step known to work, the smallest known to fail (NaN where there is none), and how it fails."""
+
+    works: float
+    fails: float
+    how: str
+
+
+def search(failure: Callable[[float], str], h: float, least: float, most: float) -> Found:
+    """Double or halve from `h` until one step works and another fails, within [least, most]; then bisect."""
     how = failure(h)
-    while how and h > 1e-6 * case.duration:
-        fails, h = h, h / 2
-        how, last = failure(h), how
-    if how:
-        return Bracket(case.label, name, route, rest, nan, h, case.duration / h, f"blows up at every step tried: {how}")
-    works = h
-    last = "" if np.isnan(fails) else last
-    while np.isnan(fails) and 2 * h <= most:
+    works, fails = (nan, h) if how else (h, nan)
+    while isnan(works) and h / 2 >= least:
+        h /= 2
+        now = failure(h)
+        works, fails, how = (nan, h, now) if now else (h, fails, how)
+    while isnan(fails) and 2 * h <= most:
         h *= 2
-        last = failure(h)
-        works, fails = (works, h) if last else (h, nan)
-    if np.isnan(fails):
-        return Bracket(case.label, name, route, rest, works, nan, nan, "no step up to a quarter of the duration blows up")
+        how = failure(h)
+        works, fails = (works, h) if how else (h, nan)
+    if isnan(works):
+        return Found(nan, fails, f"at every step tried: {how}")
+    if isnan(fails):
+        return Found(works, nan, f"no step up to {h:.2g} s blows up")
     for _ in range(HALVINGS):
         h = sqrt(works * fails)
-        how = failure(h)
-        works, fails, last = (works, h, how) if how else (h, fails, last)
-    return Bracket(case.label, name, route, rest, works, fails, case.duration / fails, last)
+        now = failure(h)
+        works, fails, how = (works, h, now) if now else (h, fails, how)
+    return Found(works, fails, how)
 
 
 def _with_step(setting: Setting, h: float) -> Setting:
@@ -103,13 +117,12 @@ def blow_up(module, case: Case, route: str, setting: Setting) -> str:
 
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
-    """The most the energy rises above its least so far, over the energy a fall through the truth's whole motion frees."""
+    """The most the energy rises above its least so far, over the start's kinetic energy and what lifts the plate by its
+    own size; 0 under a load, which may do any work."""
     if case.effect(Load) is not None:
         return 0.0
-    total = metrics.energy(case, motion)
-    kinetic = 0.5 * case.plate.mass * (motion.vx**2 + motion.vy**2) + 0.5 * case.plate.inertia * motion.omega**2
-    # The scale is the energy at the start that can move: what the run itself makes of it must not hide its own growth.
-    scale = float(kinetic[0]) + case.plate.mass * 9.81 * 1e-3 * health.size(case)
-    potential = total - kinetic
-    scale = max(scale, float(potential[0] - potential.min()))
-    return float((total - np.minimum.accumulate(total)).max()) / scale
+    gravity, total = case.effect(Gravity), metrics.energy(case, motion)
+    kinetic = 0.5 * case.plate.mass * (motion.vx[0] ** 2 + motion.vy[0] ** 2)
+    kinetic += 0.5 * case.plate.inertia * motion.omega[0] ** 2
+    scale = float(kinetic) + case.plate.mass * (gravity.g if gravity else 0.0) * health.size(case)
+    return float((total - np.minimum.accumulate(total)).max()) / scale if scale > 0.0 else 0.0
