@@ -84,7 +84,7 @@ def entry(name: str) -> Entry:
 
 
 def names(hard: bool | None = None) -> list[str]:
-    """Every case's name, in alphabetical order; only those of the atlas of hard scenes, or only the others, if asked."""
+    """Every case's name, in alphabetical order; only those of the hard atlas, or only the others, if asked."""
     _import_catalogue()
     return sorted(name for name, found in _entries.items() if hard is None or bool(found.hard) == hard)
 

@@ -38,8 +38,8 @@ class Health(NamedTuple):
     """Residuals of a motion, NaN where it does not tell enough.
 
     `energy`: largest of |E(t) − E(0) − work of friction|, over the energy that moves; `energy_drift`: its slope, 1/s;
-    `gap`: largest distance of the two contact points told (5) over the plate's size, `gap_drift` its slope, m/s; `tangency`: largest
-    sine between the tangents at the contact parameters told (6).
+    `gap`: largest distance of the two contact points told (5) over the plate's size, `gap_drift` its slope, m/s;
+    `tangency`: largest sine between the tangents at the contact parameters told (6).
     """
 
     energy: float = nan

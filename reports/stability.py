@@ -2,8 +2,8 @@
 
     python -m reports.stability [--case NAME …] [--solver NAME …] [--out DIR] [--full] [--jobs N]
 
-writes DIR/stability.csv, DIR/unstable_steps.csv and their pictures. Beside each verdict stand what needs no truth (energy,
-gap, tangency, their drifts), the condition of the paper's matrix (27) along the motion, and what one unit in the last
+writes DIR/stability.csv, DIR/unstable_steps.csv and their pictures. Beside each verdict stand what needs no truth
+(energy, gap, tangency, their drifts), the condition of the paper's matrix (27) along the motion, and what one unit in the last
 place of the inputs changes: where that alone decides the outcome nobody is ranked.
 """
 
@@ -21,6 +21,7 @@ import numpy as np
 
 import adapters
 import cases
+import reference
 from adapters import EngineFailure, Setting
 from cases import BadValue, Case, CaseError, NotSupported, Trajectory
 from cases.errors import unknown
@@ -39,8 +40,8 @@ RIGHT = 1e-2
 CHAOTIC = 1e-6
 # Wall seconds a run may take; deriving the equations of the hardest outlines takes a fraction of a minute by itself.
 _LIMIT, _FULL_LIMIT, _DERIVING = 10.0, 600.0, 120.0
-# Samples of the true motion that travel to the engines' judge. Between them it is interpolated by cubics: for the longest
-# of the short scenes that is good to 1e-9 of the plate's size.
+# Samples of the true motion that travel to the engines' judge. Between them it is interpolated by cubics: for the
+# longest of the short scenes that is good to 1e-9 of the plate's size.
 _SAMPLES = 4000
 # Places on a route's ladder that stand in a default report beside the engine as it comes: a coarse one and a fine one.
 _RUNGS = (0, 3)
@@ -101,7 +102,7 @@ def measure(
         answers: dict[int, workers.Answer] = dict(tell(name, len(calls), workers.run(function, calls, jobs, seconds)))
         return [answers[i] for i in range(len(calls))]
 
-    looks = step("scenes", look, [(key, REFERENCE in solvers) for key in keys.values()], limit + _DERIVING)
+    looks = step("scenes", look, [(key, REFERENCE in solvers, full) for key in keys.values()], limit + _DERIVING)
     scenes = {label: _scene(label, answer) for label, answer in zip(keys, looks, strict=True)}
     runs = [run for scene in scenes.values() for run in scene.runs]
     engines = [name for name in solvers if name != REFERENCE]
@@ -109,7 +110,7 @@ def measure(
     for case in chosen:
         for name in engines:
             for offer in trial.survey(keys[case.label], name):
-                runs_of, calls = _plan(keys[case.label], case, name, offer, scenes[case.label], full)
+                runs_of, calls = _plan(keys[case.label], name, offer, scenes[case.label], full)
                 runs += runs_of
                 todo += calls
     for call, answer in zip(todo, step("engines", assess, todo, limit), strict=True):
@@ -120,19 +121,52 @@ def measure(
     return Stability(tuple(chosen), scenes, tuple(runs), brackets)
 
 
-def look(key: CaseKey, with_reference: bool) -> Scene:
+def look(key: CaseKey, with_reference: bool, full: bool) -> Scene:
     """A case's truth, how it is conditioned, what its last bits decide, and the reference's own runs."""
     case = trial.load(key)
     spread = health.spread(case)
     truth = trial.find_truth(key)
-    motion = None if truth.failure else trial._true_motion(key, truth.method)
+    if truth.failure and not spread.sequence:
+        truth = _by_one_formulation(case, truth)
+    motion = None if truth.failure else reference.simulate(case, rtol=TRUTH_RTOL, method=truth.method)
     conditioning = health.conditioning(case, motion) if motion else Conditioning(nan, nan, nan)
     runs = []
     for offer in trial.survey(key, REFERENCE) if with_reference else ():
-        for rung, setting in enumerate(offer.settings, start=1):
-            call = (key, REFERENCE, offer.route, setting, rung, truth, motion)
-            runs.append(assess(*call) if motion else (_untold(case, call, truth), Health()))
+        for rung, setting in enumerate(offer.settings if full else offer.settings[1::2], start=1):
+            call = (key, REFERENCE, offer.route, setting, rung)
+            runs.append(assess(*call, truth, motion) if motion else _untold(call, truth.failure))
     return Scene(truth, _sampled(motion) if motion else None, conditioning, spread, tuple(runs))
+
+
+def _by_one_formulation(case: Case, failed: Truth) -> Truth:
+    """The truth where the second formulation is no witness, if the first one's methods agree; else the failed one."""
+    methods = (*reference.METHODS, *(("taylor_quadruple",) if "taylor" in reference.METHODS else ()))
+    motions = [reference.simulate(case, rtol=TRUTH_RTOL, method=method) for method in methods]
+    centre = motions[0]
+    kinds = [(t.before, t.after) for t in centre.transitions]
+    if any(m.status != centre.status or [(t.before, t.after) for t in m.transitions] != kinds for m in motions):
+        return failed
+    bars = tuple(
+        max(abs(t.time - same[0].time) for t in same) + float(np.spacing(same[0].time))
+        for same in zip(*(m.transitions for m in motions), strict=True)
+    )
+    return Truth(
+        method=methods[0],
+        transitions=tuple(centre.transitions),
+        error_bars=bars,
+        first_mode=centre.first_mode,
+        status=centre.status,
+        reason=centre.reason,
+        samples={"t": centre.t},
+        witnesses=tuple(f"{method} {TRUTH_RTOL:g}" for method in methods),
+    )
+
+
+def _untold(call: tuple, why: str) -> tuple[Run, Health]:
+    """The row of a run that is not made because nothing is there to judge it by."""
+    key, name, route, setting, rung = call
+    reason = f"there is no truth to judge it by: {why}"
+    return Run(trial.load(key).label, name, route, str(setting), rung, "refused", reason), Health()
 
 
 def _sampled(motion: Trajectory) -> Trajectory:
@@ -140,12 +174,6 @@ def _sampled(motion: Trajectory) -> Trajectory:
     events = [event.time for event in motion.transitions]
     times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SAMPLES), events)
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
-
-
-def _untold(case: Case, call: tuple, truth: Truth) -> Run:
-    _, name, route, setting, rung, *_ = call
-    reason = f"there is no truth to judge it by: {truth.failure}"
-    return Run(case.label, name, route, str(setting), rung, "refused", reason)
 
 
 def _scene(label: str, answer: workers.Answer) -> Scene:
@@ -158,18 +186,15 @@ def _scene(label: str, answer: workers.Answer) -> Scene:
     )
 
 
-def _plan(key: CaseKey, case: Case, name: str, offer: Offer, scene: Scene, full: bool):
+def _plan(key: CaseKey, name: str, offer: Offer, scene: Scene, full: bool):
     """Rows of what cannot be run, and the calls of what can."""
     if offer.outcome:
-        return [(Run(case.label, name, offer.route, "", 0, offer.outcome, offer.reason), Health())], []
-    if scene.motion is None:
-        failed = Run(case.label, name, offer.route, "", 0, "refused", f"there is no truth: {scene.truth.failure}")
-        return [(failed, Health())], []
+        return [(Run(trial.load(key).label, name, offer.route, "", 0, offer.outcome, offer.reason), Health())], []
     chosen = offer.settings if full else _few(offer.settings)
-    calls = [
-        (key, name, offer.route, setting, rung, scene.truth, scene.motion) for rung, setting in enumerate(chosen, 1)
-    ]
-    return [], calls
+    calls = [(key, name, offer.route, setting, rung) for rung, setting in enumerate(chosen, 1)]
+    if scene.motion is None:
+        return [_untold(call, scene.truth.failure) for call in calls], []
+    return [], [(*call, scene.truth, scene.motion) for call in calls]
 
 
 def _few(settings: Sequence[Setting]) -> list[Setting]:
@@ -231,7 +256,8 @@ def _brackets(chosen, keys, engines, full: bool, step) -> tuple[unstable.Bracket
 
 def rows(found: Stability) -> list[dict[str, Any]]:
     """One row per run. `centre_error` is the largest distance from the truth over the path; `spread` what one unit in
-    the last place of the inputs does to it; `condition` of (27) in the plate's own units, `condition_si` as it stands."""
+    the last place of the inputs does to it; `condition` of (27) in the plate's own units, `condition_si` as it
+    stands; `witnesses` how many ways of solving the truth rests on."""
     from . import tables
 
     extents = {c.label: health.motion_extent(c, m) for c in found.cases if (m := found.scenes[c.label].motion)}
@@ -239,7 +265,9 @@ def rows(found: Stability) -> list[dict[str, Any]]:
     for run, residuals in found.runs:
         scene = found.scenes[run.case]
         outcome, reason = run.outcome, run.reason
-        if scene.chaotic and outcome in ("right", "wrong"):
+        if scene.chaotic and (
+            outcome in ("right", "wrong") or (outcome == "refused" and scene.motion is None and run.setting)
+        ):
             outcome, reason = "chaotic", scene.chaotic
         told.append(
             {
@@ -261,6 +289,7 @@ def rows(found: Stability) -> list[dict[str, Any]]:
                 "condition_time": scene.conditioning.when,
                 "spread": scene.spread.centre,
                 "spread_time": scene.spread.time,
+                "witnesses": len(scene.truth.witnesses),
             }
         )
     return told

@@ -41,7 +41,8 @@ def many_swings(periods=10.0, mu=0.0, amplitude=1.0, R=1.0, r=0.1, m=1.0, g=9.81
 
     Why: a thousand periods show any drift in energy or phase.
     Source: Landau & Lifshitz, Mechanics, §11, problem 1, and §32, problem 6.
-    Known exactly: period 4 √(L/g) K(sin²(amplitude/2)), L = R − r or, rolling, 3(R − r)/2. The case lasts whole periods.
+    Known exactly: period 4 √(L/g) K(sin²(amplitude/2)), L = R − r or, rolling, 3(R − r)/2. It lasts
+    whole periods.
     """
     from scipy.special import ellipk
 

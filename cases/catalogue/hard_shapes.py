@@ -31,7 +31,7 @@ def nearly_conforming(gap=1e-4, mu=0.2, R=1.0, g=9.81):
 
 @case(
     variants=[dict(gap=1e-2), dict(gap=1e-4), dict(gap=1e-6)],
-    hard="at the bottom of the bowl the radii of curvature agree but for `gap`: there the contact runs 1/gap times as fast",
+    hard="at the bottom the radii of curvature agree but for `gap`: there the contact runs 1/gap times as fast",
     outcome="swings through the bottom, pressed by up to v²/(gap·ρ), and slips there",
 )
 def tightest_fit(gap=1e-4, mu=0.2, amplitude=0.5, a=0.6, b=1.0, m=1.0, g=9.81, duration=1.0):
