@@ -3,8 +3,8 @@
     python -m reports.stability [--case NAME …] [--solver NAME …] [--out DIR] [--full] [--jobs N]
 
 writes DIR/stability.csv, DIR/unstable_steps.csv and their pictures. Beside each verdict stand what needs no truth
-(energy, gap, tangency, their drifts), the condition of the paper's matrix (27) along the motion, and what one unit in the last
-place of the inputs changes: where that alone decides the outcome nobody is ranked.
+(energy, gap, tangency, their drifts), the condition of the paper's matrix (27) along the motion, and what one unit in
+the last place of the inputs changes: where that alone decides the outcome nobody is ranked.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import adapters
 import cases
 import reference
 from adapters import EngineFailure, Setting
-from cases import BadValue, Case, CaseError, NotSupported, Trajectory
+from cases import BadValue, Case, CaseError, Mode, NotSupported, Trajectory
 from cases.errors import unknown
 
 from . import health, trial, unstable, workers
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 # A right motion's centre stays within a hundredth of its path from the truth's: what the eye would call the same.
 RIGHT = 1e-2
+# A slip below this part of the motion's speed is rounding to whoever reads samples (`metrics` reads them so).
+UNSEEN = 1e-9
 # One unit in the last place may move the centre by a millionth of its path: engines that come nearer than that to the
 # truth would be ranked by noise.
 CHAOTIC = 1e-6
@@ -46,13 +48,19 @@ _SAMPLES = 4000
 # Places on a route's ladder that stand in a default report beside the engine as it comes: a coarse one and a fine one.
 _RUNGS = (0, 3)
 
+SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
+
 Tell = Callable[[str, int, Iterator], Iterator]
 
 
 class Scene(NamedTuple):
-    """What is known of a case before any engine runs; `motion` is the true one, sampled, None if there is none."""
+    """What is known of a case before any engine runs; `motion` is the true one, sampled, None if there is none.
+
+    `visible` is the truth without slips below what a reading of samples tells from rounding: engines are judged by it.
+    """
 
     truth: Truth
+    visible: Truth
     motion: Trajectory | None
     conditioning: Conditioning
     spread: Spread
@@ -135,7 +143,26 @@ def look(key: CaseKey, with_reference: bool, full: bool) -> Scene:
         for rung, setting in enumerate(offer.settings if full else offer.settings[1::2], start=1):
             call = (key, REFERENCE, offer.route, setting, rung)
             runs.append(assess(*call, truth, motion) if motion else _untold(call, truth.failure))
-    return Scene(truth, _sampled(motion) if motion else None, conditioning, spread, tuple(runs))
+    visible = _visible(truth, motion) if motion else truth
+    return Scene(truth, visible, _sampled(motion) if motion else None, conditioning, spread, tuple(runs))
+
+
+def _visible(truth: Truth, motion: Trajectory) -> Truth:
+    """The truth without phases of slip that never exceed a billionth of the motion's speed."""
+    edges = [float(motion.t[0]), *(t.time for t in truth.transitions), float(motion.t[-1])]
+    unseen = UNSEEN * float(np.max(np.hypot(motion.vx, motion.vy)))
+    modes = [truth.first_mode, *(t.after for t in truth.transitions)]
+    for i, mode in enumerate(modes):
+        slips = np.abs(np.asarray(motion(np.linspace(edges[i], edges[i + 1], 21)).slip))
+        if mode in SLIPS and slips.max() <= unseen:
+            modes[i] = Mode.ROLL
+    kept = [i for i in range(1, len(modes)) if modes[i] != modes[i - 1]]
+    return replace(
+        truth,
+        first_mode=modes[0],
+        transitions=tuple(replace(truth.transitions[i - 1], before=modes[i - 1], after=modes[i]) for i in kept),
+        error_bars=tuple(truth.error_bars[i - 1] for i in kept),
+    )
 
 
 def _by_one_formulation(case: Case, failed: Truth) -> Truth:
@@ -181,9 +208,8 @@ def _scene(label: str, answer: workers.Answer) -> Scene:
         return answer.value
     outcome = "timed_out" if answer.outcome == "timed_out" else "crashed"
     failed = Run(label, REFERENCE, "", "", 0, outcome, answer.reason)
-    return Scene(
-        Truth(failure=answer.reason), None, Conditioning(nan, nan, nan), Spread("", nan, nan), ((failed, Health()),)
-    )
+    nothing = Truth(failure=answer.reason)
+    return Scene(nothing, nothing, None, Conditioning(nan, nan, nan), Spread("", nan, nan), ((failed, Health()),))
 
 
 def _plan(key: CaseKey, name: str, offer: Offer, scene: Scene, full: bool):
@@ -194,7 +220,7 @@ def _plan(key: CaseKey, name: str, offer: Offer, scene: Scene, full: bool):
     calls = [(key, name, offer.route, setting, rung) for rung, setting in enumerate(chosen, 1)]
     if scene.motion is None:
         return [_untold(call, scene.truth.failure) for call in calls], []
-    return [], [(*call, scene.truth, scene.motion) for call in calls]
+    return [], [(*call, scene.visible, scene.motion) for call in calls]
 
 
 def _few(settings: Sequence[Setting]) -> list[Setting]:

@@ -60,7 +60,7 @@ def paradox_angle(mu: float) -> float:
 @pytest.mark.parametrize("mu", [2.0, 5.0, 10.0])
 @pytest.mark.xfail(
     reason="towards the paradox N grows like a power of Painlevé's number p, whose last digits nobody has: taylor "
-    "hangs for mu = 2 (time stands still at p = 1e-16), invents a reversal of slip for 5 and 10; dop853 takes 1e5 steps. "
+    "hangs for mu = 2 (time stands still at p = 1e-16), invents a reversal for 5 and 10; dop853 takes 1e5 steps. "
     "With the guard system.py:147 as `motion.division - 1e-9` all agree to 1e-11 s, at the angle below",
 )
 def test_a_rod_runs_into_the_paradox_at_the_angle_of_the_formula(mu, method):

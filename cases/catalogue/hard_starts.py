@@ -89,7 +89,7 @@ def touching_slip_velocity(mu: float, R: float, r: float, g: float, xi1: float, 
 def touching_slip(above=1e-9, mu=0.05, rate=-2.0, R=1.0, r=0.1, m=1.0, g=9.81, duration=1.0):
     """A spinning disc running through the bottom of a circle, its slip velocity coming down to `above` (m/s).
 
-    Why: a double zero leaves no change of sign. Where v and v' vanish together, rolling takes all the friction there is.
+    Why: a double zero leaves no change of sign. Where v and v' vanish, rolling takes all the friction there is.
     Source: this suite's; the lowest slip is a quadrature of the linear equation of Ogaru & Pandrea's (35).
     Known exactly: the lowest slip velocity is `above`; where that is zero the answer hangs on the last bit.
     """
