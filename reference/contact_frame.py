@@ -114,13 +114,12 @@ class _March:
     def _start(self) -> Touching | Flying | Stopped:
         begin = start_motion(self.case)
         body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
+        z = [begin.xi1, begin.xi2, begin.omega, begin.slip]
         if self.case.start.in_contact:
-            return self._touching([begin.xi1, begin.xi2, begin.omega, begin.slip], 0) or self._without_mode(
-                [begin.xi1, begin.xi2, begin.omega, begin.slip], 0, None
-            )
+            return self._touching(z, 0) or self._without_mode(z, 0)
         if self.case.start.gap == 0.0 and self.case.start.lift < 0.0:
             return self._landing(Landing(0.0, body, begin.xi1, begin.xi2))
-        return Flying(body, self._hop([begin.xi1, begin.xi2, begin.omega, begin.slip], 0, self.case.start.lift))
+        return Flying(body, self._hop(z, 0, self.case.start.lift))
 
     # --- in contact -------------------------------------------------------------------------------------------------
 
@@ -129,12 +128,11 @@ class _March:
         phase = decide(self.scene, self.t, z, turns, **known)
         return Touching(z, turns, phase) if phase else None
 
-    def _without_mode(self, z, turns: int, before: Mode | None) -> Flying | Stopped:
+    def _without_mode(self, z, turns: int) -> Flying | Stopped:
         """No phase of contact is consistent: the plate leaves, or rigid contact has no answer (Painlevé)."""
-        if not leaves(self.scene, self.t, z, turns):
-            return Stopped("paradox")
-        if before is not None:
-            self.transitions.append(Transition(self.t, before, Mode.FLIGHT, z[0], z[1]))
+        return self._off(z, turns) if leaves(self.scene, self.t, z, turns) else Stopped("paradox")
+
+    def _off(self, z, turns: int) -> Flying | Stopped:
         if self.case.effect(Flight) is None:
             return Stopped("lift_off")
         self.last_xi1 = z[0]
@@ -151,17 +149,31 @@ class _March:
         stop = next((STOPS[name] for name in fired if name in STOPS), None)
         if stop:
             return Stopped(stop)
-        after = self._after(phase, fired, z, turns)
-        if after is None:
-            return self._without_mode(z, turns, phase.mode)
-        if after.phase.mode is not phase.mode:
-            self.transitions.append(Transition(self.t, phase.mode, after.phase.mode, z[0], z[1]))
+        after: Touching | Flying | Stopped
+        if self._vanishes(phase, fired, z, turns):
+            after = self._off(z, turns)
+            # A perfectly rough contact may end while friction still acts; freed of it, the plate must not be pressed
+            # onto its track, or it can neither stay nor leave.
+            if isinstance(after, Flying) and self.scene.laws.stick == inf and not leaves(self.scene, self.t, z, turns):
+                return Stopped("paradox")
+        else:
+            after = self._after(phase, fired, z, turns) or self._without_mode(z, turns)
+        mode = after.phase.mode if isinstance(after, Touching) else Mode.FLIGHT
+        if mode is not phase.mode and after != Stopped("paradox"):
+            self.transitions.append(Transition(self.t, phase.mode, mode, z[0], z[1]))
         return after
 
-    def _after(self, phase: Phase, fired: list[str], z, turns: int) -> Touching | None:
-        """What follows when a guard has fired; sets velocities that have vanished to zero. None: contact ends."""
+    def _vanishes(self, phase: Phase, fired: list[str], z, turns: int) -> bool:
+        """Whether the normal force has vanished: by itself, or together with the friction that it bounds."""
         if "normal_force" in fired:
-            return None
+            return True
+        if not self.scene.one_sided or not any(name.startswith("cone") for name in fired):
+            return False
+        held, scale = self.scene.forces(self.t, z, phase, turns), self.scene.scale(self.t, z, turns)
+        return max(abs(held.friction), abs(held.normal)) <= VANISHED * scale
+
+    def _after(self, phase: Phase, fired: list[str], z, turns: int) -> Touching | None:
+        """What follows when a guard has fired; sets velocities that have vanished to zero. None: no phase does."""
         if "side" in fired:
             return Touching(z, turns, phase._replace(side=-phase.side))
         if "slip" in fired:
@@ -169,10 +181,6 @@ class _March:
         if "turn" in fired:
             z[2] = 0.0
         cone = any(name.startswith("cone") for name in fired)
-        if cone and self.scene.one_sided:
-            held, scale = self.scene.forces(self.t, z, phase, turns), self.scene.scale(self.t, z, turns)
-            if max(abs(held.friction), abs(held.normal)) <= VANISHED * scale:
-                return None
         couple = any(name.startswith("couple") for name in fired)
         return self._touching(z, turns, may_stick=not cone, may_hold=not couple)
 
