@@ -39,10 +39,14 @@ MOST_CHANGES = 5000
 # The flight after a rebound is listed if it lasts this part of the duration; a shorter one belongs to an accumulation.
 LISTED = 1e-3
 
-# An accumulation's time is taken when known this well (in parts of the duration), or when bounces are this short: what
-# is left of them is then shorter than anything resolved.
+# An accumulation's time is taken when known this well (in parts of the duration), or when bounces are this short: then
+# their rounding, 1e-16 m in a height of 1e-12 m, leaves nothing to be gained by following more of them.
 SETTLED = 1e-13
 SHORTEST = 1e-6
+
+# Bounces as short as this, of which no limit was found (each ends otherwise than the one before), are taken as over:
+# they are no higher than rounding.
+OVER = 1e-8
 
 
 class Answer(NamedTuple):
@@ -281,6 +285,8 @@ class _March:
         if limit is not None:
             self.t = limit.time
             return self._settled(limit.z, turns)
+        if self._hop(z, turns, result.lift) < OVER * self.case.duration:
+            return self._settled(z, turns)
         return self._rebounds(z, turns, result.lift)
 
     def _rebounds(self, z, turns: int, lift: float) -> Flying:

@@ -263,7 +263,7 @@ def fly(
         if touching:
             growing = 0.4 * hop if before == t else 0.4 * (before - t)
             stride = min(stride, growing if isfinite(growing) else 1e-3 * sqrt(around.size) / _rush(scene, t, body))
-        now = min(before + stride, end)
+        now = min(max(before + stride, float(np.nextafter(before, end))), end)
         body_now = course(now)
         found = around.closest(body_now)
         low, high = _bracket(scene, course, before, near, now, found)
