@@ -352,7 +352,8 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     turns = np.round(result["angle"][:1] / (2 * np.pi))
     result["angle"] = result["angle"] - 2 * np.pi * (turns[0] if len(turns) else 0.0)
     result["pose"] = np.hypot(centre, sqrt(case.plate.inertia / case.plate.mass) * result["angle"])
-    press = np.mean(np.abs(exact.normal_force)) if len(centre) else nan
+    force = np.abs(np.asarray(exact.normal_force))
+    press = float(force.mean()) if len(force) else nan
     fastest = np.max(_kinetic(case, exact), initial=0.0)
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
     off = energy(case, trajectory)[common] - energy(case, exact)
@@ -370,7 +371,9 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
         return Distance(*len(Distance._fields) * (nan,))
     values = []
     for key in ("centre", "angle", "slip"):
-        size = np.abs(off[key])
+        # In flight there is no slip velocity.
+        size = np.abs(off[key][np.isfinite(off[key])])
+        size = size if len(size) else np.array([nan])
         values += [float(size.max()), float(np.sqrt(np.mean(size**2)))]
     force = np.abs(off["force_share"][np.isfinite(off["force_share"])])
     told = len(force) >= _TOLD * len(off["t"])
