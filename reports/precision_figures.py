@@ -104,10 +104,11 @@ def _panel(ax: Axes, experiment: Experiment, label: str, points: Sequence[dict[s
     ax.axhspan(band / 10, band, color="#eeeeee", zorder=0)
     ax.set_ylim(bottom=band / 10)
     if isfinite(null) and null > band:
+        ax.set_ylim(top=max(3.0 * null, ax.get_ylim()[1]))
         ax.axhline(null, color="#555555", linewidth=0.9, linestyle=":", zorder=1)
         ax.annotate(
-            points[0]["null_motion"], (1.0, null), (0, 2), xycoords=("axes fraction", "data"),
-            textcoords="offset points", ha="right", fontsize=7.5, color="#555555",
+            points[0]["null_motion"], (1.0, null), (0, -2), xycoords=("axes fraction", "data"),
+            textcoords="offset points", ha="right", va="top", fontsize=7.5, color="#555555",
         )  # fmt: skip
 
 

@@ -25,11 +25,6 @@ _SHARES = ("normal_force_mean", "energy_max")
 _LEAST_SHARE = 1e-15
 
 
-def described(quantity: str, value: float) -> str:
-    """A value of the quantity with its unit."""
-    return f"{value:g} {UNITS[quantity]}".strip()
-
-
 def error(run: Run, quantity: str) -> float:
     """The run's error, at least zero; NaN where there is none (a missed transition, a force that is not told)."""
     if quantity == "first_transition_time":

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
 from statistics import median
 from typing import Any, NamedTuple
 
 from .precision import DISTURBED, groups, ratio_of_intervals
-from .quantities import described
+from .quantities import UNITS
 from .records import REFERENCE
 
 # The factor that is worth the name at the finest level an engine reaches.
 CLEARLY = 100.0
-# Exceptions named one by one; more are counted, the table has them all.
-_NAMED = 4
 
 
 class Verdict(NamedTuple):
@@ -75,31 +72,40 @@ def headline(rows: Sequence[dict[str, Any]]) -> str:
         f"At the finest accuracy that any engine reaches, the engine that gets there first takes {' and '.join(parts)} "
         f"CPU time, in the median over {_cases(len(finest))}."
     )
+    best = methods[0]
+    close = [v for v in finest if best in v.ratios and 1.0 <= v.ratios[best][1] < CLEARLY]
+    if close:
+        told += f" It is less than {CLEARLY:g} times {best}'s on {_list(close, best)}."
     return told + "".join(_method(method, found) for method in methods) + _disturbed(rows)
 
 
 def _method(method: str, found: Sequence[Verdict]) -> str:
-    """Where one method of the reference is the cheapest, where it is not, and where it is by less than CLEARLY."""
+    """Where one method of the reference is cheaper than every engine, and where it is not."""
     mine = [verdict for verdict in found if method in verdict.ratios]
     dearer = [v for v in mine if v.ratios[method][1] < 1.0]
-    told = f" {method.capitalize()} is the cheaper one at {len(mine) - len(dearer)} of {len(mine)} levels"
-    told += f"; not at {_list(dearer, method)}." if dearer else "."
-    close = [v for v in mine if v.finest and 1.0 <= v.ratios[method][1] < CLEARLY]
-    if close:
-        told += f" By less than {CLEARLY:g} at the finest level: {_list(close, method)}."
-    return told
+    told = f" {method.capitalize()} is cheaper than every engine at {len(mine) - len(dearer)} of the {len(mine)} levels"
+    told += " of accuracy, from 0.01 on, that an engine reaches"
+    return told + (f"; not on {_list(dearer, method)}." if dearer else ".")
 
 
 def _list(found: Sequence[Verdict], method: str) -> str:
-    named = [f"{v.case}, {described(v.quantity, v.accuracy)} ({v.engine}: {_factor(v, method)})" for v in found]
-    more = len(named) - _NAMED
-    return "; ".join(named[:_NAMED]) + (f"; and {more} more" if more > 0 else "")
+    """Case by case: the accuracies, the engine, and what part of the method's time it takes where that is least."""
+    named = []
+    for (case, engine), same in groups([v._asdict() for v in found], "case", "engine").items():
+        levels = [v["accuracy"] for v in same]
+        worst = min((v["ratios"][method] for v in same), key=lambda ratio: ratio[1])
+        span = f"{max(levels):g}" + (f" to {min(levels):g}" if len(levels) > 1 else "")
+        unit = UNITS[same[0]["quantity"]]
+        named.append(
+            f"{case} at {span} {unit} ({engine}: {worst[1]:.2g}{'' if _sure(worst) else ', not for sure'})"
+        )
+    return "; ".join(named)
 
 
-def _factor(verdict: Verdict, method: str) -> str:
-    low, middle, high = verdict.ratios[method]
-    sure = not isfinite(low) or not isfinite(high) or high < 1.0 or low > 1.0
-    return f"{middle:.2g} of its time" + ("" if sure else ", too close to call")
+def _sure(ratio: tuple[float, float, float]) -> bool:
+    """Whether the interval leaves one out."""
+    low, _, high = ratio
+    return high < 1.0 or low > 1.0
 
 
 def _cases(count: int) -> str:

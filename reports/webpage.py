@@ -137,6 +137,7 @@ def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path
     if not measured.cases:
         return "<p>Not measured: a quick report takes no timings. Leave out <code>--quick</code>.</p>"
     told = _records(frames["time_to_accuracy"])
+    first, _, rest = verdicts.headline(told).partition(". ")
     picture = "".join(_figure(d, figures, command) for d in drawn if d.name == "work_precision")
     failed = "".join(
         f"<p>{escape(case)} could not be timed: {escape(why)}</p>" for case, why in measured.failures.items()
@@ -150,7 +151,7 @@ def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path
         for name in ("time_to_accuracy", "work_precision", "work_precision_fits", "null_scores")
     )
     return (
-        f"<p><strong>{escape(verdicts.headline(told))}</strong></p>{failed}{picture}"
+        f"<p><strong>{escape(first)}.</strong> {escape(rest)}</p>{failed}{picture}"
         f"<h3>CPU time to an accuracy, and its ratio to the fastest</h3>{_accuracies(told, main)}"
         "<details><summary>Orders, and where the error saturates and why</summary>"
         f"{_table(fits, {c: c.replace('_', ' ') for c in fits.columns if c not in hidden})}</details>"
@@ -178,7 +179,7 @@ def _accuracies(told: Sequence[dict[str, Any]], main: dict[str, str]) -> str:
 def _accuracy_cell(row: dict[str, Any]) -> str:
     if isinstance(row["cpu_s"], str):
         return f"<small>{escape(row['cpu_s'])}</small>"
-    ratio = f"<br><small>{row['ratio']:.3g} ×</small>" if isfinite(row["ratio"]) else ""
+    ratio = f" <small>{row['ratio']:.3g} ×</small>" if isfinite(row["ratio"]) else ""
     null = "*" if row["null_reaches"] else ""
     return f"{row['cpu_s'] * 1e3:.2g} ms{null}{ratio}"
 
