@@ -308,8 +308,8 @@ def _pairing(truth: Sequence[Transition], found: Sequence[Transition]) -> list[t
 
 class Distance(NamedTuple):
     """How far a motion is from the truth: largest and root-mean-square distance of the centre in m, of the angle in
-    rad, of the slip velocity in m/s; distance of the last pose in m; mean error of the normal force (NaN where the
-    solver tells none) and largest error of the mechanical energy, as parts of the true motion's (`differences`)."""
+    rad, of the slip velocity in m/s; distance of the last pose in m; mean errors of the normal force (NaN where the
+    solver tells none) and of the mechanical energy, as parts of the true motion's own (`differences`)."""
 
     centre_max: float
     centre_rms: float
@@ -319,7 +319,7 @@ class Distance(NamedTuple):
     slip_rms: float
     pose_final: float = nan
     normal_force_mean: float = nan
-    energy_max: float = nan
+    energy_mean: float = nan
 
 
 # A force that is told for less than this part of the samples is not told.
@@ -364,8 +364,8 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
 def distance(off: dict[str, np.ndarray]) -> Distance:
     """The largest and the root-mean-square of `differences`; NaN where there is nothing in common.
 
-    Of the force the mean size, not the root mean square: it jumps at a transition, where a late solver is wrong by the
-    whole jump for a short while, and the root mean square would fall with the root of that while only.
+    Of force and energy the mean size: they jump at transitions and impacts, where a late solver is wrong by the whole
+    jump for a short while; the largest error would not fall, and the root mean square with the root of that while only.
     """
     if not len(off["t"]):
         return Distance(*len(Distance._fields) * (nan,))
@@ -377,7 +377,7 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
         values += [float(size.max()), float(np.sqrt(np.mean(size**2)))]
     force = np.abs(off["force_share"][np.isfinite(off["force_share"])])
     told = len(force) >= _TOLD * len(off["t"])
-    values += [float(off["pose"][-1]), float(force.mean()) if told else nan, float(np.abs(off["energy_share"]).max())]
+    values += [float(off["pose"][-1]), float(force.mean()) if told else nan, float(np.abs(off["energy_share"]).mean())]
     return Distance(*values)
 
 

@@ -39,7 +39,7 @@ _TITLES = {
     "final_pose": "final pose / m",
     "centre_rms": "centre, root mean square / m",
     "normal_force_mean": "normal force, mean / true mean",
-    "energy_max": "energy, largest / true kinetic",
+    "energy_mean": "energy, mean / true kinetic",
 }
 
 

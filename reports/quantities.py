@@ -16,11 +16,11 @@ UNITS = {
     "final_pose": "m",
     "centre_rms": "m",
     "normal_force_mean": "",
-    "energy_max": "",
+    "energy_mean": "",
 }
 TIMES = ("first_transition_time", "all_transitions")
 _DISTANCES = {"final_pose": "pose_final", "centre_max": "centre_max", "centre_rms": "centre_rms"}
-_SHARES = ("normal_force_mean", "energy_max")
+_SHARES = ("normal_force_mean", "energy_mean")
 # No share of a force or an energy is known better than to a few units in the last place of its terms.
 _LEAST_SHARE = 1e-15
 

@@ -96,9 +96,7 @@ def _list(found: Sequence[Verdict], method: str) -> str:
         worst = min((v["ratios"][method] for v in same), key=lambda ratio: ratio[1])
         span = f"{max(levels):g}" + (f" to {min(levels):g}" if len(levels) > 1 else "")
         unit = UNITS[same[0]["quantity"]]
-        named.append(
-            f"{case} at {span} {unit} ({engine}: {worst[1]:.2g}{'' if _sure(worst) else ', not for sure'})"
-        )
+        named.append(f"{case} at {span} {unit} ({engine}: {worst[1]:.2g}{'' if _sure(worst) else ', not for sure'})")
     return "; ".join(named)
 
 

@@ -384,7 +384,7 @@ def test_tables_have_the_promised_columns(report):
         "reading_doubt",
         "trajectories": "case,solver,route,setting,outcome,reason,status,first_mode,transitions_true,matched,missed,"
         "spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,pose_final,normal_force_mean,"
-        "energy_max,cpu_s,setup_s,steps",
+        "energy_mean,cpu_s,setup_s,steps",
         "convergence": "case,solver,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
         "saturation,saturated_from",
     }
