@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from . import stability
-from .figures import _PALETTE, _STYLE, Drawn, _save
+from .drawing import PALETTE, STYLE, Drawn, save
 from .records import REFERENCE, is_default_setting
 from .stability import Stability
 
@@ -46,10 +46,10 @@ def draw(found: Stability, folder: Path) -> Iterator[Drawn]:
     if not found.cases:
         return
     folder.mkdir(parents=True, exist_ok=True)
-    with matplotlib.rc_context(_STYLE):
-        yield _save(outcomes(found), folder, "stability", "", *_WORDS)
+    with matplotlib.rc_context(STYLE):
+        yield save(outcomes(found), folder, "stability", "", *_WORDS)
         if found.unstable:
-            yield _save(steps(found), folder, "unstable_steps", "", *_STEP_WORDS)
+            yield save(steps(found), folder, "unstable_steps", "", *_STEP_WORDS)
 
 
 def outcomes(found: Stability) -> Figure:
@@ -120,7 +120,7 @@ def steps(found: Stability) -> Figure:
     figure, ax = plt.subplots(figsize=(7.4, 0.9 + 0.26 * max(len(brackets), 1)), layout="constrained")
     solvers = sorted({b.solver for b in brackets})
     for y, b in enumerate(brackets):
-        colour, whole = _PALETTE[solvers.index(b.solver) % len(_PALETTE)], durations[b.case]
+        colour, whole = PALETTE[solvers.index(b.solver) % len(PALETTE)], durations[b.case]
         if isfinite(b.works):
             ax.plot([1e-6, b.works / whole], [y, y], color=colour, linewidth=4, solid_capstyle="butt")
         if isfinite(b.fails):

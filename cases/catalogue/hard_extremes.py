@@ -1,9 +1,9 @@
 """Hard: very small, very large, very long. Gravity pulls along −Y."""
 
-from math import pi, sqrt
+from math import pi, sin, sqrt
 
-from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, case, disc
-from cases.curves import cos, sin
+from cases import Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc
+from cases.catalogue.odd_wheels import eccentric
 from cases.errors import positive
 from cases.library import circle, line
 
@@ -48,7 +48,7 @@ def many_swings(periods=10.0, mu=0.0, amplitude=1.0, R=1.0, r=0.1, m=1.0, g=9.81
 
     friction = (CoulombFriction(mu),) if mu else ()
     pendulum = (R - r) * (1.5 if mu else 1.0)
-    period = 4 * sqrt(pendulum / positive("g of many_swings", g)) * float(ellipk(float(sin(amplitude / 2)) ** 2))
+    period = 4 * sqrt(pendulum / positive("g of many_swings", g)) * float(ellipk(sin(amplitude / 2) ** 2))
     return Case(
         track=circle(R),
         plate=disc(r, m),
@@ -71,10 +71,9 @@ def limping_wheel(slope=0.03, mu=0.3, e=0.07, omega=-13.0, r=0.1, m=1.0, g=9.81,
     Source: this suite's, after Maritz & Theron, Am. J. Phys. 80 (2012), who roll a loaded hoop.
     Known exactly: energy lost = work of friction; while it rolls, (J + m d²) ω²/2 + m g y is constant.
     """
-    r, e = positive("r of limping_wheel", r), positive("e of limping_wheel", e)
     return Case(
         track=line(slope),
-        plate=Plate(Curve(lambda s: (r * cos(s) - e, r * sin(s))), m, 0.5 * m * r**2),
+        plate=Plate(eccentric(r, e), m, 0.5 * m * r**2),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0, xi2=-pi / 2, omega=omega),
         duration=duration,
@@ -95,10 +94,9 @@ def rocking_to_rest(slope=0.02, mu=0.05, e=0.03, omega=-6.0, r=0.1, m=1.0, g=9.8
     Source: this suite's.
     Known exactly: energy lost = work of friction.
     """
-    r, e = positive("r of rocking_to_rest", r), positive("e of rocking_to_rest", e)
     return Case(
         track=line(slope),
-        plate=Plate(Curve(lambda s: (r * cos(s) - e, r * sin(s))), m, 0.5 * m * r**2),
+        plate=Plate(eccentric(r, e), m, 0.5 * m * r**2),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0, xi2=-pi / 2, omega=omega),
         duration=duration,

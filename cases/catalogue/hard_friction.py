@@ -3,6 +3,7 @@
 from math import pi
 
 from cases import Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc
+from cases.catalogue.odd_wheels import eccentric
 from cases.errors import positive
 from cases.library import circle, ellipse, line
 
@@ -81,11 +82,9 @@ def rod_into_the_paradox(mu=2.0, angle=0.1, omega=5.0, v0=10.0, length=1.0, tip=
     μ = 4/3, atan 2 alone at 4/3 (for tip → 0).
     """
     half, tip = positive("length of rod_into_the_paradox", length) / 2, positive("tip of rod_into_the_paradox", tip)
-    from cases.catalogue.odd_wheels import _eccentric
-
     return Case(
         track=line(),
-        plate=Plate(_eccentric(tip, half), m, m * half**2 / 3),
+        plate=Plate(eccentric(tip, half), m, m * half**2 / 3),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0, xi2=-pi / 2 - angle, slip=-v0, omega=omega),
         duration=duration,
