@@ -151,6 +151,7 @@ def _visible(truth: Truth, motion: Trajectory) -> Truth:
     """The truth without phases of slip that never exceed a billionth of the motion's speed."""
     edges = [float(motion.t[0]), *(t.time for t in truth.transitions), float(motion.t[-1])]
     unseen = UNSEEN * float(np.max(np.hypot(motion.vx, motion.vy)))
+    assert truth.first_mode is not None, "a motion has a first mode"
     modes = [truth.first_mode, *(t.after for t in truth.transitions)]
     for i, mode in enumerate(modes):
         slips = np.abs(np.asarray(motion(np.linspace(edges[i], edges[i + 1], 21)).slip))
