@@ -24,6 +24,9 @@ from .second_equations import Phase, Scene, decide, leaves, rates
 from .second_flight import Surroundings, Touch
 from .second_record import Record
 
+# The rows of an answer's `motions`.
+MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
+
 STOPS = {"painleve": "paradox", "fit": "no_fit", "track": "track_end", "outline": "outline_end"}
 
 # A slip (or rotation) that has just begun is not watched for this part of the duration: an instant located to 1e-13
@@ -55,8 +58,8 @@ ELSEWHERE = 1e-9
 class Answer(NamedTuple):
     """The second formulation's motion: its transitions, how it ended, and what it does at the times asked for.
 
-    `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n): x, y, θ, vx, vy, ω, v. Contact parameters and
-    slip velocity are NaN in flight, everything is after the motion has ended; at an impact: what follows it.
+    `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n), rows as named in `MOTION`. Contact parameters
+    and slip velocity are NaN in flight, everything is after the motion has ended; at an impact: what follows it.
     """
 
     transitions: tuple[Transition, ...]
