@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from functools import lru_cache
+from itertools import product
 from math import pi
 from typing import NamedTuple
 
@@ -116,6 +118,8 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         part = stretch(case)
         way = part.top_speed * h if h else 0.0
         knobs["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+        # A facet told of its neighbours does not catch the plate with its end where they meet. Nobody tells it unasked.
+        knobs["neighbors"] = 0 if h is None else 1
     if kind != "hill":
         # Thick walls catch what sinks into them; thin ones spare the engine's search for overlapping boxes.
         thickness = radii(case)[0] * (1.0 if h is None else 0.05)
@@ -124,6 +128,32 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         # Corners cost energy as facets do; 0.2 s over the step is where they cost as much as the step itself.
         knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, MOST_CORNERS))
     return knobs
+
+
+def space_knobs(case: Case) -> dict[str, float | int]:
+    """The space's knobs of every rung but the first: all overlap beyond a small slop is corrected at once."""
+    knobs: dict[str, float | int] = dict(collision_slop=1e-5 * radii(case)[0], collision_bias=0.0)
+    if not case.plate.radius:
+        knobs["iterations"] = 20
+    return knobs
+
+
+def model_grid(case: Case, steps: Sequence[float]) -> list[dict[str, float | int]]:
+    """The model's knobs that belong to the steps (s), in every combination, from the coarsest to the finest.
+
+    Corners, or facets and whether they know their neighbours, as fine as each of the steps asks for; a disc on one
+    segment or circle has its slop alone.
+    """
+    finest = shape_knobs(case, min(steps)) | space_knobs(case)
+    choices: dict[str, Sequence[float | int]] = {}
+    fineness = next((name for name in ("vertices", "facets") if name in finest), None)
+    if fineness:
+        choices[fineness] = sorted({shape_knobs(case, h)[fineness] for h in steps})
+    if fineness == "facets":
+        choices["neighbors"] = (0, 1)
+    if not choices:
+        choices["collision_slop"] = [finest["collision_slop"] * factor for factor in (1000, 100, 10, 1)]
+    return [finest | dict(zip(choices, values, strict=True)) for values in product(*choices.values())]
 
 
 def plate_kind(case: Case) -> str:
@@ -217,7 +247,7 @@ def _track_shapes(case: Case, space: pymunk.Space, setting: Setting) -> list[pym
         return [_static_circle(space, circle)]
     if line:
         return [_line_segment(case, space, line, setting["thickness"])]
-    return _chain(case, space, setting["facets"], setting["thickness"])
+    return _chain(case, space, setting)
 
 
 def _static_circle(space: pymunk.Space, circle: Circle) -> pymunk.Shape:
@@ -237,12 +267,12 @@ def _line_segment(case: Case, space: pymunk.Space, line: Line, thickness: float)
     return pymunk.Segment(space.static_body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
 
 
-def _chain(case: Case, space: pymunk.Space, count: int, thickness: float) -> list[pymunk.Shape]:
-    """`count` segments of equal length along the stretch, behind the track by their radius.
+def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
+    """Segments of equal length along the stretch, behind the track by their radius.
 
     The corners lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
     """
-    part, track = stretch(case), case.track
+    part, track, count, thickness = stretch(case), case.track, setting["facets"], setting["thickness"]
     s = _equal_arcs(case, part, count)
     bend = track.curvature(s) * (part.length / count) ** 2 / 12
     corners = track.point(s) - (thickness + bend) * track.normal(s)
@@ -256,7 +286,8 @@ def _chain(case: Case, space: pymunk.Space, count: int, thickness: float) -> lis
     segments: list[pymunk.Shape] = []
     for i in range(count):
         segment = pymunk.Segment(space.static_body, points[i], points[i + 1], thickness)
-        segment.set_neighbors(padded[i], padded[i + 3])
+        if setting["neighbors"]:
+            segment.set_neighbors(padded[i], padded[i + 3])
         segments.append(segment)
     return segments
 

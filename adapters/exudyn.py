@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import product
 from math import ceil, sqrt
 from typing import NamedTuple
 
@@ -105,7 +106,7 @@ def refuses(case: Case, route: str) -> str | None:
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine; the first is what the engine does unless told otherwise."""
     length, acceleration = scales(case)
-    time, stiffness = sqrt(length / acceleration), case.plate.mass * acceleration / length
+    stiffness = case.plate.mass * acceleration / length
     defaults = Setting.of(
         rung="defaults",
         solver="GeneralizedAlpha",
@@ -114,18 +115,28 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
         k=_rounded(1e3 * stiffness),
         vreg=DEFAULT_VREG,
     )
-    finer = (
-        Setting.of(
-            rung=number,
-            solver="TrapezoidalIndex2",
-            newton="full",
-            h=_rounded(h * time),
-            k=_rounded(k * stiffness),
-            vreg=_rounded(vreg * length / time),
-        )
-        for number, (h, k, vreg) in enumerate(RUNGS[: FINEST[route]], start=1)
+    finer = enumerate(RUNGS[: FINEST[route]], start=1)
+    return (defaults, *(_setting(case, *knobs, rung=number) for number, knobs in finer))
+
+
+def grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Step times stiffness times regularisation, those of three rungs, from the coarsest to the finest of each."""
+    chosen = (RUNGS[0], RUNGS[1], RUNGS[3])
+    return tuple(_setting(case, h, k, vreg) for h, k, vreg in product(*zip(*chosen, strict=True)))
+
+
+def _setting(case: Case, h: float, k: float, vreg: float, **rung: int) -> Setting:
+    """A setting from multiples of the case's scales, as in RUNGS."""
+    length, acceleration = scales(case)
+    time, stiffness = sqrt(length / acceleration), case.plate.mass * acceleration / length
+    return Setting.of(
+        **rung,
+        solver="TrapezoidalIndex2",
+        newton="full",
+        h=_rounded(h * time),
+        k=_rounded(k * stiffness),
+        vreg=_rounded(vreg * length / time),
     )
-    return (defaults, *finer)
 
 
 def scales(case: Case) -> tuple[float, float]:

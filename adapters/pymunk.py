@@ -76,23 +76,29 @@ USUAL_DURATION, MOST_STRETCHED = 2.5, 3.0
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine.
 
-    Native: the first is the engine as it comes (its slop, bias and iterations, 60 steps a second, 64 thick facets).
-    The others correct all overlap beyond a hundred-thousandth of the plate at once, and tighten step and facets
-    together. Assisted: there is the step alone.
+    The first is the engine as it comes, 60 steps a second. Native: its slop, bias and iterations, 64 thick facets that
+    do not know their neighbours; the others correct all overlap beyond a hundred-thousandth of the plate at once, and
+    tighten step and facets together. Assisted: the step, and the sweeps of the solver where they matter.
     """
     first, *others = STEPS["assisted" if route == "assisted" else native.scene_kind(case)]
     stretched = min(MOST_STRETCHED, max(1.0, case.duration / USUAL_DURATION))
     steps = [h * stretched for h in others]
     if route == "assisted":
-        return tuple(Setting.of(h=h, iterations=assisted.iterations(case)) for h in [first, *steps])
-    slop = 1e-5 * native.radii(case)[0]
-    knobs: dict[str, float | int] = dict(collision_slop=slop, collision_bias=0.0)
-    if not case.plate.radius:
-        knobs["iterations"] = 20
-    return (
-        Setting.of(rung="defaults", h=first, **native.shape_knobs(case, None)),
-        *(Setting.of(h=h, **native.shape_knobs(case, h), **knobs) for h in steps),
-    )
+        defaults = Setting.of(rung="defaults", h=first)
+        return (defaults, *(Setting.of(h=h, iterations=assisted.iterations(case)) for h in steps))
+    defaults = Setting.of(rung="defaults", h=first, **native.shape_knobs(case, None))
+    return (defaults, *(Setting.of(h=h, **native.shape_knobs(case, h), **native.space_knobs(case)) for h in steps))
+
+
+# The grid's steps, coarse to fine: a game's beside those at which a facet's, a corner's and a sweep's part show.
+GRID_STEPS = (1e-2, 3e-3, 1e-3, 3e-4)
+
+
+def grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Step times model: facets and whether they know their neighbours, corners, slop, or sweeps of the solver."""
+    if route == "assisted":
+        return tuple(Setting.of(h=h, iterations=n) for h in GRID_STEPS for n in (1, 2, 5, 10))
+    return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
 
 
 # --- build, run ------------------------------------------------------------------------------------------------------
