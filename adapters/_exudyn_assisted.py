@@ -2,6 +2,11 @@
 
 The law is that of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that grows
 linearly with the slip velocity up to vreg. It acts at the track's contact point.
+
+Where the slip crosses zero within a step, friction flips within it, and the trapezoidal rule gives either side half of
+the step wherever the crossing lies: what should stick then slips backward, by up to h/2 of the acceleration, and where
+the cone is nearly used up it takes many steps to come to rest. The engine lets a law ask for a step to be made again,
+smaller (`SetPostNewtonUserFunction`, as for contacts that close); with `cut` in the setting, ours does so.
 """
 
 from __future__ import annotations
@@ -39,11 +44,15 @@ class PenaltyContact:
     """The contact law for one run; it remembers the last contact point to begin the next search with."""
 
     def __init__(self, case: Case, setting: Setting):
-        self.case, self.k, self.vreg = case, setting["k"], setting["vreg"]
+        self.case, self.h, self.k, self.vreg = case, setting["h"], setting["k"], setting["vreg"]
+        self.cut = float(dict(setting.values).get("cut", 1.0))
         self.damping, self.mu = critical_damping(case, setting), friction_coefficient(case)
         self.unilateral = case.effect(Unilateral) is not None
         start = start_motion(case)
         self.near = (start.xi1, start.xi2)
+        # Slip at the last evaluation, at the end of the last step, and at the beginning of the one being made.
+        self.slip = self.ended = self.begun = start.slip
+        self.step_begins = 0.0
 
     def touch(self, pose, velocity) -> Touch:
         """The contact of a state; raises one of LOST where there is none to be found."""
@@ -72,6 +81,7 @@ class PenaltyContact:
             touch = self.touch(pose, velocity)
         except LOST:
             return [0.0, 0.0, 0.0]
+        self.slip = touch.slip
         N, T = touch.normal_force, self.friction_force(touch)
         fx, fy = T * touch.tx - N * touch.ty, T * touch.ty + N * touch.tx
         return [fx, fy, touch.ax * fy - touch.ay * fx]
@@ -96,6 +106,22 @@ class PenaltyContact:
         viscous = by_velocity * self.mu * abs(N) / self.vreg if sticking else 0.0
         pressed = normal - np.copysign(self.mu, N) * touch.share * tangent
         return spring * np.outer(pressed, normal) + viscous * np.outer(tangent, tangent)
+
+    def ask_for_step(self, system, time: float) -> list[float]:
+        """The engine's call after a step: [error, step to make it again with], or [0, −1] if it may stand.
+
+        A step in which the slip changes its sign, and by more than what counts as stick, is cut where the slip would be
+        zero, down to the share `cut` of the setting's step.
+        """
+        begins = system.systemData.GetTime(exu.ConfigurationType.StartOfStep)
+        if begins != self.step_begins:
+            self.step_begins, self.begun = begins, self.ended
+        self.ended = self.slip
+        step, smallest = time - begins, self.cut * self.h
+        if self.begun * self.slip >= 0.0 or abs(self.slip) <= self.vreg or step <= smallest:
+            return [0.0, -1.0]
+        # Any error above the solver's tolerance of 1 makes it listen.
+        return [10.0, max(step * abs(self.begun) / (abs(self.begun) + abs(self.slip)), smallest)]
 
     def follow(self, pose: np.ndarray, velocity: np.ndarray) -> Contact:
         """The contact along a run that begins at the case's start, as far as it can be found."""
@@ -137,6 +163,8 @@ def build(case: Case, setting: Setting) -> System:
             jacobianUserFunction=law.jacobian,  # type: ignore[arg-type]
         )
     )
+    if law.cut < 1.0:
+        system.SetPostNewtonUserFunction(law.ask_for_step)
     motion = node_sensors(system, node)
     system.Assemble()
     return System(container, system, motion, None, lambda pose, velocity, _force: law.follow(pose, velocity))
