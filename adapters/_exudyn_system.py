@@ -11,7 +11,8 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, CoulombFriction
+from cases import Case, CoulombFriction, Gravity
+from cases.contact import start_motion
 
 from .interface import Setting
 
@@ -68,3 +69,14 @@ def friction_coefficient(case: Case) -> float:
 def critical_damping(case: Case, setting: Setting) -> float:
     """In N s/m, so that the plate settles on the contact's spring without bouncing, in the spring's own time."""
     return 2.0 * sqrt(setting["k"] * case.plate.mass)
+
+
+def scales(case: Case) -> tuple[float, float]:
+    """A length (m; centre of mass to contact) and an acceleration (m/s²) that the rungs are multiples of."""
+    start = start_motion(case)
+    length = float(np.hypot(*case.plate.outline.point(start.xi2)))
+    gravity = case.effect(Gravity)
+    speed = max(abs(start.slip), abs(start.omega) * length)
+    # Without gravity the motion itself sets the scale; a plate at rest then stays there, at any scale.
+    acceleration = gravity.g if gravity and gravity.g > 0.0 else speed**2 / length
+    return length, acceleration or 1.0

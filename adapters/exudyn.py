@@ -15,21 +15,20 @@ error O(h) in what follows; the assisted law asks for a smaller step there, down
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import product
 from math import ceil, sqrt
-from typing import NamedTuple
 
 import exudyn as exu
-import numpy as np
 
-from cases import Case, Cost, CoulombFriction, Curve, Gravity, Trajectory, Unilateral
-from cases.contact import start_motion
+from cases import Case, Cost, CoulombFriction, Gravity, Unilateral
 from cases.errors import unknown
 
 from . import _exudyn_assisted, _exudyn_native
-from ._exudyn_system import Contact, System
-from .interface import EngineFailure, Setting
+from ._exudyn_reading import Model, read
+from ._exudyn_system import scales
+from .interface import Setting
+
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
 
 NAME = "exudyn"
 routes = ("native", "assisted")
@@ -66,20 +65,6 @@ _SOLVERS = {
     "TrapezoidalIndex2": exu.DynamicSolverType.TrapezoidalIndex2,
     "RK44": exu.DynamicSolverType.RK44,
 }
-
-# Where the normal and the friction force stand in a row of a trajectory.
-_FORCES = slice(8, 10)
-
-
-@dataclass
-class Model:
-    """A case in the engine; after the run also what it cost and, if the engine gave up, what it said."""
-
-    case: Case
-    setting: Setting
-    system: System
-    cost: Cost = Cost()
-    failure: str | None = None
 
 
 def version() -> str:
@@ -144,17 +129,6 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
     )
 
 
-def scales(case: Case) -> tuple[float, float]:
-    """A length (m; centre of mass to contact) and an acceleration (m/s²) that the rungs are multiples of."""
-    start = start_motion(case)
-    length = float(np.hypot(*case.plate.outline.point(start.xi2)))
-    gravity = case.effect(Gravity)
-    speed = max(abs(start.slip), abs(start.omega) * length)
-    # Without gravity the motion itself sets the scale; a plate at rest then stays there, at any scale.
-    acceleration = gravity.g if gravity and gravity.g > 0.0 else speed**2 / length
-    return length, acceleration or 1.0
-
-
 def _rounded(value: float) -> float:
     return float(f"{value:.2g}")
 
@@ -203,106 +177,3 @@ def _quiet():
         yield
     finally:
         exu.config.printToConsole = before
-
-
-# --- read -----------------------------------------------------------------------------------------------------------
-
-
-def read(model: Model) -> Trajectory:
-    """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
-    t, pose, velocity, force = _stored(model.system)
-    contact = model.system.contact(pose, velocity, force)
-    known = len(contact.gap)
-    rows = np.column_stack(
-        [t[:known], pose[:known], velocity[:known]]
-        + [contact.slip, contact.normal_force, contact.friction_force, contact.xi1, contact.xi2]
-    )
-    end = first_ending(model.case, model.setting, rows[:, 0], contact)
-    if end is None and model.failure:
-        raise EngineFailure(f"Exudyn stopped at {t[-1]:.4g} s: {model.failure}.")
-    if end is None and contact.lost:
-        raise EngineFailure(f"Exudyn's plate lost its track: {contact.lost}.")
-    if end is not None:
-        rows = _cut(rows, end)
-    t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = rows.T
-    return Trajectory(
-        *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
-        status=Trajectory.status if end is None else end.status,
-        reason=Trajectory.reason if end is None else end.reason,
-        cost=model.cost,
-        slip_resolution=model.setting["vreg"],
-    )
-
-
-def _stored(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Times, pose (n, 3), velocity (n, 3) and contact force (n, 3 or 0) of the run."""
-    pose, velocity = (system.system.GetSensorStoredData(sensor) for sensor in system.motion)
-    force = pose[:, :1] if system.force is None else system.system.GetSensorStoredData(system.force)
-    # An unstable explicit run ends without an error.
-    if not all(np.isfinite(table).all() for table in (pose, velocity, force)):
-        raise EngineFailure("Exudyn's run blew up: its coordinates are not finite numbers.")
-    return pose[:, 0], pose[:, 1:4], velocity[:, 1:4], force[:, 1:]
-
-
-class Ending(NamedTuple):
-    """The motion ends between the samples `sample` − 1 and `sample`, after `share` of that step, and why."""
-
-    sample: int
-    share: float
-    status: str
-    reason: str
-
-
-def first_ending(case: Case, setting: Setting, t: np.ndarray, contact: Contact) -> Ending | None:
-    """What ends the motion before its time, or None."""
-    endings = [lift_off(case, setting, t, contact)]
-    endings += [_domain_end("track", case.track, contact.xi1), _domain_end("outline", case.plate.outline, contact.xi2)]
-    return min((end for end in endings if end), key=lambda end: end[:2], default=None)
-
-
-def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: Contact) -> Ending | None:
-    """Where the plate, on its way off the track, stops being pressed; None if it stays, or if the track also pulls.
-
-    A penalty contact loses touch for an instant when it is set down without its deflection, and by rounding at a
-    release with N = 0. It then rises by about the static deflection m g/k or by what gravity does in a step, g h²/2;
-    a plate clear of its track by ten times as much has left, and it left where it was last pressed.
-    """
-    if case.effect(Unilateral) is None:
-        return None
-    _, acceleration = scales(case)
-    rise = acceleration * (case.plate.mass / setting["k"] + 0.5 * setting["h"] ** 2)
-    clear = np.flatnonzero(contact.gap > 10.0 * rise)
-    if not clear.size:
-        return None
-    pressed = np.flatnonzero(contact.normal_force[: clear[0]] > 0.0)
-    index = int(pressed[-1]) + 1 if pressed.size else 0
-    share = 0.0
-    if index >= 2:
-        (t0, t1, t2), (N0, N1) = t[index - 2 : index + 1], contact.normal_force[index - 2 : index]
-        # A force that does not fall there (a bounce) has no zero to extrapolate to; the last press is the end.
-        share = min(N1 / (N0 - N1) * (t1 - t0) / (t2 - t1), 1.0) if N0 > N1 else 0.0
-    return Ending(index, share, "lift_off", "The contact stopped pushing and the plate left its track.")
-
-
-def _domain_end(name: str, curve: Curve, xi: np.ndarray) -> Ending | None:
-    if curve.domain is None or curve.period:
-        return None
-    low, high = curve.domain
-    outside = np.flatnonzero((xi < low) | (xi > high))
-    # Rounding may put the start itself outside; it is on the curve.
-    if not outside.size or not outside[0]:
-        return None
-    before, after = xi[outside[0] - 1 : outside[0] + 1]
-    share = ((high if after > high else low) - before) / (after - before)
-    return Ending(int(outside[0]), float(share), f"{name}_end", f"The contact reached the end of the {name}'s domain.")
-
-
-def _cut(rows: np.ndarray, end: Ending) -> np.ndarray:
-    """The rows of the motion up to its end, whose own row lies between two of the run's."""
-    kept = rows[: max(end.sample, 1)]
-    if end.share <= 0.0:
-        return kept
-    last = rows[end.sample - 1] + end.share * (rows[end.sample] - rows[end.sample - 1])
-    if end.status == "lift_off":
-        last[_FORCES] = 0.0
-    return np.vstack([kept, last])
