@@ -92,7 +92,8 @@ def read(model: Model) -> Trajectory:
         status=ending.status,
         reason=ending.reason,
         cost=Cost(steps=model.steps + 1),
-        slip_resolution=_creep(case, xi1, rates, normal_force, model.h),
+        slip_resolution=_creep(case, xi1, rates, normal_force, model.h)
+        + (0.0 if model.guide else _lag(case, xi1, pose, omega)),
     )
 
 
@@ -104,7 +105,7 @@ def rates_at_poses(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """
     bend = np.diff(after, 2, axis=0)
     left, right = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
-    smaller = np.where(left * right > 0.0, np.sign(left) * np.minimum(np.abs(left), np.abs(right)), 0.0)
+    smaller = np.where(np.abs(left) < np.abs(right), left, right)
     rates = 0.5 * (before + after)
     rates[0] = before[0]
     rates[1:] -= smaller / 8.0
@@ -195,3 +196,14 @@ def _creep(case: Case, xi1: np.ndarray, rates: np.ndarray, normal_force: np.ndar
     ease = 1 / plate.mass + native.radii(case)[1] ** 2 / plate.inertia
     missing = h * (friction.mu if friction else 0.0) * scatter * ease
     return float(0.5 * np.hypot(rates[:, 0], rates[:, 1]).max() * turn**2) + missing
+
+
+def _lag(case: Case, xi1: np.ndarray, pose: np.ndarray, omega: np.ndarray) -> float:
+    """The slip velocity (m/s) that the engine's own shapes leave in stick, in all but one step in a hundred.
+
+    The engine sticks with the lever of the step's beginning. Along the normal that of a plate that is no disc grows or
+    shrinks, and in the middle of the step it differs by half of its change.
+    """
+    lever = np.sum((case.track.point(xi1) - pose[:, :2].T) * case.track.normal(xi1), axis=0)
+    lagging = 0.5 * np.abs(omega[1:] * np.diff(lever))
+    return float(np.percentile(lagging, 99)) if lagging.size else 0.0
