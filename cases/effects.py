@@ -136,7 +136,7 @@ class Flight:
 
 @dataclass(frozen=True)
 class Impact:
-    """A landing is an impact without duration, with Coulomb friction and `restitution` e in [0, 1] (Routh's construction).
+    """A landing is an impact without duration with friction, `restitution` e in [0, 1], by Routh's construction.
 
     `law`: "poisson" (the impulse of restitution is e times that of compression) or "newton" (the contact point's
     normal velocity turns to −e times itself). Newton's law can create energy where friction reverses the slip; such an
