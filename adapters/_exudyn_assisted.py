@@ -1,7 +1,8 @@
 """Our contact geometry inside Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver and step.
 
 The law is that of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that grows
-linearly with the slip velocity up to vreg. It acts at the track's contact point.
+linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
+bound: friction grows on, and what rolls creeps with vreg where friction is the plate's weight.
 
 Where the slip crosses zero within a step, friction flips within it, and the trapezoidal rule gives either side half of
 the step wherever the crossing lies: what should stick then slips backward, by up to h/2 of the acceleration, and where
@@ -18,10 +19,19 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, Gravity, Unilateral
+from cases import Case, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import find, start_motion
 
-from ._exudyn_system import LOST, Contact, System, critical_damping, friction_coefficient, node_sensors
+from ._exudyn_system import (
+    LOST,
+    Contact,
+    Stored,
+    System,
+    critical_damping,
+    friction_coefficient,
+    node_sensors,
+    rough_friction,
+)
 from .interface import Setting
 
 
@@ -45,8 +55,11 @@ class PenaltyContact:
 
     def __init__(self, case: Case, setting: Setting):
         self.case, self.h, self.k, self.vreg = case, setting["h"], setting["k"], setting["vreg"]
-        self.cut = float(dict(setting.values).get("cut", 1.0))
+        # Friction without a bound has no kink.
+        self.cut = 1.0 if case.effect(PerfectlyRough) else float(dict(setting.values).get("cut", 1.0))
         self.damping, self.mu = critical_damping(case, setting), friction_coefficient(case)
+        self.load = case.effect(Load)
+        self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
         self.unilateral = case.effect(Unilateral) is not None
         start = start_motion(case)
         self.near = (start.xi1, start.xi2)
@@ -68,15 +81,31 @@ class PenaltyContact:
         normal_force = -self.k * gap - self.damping * parting
         if self.unilateral and (gap >= 0.0 or normal_force < 0.0):
             normal_force = 0.0
-        share = max(-1.0, min(1.0, slip / self.vreg))
+        share = slip / self.vreg if self.rough else max(-1.0, min(1.0, slip / self.vreg))
         return Touch(xi1, xi2, ax, ay, tx, ty, gap, slip, normal_force, share)
 
     def friction_force(self, touch: Touch) -> float:
         """Along the track's tangent, against the slip velocity."""
+        if self.rough:
+            return -self.grip(touch) * touch.share
         return -self.mu * abs(touch.normal_force) * touch.share
 
-    def force(self, _system, _time, _object, pose, velocity) -> list[float]:
-        """The engine's call for the generalised forces (F_x, F_y, M); a plate that lost its track flies."""
+    def grip(self, touch: Touch) -> float:
+        """The friction (N) of a perfectly rough contact that creeps with vreg.
+
+        It fades out with the last hundredth of the weight, so that friction does not end with a jump at lift-off.
+        """
+        return min(self.rough, 100.0 * abs(touch.normal_force))
+
+    def force(self, _system, time, _object, pose, velocity) -> list[float]:
+        """The engine's call for the generalised forces (F_x, F_y, M): the contact's and the load's."""
+        contact = self.contact_force(pose, velocity)
+        if self.load is None:
+            return contact
+        return [a + b for a, b in zip(contact, self.load.at(time, *pose, *velocity), strict=True)]
+
+    def contact_force(self, pose, velocity) -> list[float]:
+        """The contact's share of them; a plate that lost its track flies."""
         try:
             touch = self.touch(pose, velocity)
         except LOST:
@@ -101,9 +130,11 @@ class PenaltyContact:
             return np.zeros((3, 3))
         tangent = np.array([tx, ty, ax * ty - ay * tx])
         normal = np.array([-ty, tx, ax * tx + ay * ty])
-        sticking = abs(touch.share) < 1.0
         spring = by_pose * self.k + by_velocity * self.damping
-        viscous = by_velocity * self.mu * abs(N) / self.vreg if sticking else 0.0
+        if self.rough:
+            gripped = by_velocity * self.grip(touch) / self.vreg
+            return spring * np.outer(normal, normal) + gripped * np.outer(tangent, tangent)
+        viscous = by_velocity * self.mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
         pressed = normal - np.copysign(self.mu, N) * touch.share * tangent
         return spring * np.outer(pressed, normal) + viscous * np.outer(tangent, tangent)
 
@@ -123,13 +154,13 @@ class PenaltyContact:
         # Any error above the solver's tolerance of 1 makes it listen.
         return [10.0, max(step * abs(self.begun) / (abs(self.begun) + abs(self.slip)), smallest)]
 
-    def follow(self, pose: np.ndarray, velocity: np.ndarray) -> Contact:
+    def follow(self, stored: Stored) -> Contact:
         """The contact along a run that begins at the case's start, as far as it can be found."""
         start = start_motion(self.case)
         self.near = (start.xi1, start.xi2)
         rows, lost = [], None
         try:
-            for q, v in zip(pose.tolist(), velocity.tolist(), strict=True):
+            for q, v in zip(stored.pose.tolist(), stored.velocity.tolist(), strict=True):
                 touch = self.touch(q, v)
                 force = touch.normal_force, self.friction_force(touch)
                 rows.append((touch.xi1, touch.xi2, touch.gap, touch.slip, *force))
@@ -167,4 +198,4 @@ def build(case: Case, setting: Setting) -> System:
         system.SetPostNewtonUserFunction(law.ask_for_step)
     motion = node_sensors(system, node)
     system.Assemble()
-    return System(container, system, motion, None, lambda pose, velocity, _force: law.follow(pose, velocity))
+    return System(container, system, motion, None, law.follow)

@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Cost, Curve, Trajectory, Unilateral
+from cases import Case, Cost, Curve, PerfectlyRough, Trajectory, Unilateral
 
-from ._exudyn_system import Contact, System, scales
+from ._exudyn_system import Contact, Stored, System, rough_friction, scales
 from .interface import EngineFailure, Setting
 
+LEFT = "The contact stopped pushing and the plate left its track."
 # Where the normal and the friction force stand in a row of a trajectory.
 _FORCES = slice(8, 10)
 
@@ -29,11 +30,11 @@ class Model:
 
 def read(model: Model) -> Trajectory:
     """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
-    t, pose, velocity, force = _stored(model.system)
-    contact = model.system.contact(pose, velocity, force)
+    stored = _stored(model.system)
+    t, contact = stored.t, model.system.contact(stored)
     known = len(contact.gap)
     rows = np.column_stack(
-        [t[:known], pose[:known], velocity[:known]]
+        [t[:known], stored.pose[:known], stored.velocity[:known]]
         + [contact.slip, contact.normal_force, contact.friction_force, contact.xi1, contact.xi2]
     )
     end = first_ending(model.case, model.setting, rows[:, 0], contact)
@@ -49,18 +50,26 @@ def read(model: Model) -> Trajectory:
         status=Trajectory.status if end is None else end.status,
         reason=Trajectory.reason if end is None else end.reason,
         cost=model.cost,
-        slip_resolution=model.setting["vreg"],
+        slip_resolution=_creep(model.case, model.setting, friction_force),
     )
 
 
-def _stored(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Times, pose (n, 3), velocity (n, 3) and contact force (n, 3 or 0) of the run."""
+def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
+    """The slip velocity (m/s) of what sticks: none for a constraint, and vreg times friction's share of its scale."""
+    vreg = float(dict(setting.values).get("vreg", 0.0))
+    if not case.effect(PerfectlyRough):
+        return vreg
+    return vreg * max(1.0, float(np.abs(friction_force).max()) / rough_friction(case))
+
+
+def _stored(system: System) -> Stored:
+    """The run's arrays; raises EngineFailure where they are no numbers."""
     pose, velocity = (system.system.GetSensorStoredData(sensor) for sensor in system.motion)
     force = pose[:, :1] if system.force is None else system.system.GetSensorStoredData(system.force)
     # An unstable explicit run ends without an error.
     if not all(np.isfinite(table).all() for table in (pose, velocity, force)):
         raise EngineFailure("Exudyn's run blew up: its coordinates are not finite numbers.")
-    return pose[:, 0], pose[:, 1:4], velocity[:, 1:4], force[:, 1:]
+    return Stored(pose[:, 0], pose[:, 1:4], velocity[:, 1:4], force[:, 1:])
 
 
 class Ending(NamedTuple):
@@ -88,6 +97,8 @@ def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: Contact) -> E
     """
     if case.effect(Unilateral) is None:
         return None
+    if "k" not in dict(setting.values):
+        return _pulled(contact)
     _, acceleration = scales(case)
     rise = acceleration * (case.plate.mass / setting["k"] + 0.5 * setting["h"] ** 2)
     clear = np.flatnonzero(contact.gap > 10.0 * rise)
@@ -100,7 +111,19 @@ def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: Contact) -> E
         (t0, t1, t2), (N0, N1) = t[index - 2 : index + 1], contact.normal_force[index - 2 : index]
         # A force that does not fall there (a bounce) has no zero to extrapolate to; the last press is the end.
         share = min(N1 / (N0 - N1) * (t1 - t0) / (t2 - t1), 1.0) if N0 > N1 else 0.0
-    return Ending(index, share, "lift_off", "The contact stopped pushing and the plate left its track.")
+    return Ending(index, share, "lift_off", LEFT)
+
+
+def _pulled(contact: Contact) -> Ending | None:
+    """Where a constraint would begin to pull."""
+    pulled = np.flatnonzero(contact.normal_force < 0.0)
+    if not pulled.size:
+        return None
+    index, share = int(pulled[0]), 0.0
+    if index:
+        before, after = contact.normal_force[index - 1 : index + 1]
+        share = float(before / (before - after))
+    return Ending(index, share, "lift_off", LEFT)
 
 
 def _domain_end(name: str, curve: Curve, xi: np.ndarray) -> Ending | None:

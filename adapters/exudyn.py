@@ -3,6 +3,7 @@
 `native` takes the engine's own smooth contacts: a disc in or on a circle is ObjectContactSphereSphere, a disc on a
 straight line ObjectContactSphereTriangle. (ObjectConnectorRollingDiscPenalty, made for lines, is exact while it slips;
 where it should roll it chattered about zero slip in half the runs tried, at up to a hundred times its `vreg`.)
+Pure rolling on a line, and a frictionless guide from both sides, are constraints (`_exudyn_constrained`).
 `assisted` hands the same law, at the suite's contact point, to ObjectGenericODE2, for any plate and track.
 
 The law presses with a spring and a damper and regularises Coulomb's friction: below `vreg` it grows with the slip
@@ -20,10 +21,10 @@ from math import ceil, sqrt
 
 import exudyn as exu
 
-from cases import Case, Cost, CoulombFriction, Gravity, Unilateral
+from cases import Case, Cost, CoulombFriction, Gravity, Load, PerfectlyRough, Unilateral
 from cases.errors import unknown
 
-from . import _exudyn_assisted, _exudyn_native
+from . import _exudyn_assisted, _exudyn_constrained, _exudyn_native
 from ._exudyn_reading import Model, read
 from ._exudyn_system import scales
 from .interface import Setting
@@ -32,6 +33,9 @@ __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run"
 
 NAME = "exudyn"
 routes = ("native", "assisted")
+
+# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral)
 
 # Samples of one run: enough to extrapolate a transition to the accuracy of the finest rung, few enough to keep a
 # thousand trajectories in memory.
@@ -76,17 +80,13 @@ def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
         raise unknown("route of exudyn", route, routes)
-    for effect in case.effects:
-        if not isinstance(effect, Gravity | CoulombFriction | Unilateral):
-            return f"Exudyn's contacts have nothing for {type(effect).__name__}."
+    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if strange:
+        return f"Exudyn's contacts have nothing for {' and '.join(strange)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "Exudyn's contacts know one friction coefficient; mu_static cannot differ from mu."
-    if route == "assisted":
-        return None
-    if case.effect(Unilateral) is None:
-        return "Exudyn's contacts only push; a track that also pulls (no Unilateral) is not among them."
-    return _exudyn_native.refuses(case)
+    return _exudyn_native.refuses(case) if route == "native" else None
 
 
 # --- settings -------------------------------------------------------------------------------------------------------
@@ -95,21 +95,21 @@ def refuses(case: Case, route: str) -> str | None:
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine; the first is what the engine does unless told otherwise."""
     length, acceleration = scales(case)
-    stiffness = case.plate.mass * acceleration / length
-    defaults = Setting.of(
-        rung="defaults",
-        solver="GeneralizedAlpha",
-        newton="modified",
-        h=case.duration / DEFAULT_STEPS,
-        k=_rounded(1e3 * stiffness),
-        vreg=DEFAULT_VREG,
-    )
-    finer = enumerate(RUNGS[: FINEST[route]], start=1)
-    return (defaults, *(_setting(case, route, *knobs, rung=number) for number, knobs in finer))
+    stiffness, step = case.plate.mass * acceleration / length, case.duration / DEFAULT_STEPS
+    typed = Setting.of(rung="defaults", solver="GeneralizedAlpha", newton="modified", h=step)
+    if not _constrained(case, route):
+        typed = Setting((*typed.values, ("k", _rounded(1e3 * stiffness)), ("vreg", DEFAULT_VREG)))
+    return (typed, *(_setting(case, route, *knobs, rung=n) for n, knobs in enumerate(RUNGS[: FINEST[route]], start=1)))
+
+
+def _constrained(case: Case, route: str) -> bool:
+    return route == "native" and _exudyn_constrained.suits(case)
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
-    """Step times stiffness times regularisation, those of three rungs, from the coarsest to the finest of each."""
+    """Step times stiffness times regularisation, those of three rungs; none for a constraint, which has but a step."""
+    if _constrained(case, route):
+        return ()
     chosen = (RUNGS[0], RUNGS[1], RUNGS[3])
     return tuple(_setting(case, route, h, k, vreg) for h, k, vreg in product(*zip(*chosen, strict=True)))
 
@@ -118,15 +118,13 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
     """A setting from multiples of the case's scales, as in RUNGS."""
     length, acceleration = scales(case)
     time, stiffness = sqrt(length / acceleration), case.plate.mass * acceleration / length
-    return Setting.of(
-        **rung,
-        solver="TrapezoidalIndex2",
-        newton="full",
-        h=_rounded(h * time),
-        k=_rounded(k * stiffness),
-        vreg=_rounded(vreg * length / time),
-        **CUT[route],
-    )
+    step = _rounded(h * time)
+    if _constrained(case, route):
+        return Setting.of(**rung, solver="GeneralizedAlpha", newton="full", h=step)
+    # Without a bound friction is all stiffness, and the trapezoidal rule would let it ring.
+    solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
+    knobs = dict(k=_rounded(k * stiffness), vreg=_rounded(vreg * length / time), **CUT[route])
+    return Setting.of(**rung, solver=solver, newton="full", h=step, **knobs)
 
 
 def _rounded(value: float) -> float:
@@ -138,6 +136,8 @@ def _rounded(value: float) -> float:
 
 def build(case: Case, route: str, setting: Setting) -> Model:
     """The engine's system for a case the route does not refuse."""
+    if _constrained(case, route):
+        return Model(case, setting, _exudyn_constrained.build(case, setting))
     maker = _exudyn_native if route == "native" else _exudyn_assisted
     return Model(case, setting, maker.build(case, setting))
 

@@ -131,8 +131,9 @@ def grids(key: CaseKey, name: str) -> list[tuple[str, tuple[Setting, ...], str]]
         return []
     case, found = trial.load(key), []
     for route in module.routes:
-        refusal = module.refuses(case, route)
-        found.append((route, () if refusal else tuple(module.grid(case, route)), refusal or ""))
+        refusal = module.refuses(case, route) or ""
+        settings = () if refusal else tuple(module.grid(case, route))
+        found.append((route, settings, refusal if settings or refusal else "its model has no knob but the step"))
     return found
 
 

@@ -308,7 +308,7 @@ def test_engine_defaults_take_a_hundred_steps_or_more_and_give_a_motion(route):
     [
         (Case(ellipse(1.0, 1.0), elliptic_plate(), FREE, Start(xi1=-2.5, xi2=-1.2), 1.0), "outline"),
         (Case(Curve(lambda s: (s, s * s)), disc(0.1, 1.0), FREE, Start(xi1=-1.0), 1.0), "track"),
-        (hill(effects=(Gravity(G),)), "Unilateral"),
+        (hill(effects=(Gravity(G), CoulombFriction(0.1))), "Unilateral"),
         (hill(effects=(Gravity(G), CoulombFriction(0.1, mu_static=0.2), Pushes())), "mu_static"),
     ],
 )
