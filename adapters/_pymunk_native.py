@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity
+from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough
 from cases.contact import start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
@@ -52,6 +52,16 @@ def pull(case: Case) -> np.ndarray:
     return gravity.g * np.array([np.cos(gravity.direction), np.sin(gravity.direction)]) if gravity else np.zeros(2)
 
 
+# A coefficient no contact here comes near: even a millionth of a newton would hold a plate of a tonne on a wall.
+ROUGH = 1e9
+
+
+def friction_coefficient(case: Case) -> float:
+    """Of the two shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
+    friction = case.effect(CoulombFriction)
+    return ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
+
+
 # --- how far the plate can come --------------------------------------------------------------------------------------
 
 
@@ -63,6 +73,8 @@ def stretch(case: Case) -> Stretch:
     faster than g. A margin of the plate's own size is added at both ends.
     """
     start, (smallest, largest) = start_motion(case), radii(case)
+    if case.effect(Load):
+        return _everywhere(case)
     energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * case.plate.inertia / case.plate.mass * start.omega**2
     # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
     energy += float(np.hypot(*pull(case))) * (largest - smallest)
@@ -75,6 +87,22 @@ def stretch(case: Case) -> Stretch:
         length = float(np.mean(case.track.speed(np.linspace(low, high, 721)[:-1]))) * period
         return Stretch(low, high, length, True, max(fast, faster))
     return Stretch(low, high, back + ahead, False, max(fast, faster))
+
+
+# How far from its start (m) a plate with a load may come on a straight line, which has no end of its own.
+FAR = 1e3
+
+
+def _everywhere(case: Case) -> Stretch:
+    """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
+    track = case.track
+    low, high = (case.start.xi1 - FAR, case.start.xi1 + FAR) if track.domain is None else track.domain
+    if track.period:
+        low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
+    length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
+    start = start_motion(case)
+    fast = float(np.hypot(start.vx, start.vy) + np.hypot(*pull(case)) * case.duration)
+    return Stretch(low, high, length, track.period is not None, fast)
 
 
 def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margin: float) -> tuple[float, float, float]:
@@ -202,9 +230,8 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
         if knob in dict(setting.values):
             setattr(space, knob, setting[knob])
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
-    friction = case.effect(CoulombFriction)
     plate = _plate_shape(case, body, setting)
-    plate.friction = friction.mu if friction else 0.0
+    plate.friction = friction_coefficient(case)
     shapes = _track_shapes(case, space, setting)
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.

@@ -14,6 +14,7 @@ from cases.trajectory import Cost
 
 from . import _pymunk_assisted as assisted
 from . import _pymunk_native as native
+from ._pymunk_load import Drive
 from .interface import EngineFailure
 
 
@@ -21,7 +22,8 @@ from .interface import EngineFailure
 class Model:
     """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
 
-    `roughness`: sagitta in metres of the facets that stand for the curves; `guide`: what the assisted route tells.
+    `drive`: its load; `roughness`: sagitta in metres of the facets that stand for the curves; `guide`: what the
+    assisted route tells.
     """
 
     case: Case
@@ -30,6 +32,7 @@ class Model:
     body: pymunk.Body
     h: float
     steps: int
+    drive: Drive | None = None
     roughness: float = 0.0
     guide: assisted.Guide | None = None
     rows: list[tuple[float, ...]] = field(default_factory=list)
@@ -64,6 +67,8 @@ def read(model: Model) -> Trajectory:
     kick = np.full((len(rows), 1), model.h)
     kick[0] *= 0.5
     force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
+    if model.drive:
+        force -= _driven(model.drive)
     contacts = _told(model.guide) if model.guide else _follow(case, start, pose)
     # A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
     rounding = 10 * np.finfo(float).eps * case.plate.mass * float(np.abs(rates[:, :2]).max()) / model.h
@@ -110,6 +115,13 @@ def rates_at_poses(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     rates[0] = before[0]
     rates[1:] -= smaller / 8.0
     return rates
+
+
+def _driven(drive: Drive) -> np.ndarray:
+    """The load's forces (F_x, F_y) of every step. Raises EngineFailure if its formula had no value."""
+    if drive.problem:
+        raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
+    return np.array(drive.rows)
 
 
 def _told(guide: assisted.Guide) -> _Contacts:

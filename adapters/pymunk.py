@@ -14,11 +14,12 @@ from __future__ import annotations
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity, Unilateral
+from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
 
 from . import _pymunk_assisted as assisted
 from . import _pymunk_native as native
+from ._pymunk_load import Drive
 from ._pymunk_reading import Model, read
 from .interface import Setting
 
@@ -28,7 +29,7 @@ NAME = "pymunk"
 routes = ("native", "assisted")
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
-KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral)
 
 
 def version() -> str:
@@ -53,6 +54,9 @@ def _refuses_natively(case: Case) -> str | None:
     outline = case.plate.outline
     if not outline.period or np.any(outline.curvature(np.linspace(*outline.look, 721)) <= 0.0):
         return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
+    endless = not case.track.period and not case.track.domain
+    if case.effect(Load) and endless and native.track_kind(case) == "chain":
+        return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
     return None
 
 
@@ -109,10 +113,11 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     h = case.duration / steps
     if route == "native":
         space, body = native.build(case, setting)
-        model = Model(case, route, space, body, h, steps, native.roughness(case, setting))
+        drive = Drive(case, body, h) if case.effect(Load) else None
+        model = Model(case, route, space, body, h, steps, drive, native.roughness(case, setting))
     else:
-        space, body, guide = assisted.build(case, setting, h)
-        model = Model(case, route, space, body, h, steps, guide=guide)
+        space, body, drive, guide = assisted.build(case, setting, h)
+        model = Model(case, route, space, body, h, steps, drive, guide=guide)
     start = start_motion(case)
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
