@@ -8,14 +8,15 @@ along the normal is not in pymunk's manual; it is what Chipmunk's `cpArbiterAppl
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, isnan
 
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
 from cases import Case, Curve, Load, Unilateral
-from cases.contact import Contact, Motion, find, start_motion
+from cases.contact import Contact, Motion, start_motion
 
+from ._flight import BEYOND, Follower
 from ._pymunk_load import Drive, Torsor
 from ._pymunk_native import friction_coefficient, pull
 from .interface import Setting
@@ -23,8 +24,8 @@ from .interface import Setting
 # Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
 EVERYWHERE = 1e6
 
-# What a curve may raise where its expression has no value (DoesNotFit is one of them): beyond its domain.
-BEYOND = (ValueError, ArithmeticError)
+# A normal velocity in m/s at which a contact may open or close without a push.
+FREELY = 1e9
 
 _TRACK, _PLATE = 1, 2
 
@@ -42,9 +43,8 @@ class Guide:
         self.problem: Exception | None = None
         self._case, self._body, self._h = case, body, h
         self._two_sided = case.effect(Unilateral) is None
-        start = start_motion(case)
-        self._near = (start.xi1, start.xi2)
-        self._before = _velocities(start)
+        self._here, self._ahead = Follower(case), Follower(case)
+        self._before = _velocities(start_motion(case))
         gx, gy = pull(case)
         self._gravity, self._drive = (float(gx), float(gy)), drive
         # What acts tells how the velocities change in the first, half step; from then on they tell themselves.
@@ -64,12 +64,17 @@ class Guide:
 
     def _tell(self, arbiter: Arbiter) -> None:
         (x, y), theta, h, track = self._body.position, self._body.angle, self._h, self._case.track
-        contact = find(self._case, x, y, theta, self._near)
+        contact = self._here(x, y, theta)
         self.contacts.append(contact)
-        point, tangent, normal = _frame(track, contact.xi1)
         vx, vy, omega = self._predict()
-        ahead = find(self._case, x + h * vx, y + h * vy, theta + h * omega, (contact.xi1, contact.xi2))
-        self._near = (ahead.xi1, ahead.xi2)
+        ahead = self._ahead(x + h * vx, y + h * vy, theta + h * omega)
+        if isnan(contact.xi1) or isnan(ahead.xi1):
+            # A collision that is not processed once is not processed again; one that may open this fast never pushes.
+            here = Vec2d(x, y)
+            arbiter.contact_point_set = ContactPointSet(Vec2d(0.0, 1.0), (ContactPoint(here, here, 0.0),))
+            arbiter.surface_velocity = Vec2d(0.0, FREELY)
+            return
+        point, tangent, normal = _frame(track, contact.xi1)
         # With the predicted velocities the plate would land off the track by the gap: so much less, or more, is wanted.
         here = Vec2d(vx - omega * (point.y - y), vy + omega * (point.x - x))
         wanted = here.dot(normal) - ahead.gap / h

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough
-from cases.contact import start_motion
+from cases import Case, CoulombFriction, Gravity, Impact, Load, PerfectlyRough
+from cases.contact import pose, start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
 from .interface import Setting
@@ -76,6 +76,9 @@ def stretch(case: Case) -> Stretch:
     if case.effect(Load):
         return _everywhere(case)
     energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * case.plate.inertia / case.plate.mass * start.omega**2
+    # A start off the track is higher, or lower, than the pose of contact there.
+    on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
+    energy += float(pull(case) @ (on_track - (start.x, start.y)))
     # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
     energy += float(np.hypot(*pull(case))) * (largest - smallest)
     longest = (np.sqrt(2 * energy) + np.hypot(*pull(case)) * case.duration) * case.duration
@@ -233,9 +236,11 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     plate = _plate_shape(case, body, setting)
     plate.friction = friction_coefficient(case)
     shapes = _track_shapes(case, space, setting)
+    impact = case.effect(Impact)
+    plate.elasticity = impact.restitution if impact else 0.0
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.
-        shape.friction = 1.0
+        shape.friction = shape.elasticity = 1.0
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
     space.add(body, plate, *shapes)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough, Unilateral
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
 
 from . import _pymunk_assisted as assisted
@@ -29,7 +29,7 @@ NAME = "pymunk"
 routes = ("native", "assisted")
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
-KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral)
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 
 def version() -> str:
@@ -45,6 +45,14 @@ def refuses(case: Case, route: str) -> str | None:
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pymunk has one friction coefficient for slip and stick."
+    impact = case.effect(Impact)
+    if impact and case.plate.radius is None:
+        return (
+            "pymunk decides friction by the slip after an impact, not along its course; that is Impact's law for discs "
+            "about their centre alone."
+        )
+    if impact and impact.restitution > 0.0 and route == "assisted":
+        return "A contact that pymunk is told closes without restitution; Impact(0) is all it can do."
     return _refuses_natively(case) if route == "native" else None
 
 
