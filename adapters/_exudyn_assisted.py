@@ -12,7 +12,7 @@ smaller (`SetPostNewtonUserFunction`, as for contacts that close); with `cut` in
 
 from __future__ import annotations
 
-from math import cos, hypot, sin
+from math import cos, hypot, isnan, sin
 from typing import NamedTuple
 
 import exudyn as exu
@@ -20,10 +20,9 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, Gravity, Load, PerfectlyRough, Unilateral
-from cases.contact import find, start_motion
+from cases.contact import start_motion
 
 from ._exudyn_system import (
-    LOST,
     Contact,
     Stored,
     System,
@@ -32,6 +31,7 @@ from ._exudyn_system import (
     node_sensors,
     rough_friction,
 )
+from ._flight import BEYOND, Follower
 from .interface import Setting
 
 
@@ -51,7 +51,7 @@ class Touch(NamedTuple):
 
 
 class PenaltyContact:
-    """The contact law for one run; it remembers the last contact point to begin the next search with."""
+    """The contact law for one run; it remembers where the contact was last."""
 
     def __init__(self, case: Case, setting: Setting):
         self.case, self.h, self.k, self.vreg = case, setting["h"], setting["k"], setting["vreg"]
@@ -61,18 +61,18 @@ class PenaltyContact:
         self.load = case.effect(Load)
         self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
         self.unilateral = case.effect(Unilateral) is not None
-        start = start_motion(case)
-        self.near = (start.xi1, start.xi2)
+        self.follower = Follower(case)
         # Slip at the last evaluation, at the end of the last step, and at the beginning of the one being made.
-        self.slip = self.ended = self.begun = start.slip
+        self.slip = self.ended = self.begun = case.start.slip
         self.step_begins = 0.0
 
     def touch(self, pose, velocity) -> Touch:
-        """The contact of a state; raises one of LOST where there is none to be found."""
+        """The contact of a state; raises one of BEYOND where there is none to be found."""
         x, y, theta = pose
         vx, vy, omega = velocity
-        xi1, xi2, gap = find(self.case, x, y, theta, self.near)
-        self.near = (xi1, xi2)
+        xi1, xi2, gap = self.follower(x, y, theta)
+        if isnan(xi1):
+            return Touch(xi1, xi2, 0.0, 0.0, 1.0, 0.0, gap, 0.0, 0.0, 0.0)
         X, Y, Xp, Yp, *_ = self.case.track.jet(xi1)
         speed = hypot(Xp, Yp)
         tx, ty, ax, ay = Xp / speed, Yp / speed, X - x, Y - y
@@ -108,7 +108,7 @@ class PenaltyContact:
         """The contact's share of them; a plate that lost its track flies."""
         try:
             touch = self.touch(pose, velocity)
-        except LOST:
+        except BEYOND:
             return [0.0, 0.0, 0.0]
         self.slip = touch.slip
         N, T = touch.normal_force, self.friction_force(touch)
@@ -123,7 +123,7 @@ class PenaltyContact:
         """
         try:
             touch = self.touch(pose, velocity)
-        except LOST:
+        except BEYOND:
             return np.zeros((3, 3))
         N, ax, ay, tx, ty = touch.normal_force, touch.ax, touch.ay, touch.tx, touch.ty
         if N == 0.0:
@@ -156,15 +156,14 @@ class PenaltyContact:
 
     def follow(self, stored: Stored) -> Contact:
         """The contact along a run that begins at the case's start, as far as it can be found."""
-        start = start_motion(self.case)
-        self.near = (start.xi1, start.xi2)
+        self.follower = Follower(self.case)
         rows, lost = [], None
         try:
             for q, v in zip(stored.pose.tolist(), stored.velocity.tolist(), strict=True):
                 touch = self.touch(q, v)
                 force = touch.normal_force, self.friction_force(touch)
                 rows.append((touch.xi1, touch.xi2, touch.gap, touch.slip, *force))
-        except LOST as problem:
+        except BEYOND as problem:
             lost = str(problem)
         xi1, xi2, gap, slip, normal_force, friction_force = np.array(rows, dtype=float).reshape(-1, 6).T
         return Contact(xi1, xi2, gap, slip, normal_force, friction_force, lost)

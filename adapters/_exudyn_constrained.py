@@ -16,7 +16,8 @@ from cases import Case, CoulombFriction, Flight, PerfectlyRough, Unilateral
 from cases.contact import follow, slip_velocity
 from cases.shapes import as_circle, as_line
 
-from ._exudyn_system import LOST, Contact, Stored, System, applied, disc_body, ground, node_sensors
+from ._exudyn_system import Contact, Stored, System, applied, disc_body, ground, node_sensors
+from ._flight import BEYOND
 from .interface import Setting
 
 
@@ -75,7 +76,7 @@ def _read(case: Case, stored: Stored) -> Contact:
     pose, velocity = stored.pose, stored.velocity
     try:
         xi1, xi2, gap = follow(case, *pose.T)
-    except LOST as problem:
+    except BEYOND as problem:
         nothing = np.empty(0)
         return Contact(nothing, nothing, nothing, nothing, nothing, nothing, str(problem))
     tangent, normal = case.track.tangent(xi1), case.track.normal(xi1)

@@ -8,13 +8,12 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, Gravity, Unilateral
-from cases.contact import find, start_motion
+from cases import Case, Gravity, Impact, Load, Unilateral
+from cases.contact import start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
 from . import _exudyn_constrained
 from ._exudyn_system import (
-    LOST,
     Contact,
     Stored,
     System,
@@ -24,7 +23,11 @@ from ._exudyn_system import (
     ground,
     node_sensors,
 )
+from ._flight import BEYOND, Follower
 from .interface import Setting
+
+# An impact slower than this (m/s) is damped as if it were as fast: contact that lasts comes to rest.
+SLOWEST_IMPACT = 1e-2
 
 
 def refuses(case: Case) -> str | None:
@@ -106,12 +109,17 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
 def _contact_law(case: Case, setting: Setting, system) -> dict:
     """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
     data = item.NodeGenericData(initialCoordinates=[0.0] * 4, numberOfDataCoordinates=4)
+    impact = case.effect(Impact)
+    law: dict = dict(contactDamping=critical_damping(case, setting))
+    if impact and impact.restitution > 0.0:
+        # Gonthier's and Carvalho's damping, which the engine mixes so that any restitution comes out to a thousandth.
+        law = dict(impactModel=2, restitutionCoefficient=impact.restitution, minimumImpactVelocity=SLOWEST_IMPACT)
     return dict(
         nodeNumber=system.AddNode(data),
         dynamicFriction=friction_coefficient(case),
         frictionProportionalZone=setting["vreg"],
         contactStiffness=setting["k"],
-        contactDamping=critical_damping(case, setting),
+        **law,
     )
 
 
@@ -121,12 +129,11 @@ def _read(case: Case, stored: Stored, normal, gap, arm) -> Contact:
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
     slip = np.sum(velocity[:, :2] * tangent, axis=1) + velocity[:, 2] * arm
     normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
-    near, found, lost = start_motion(case)[6:8], [], None
+    follower, found, lost = Follower(case), [], None
     try:
-        for x, y, theta in pose.tolist():
-            near = find(case, x, y, theta, near)[:2]
-            found.append(near)
-    except LOST as problem:
+        for row in pose.tolist():
+            found.append(follower(*row)[:2])
+    except BEYOND as problem:
         lost = str(problem)
     xi1, xi2 = np.array(found, dtype=float).reshape(-1, 2).T
     n = len(found)
@@ -137,7 +144,9 @@ def _ground_triangle(case: Case, line: Line) -> list[list[float]]:
     """A triangle across the plane of motion, around the start and wider than the plate can get in its time."""
     start, gravity = start_motion(case), case.effect(Gravity)
     fall = 0.5 * gravity.g * case.duration**2 if gravity else 0.0
-    reach = 2.0 * (_radius(case) + hypot(start.vx, start.vy) * case.duration + fall)
+    # How far a load may take it is not known; a hundred times as far still has its place to twelve digits.
+    known = 2.0 * (_radius(case) + hypot(start.vx, start.vy) * case.duration + fall)
+    reach = 100.0 * known if case.effect(Load) else known
     (x, y), (along_x, along_y) = case.track.point(start.xi1), reach * line.direction
     return [[x - along_x, y - along_y, -reach], [x + along_x, y + along_y, -reach], [x, y, 2.0 * reach]]
 

@@ -16,9 +16,6 @@ from cases.contact import start_motion
 
 from .interface import Setting
 
-# What the geometry raises where a plate is nowhere near its track, or beyond where a curve is defined.
-LOST = (ValueError, ArithmeticError)
-
 
 @dataclass(frozen=True)
 class Contact:

@@ -16,6 +16,8 @@ LANDED = "The plate meets its track again, and the case names no Impact."
 BEYOND = (ValueError, ArithmeticError)
 # A plate that is off its track by more than this part of its size may be nearer to another place of it.
 NEAR = 0.1
+# One that is surely off it by this many of its sizes need not be looked for.
+FAR = 1.0
 
 
 class Follower:
@@ -41,7 +43,7 @@ class Follower:
         x0, y0, theta0 = self.seen
         # No point of the plate has moved by more than this since.
         left = self.gap - hypot(x - x0, y - y0) - self.size * abs(theta - theta0)
-        if left > NEAR * self.size:
+        if left > FAR * self.size:
             return Contact(nan, nan, left)
         try:
             contact = find(self.case, x, y, theta, self.near)

@@ -3,7 +3,8 @@
 `native` takes the engine's own smooth contacts: a disc in or on a circle is ObjectContactSphereSphere, a disc on a
 straight line ObjectContactSphereTriangle. (ObjectConnectorRollingDiscPenalty, made for lines, is exact while it slips;
 where it should roll it chattered about zero slip in half the runs tried, at up to a hundred times its `vreg`.)
-Pure rolling on a line, and a frictionless guide from both sides, are constraints (`_exudyn_constrained`).
+Pure rolling on a line, and a frictionless guide from both sides, are constraints (`_exudyn_constrained`). An impact
+takes some periods of the contact's spring, and its restitution comes out to a thousandth.
 `assisted` hands the same law, at the suite's contact point, to ObjectGenericODE2, for any plate and track.
 
 The law presses with a spring and a damper and regularises Coulomb's friction: below `vreg` it grows with the slip
@@ -21,7 +22,7 @@ from math import ceil, sqrt
 
 import exudyn as exu
 
-from cases import Case, Cost, CoulombFriction, Gravity, Load, PerfectlyRough, Unilateral
+from cases import Case, Cost, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.errors import unknown
 
 from . import _exudyn_assisted, _exudyn_constrained, _exudyn_native
@@ -35,7 +36,7 @@ NAME = "exudyn"
 routes = ("native", "assisted")
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
-KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral)
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 # Samples of one run: enough to extrapolate a transition to the accuracy of the finest rung, few enough to keep a
 # thousand trajectories in memory.
@@ -64,6 +65,10 @@ CUT: dict[str, dict[str, float]] = {"native": {}, "assisted": {"cut": 0.01}}
 # regularisation in m/s. Only the stiffness has no default: a penetration of a thousandth of the radius is typed.
 DEFAULT_STEPS, DEFAULT_VREG = 100, 1e-3
 
+# Where a contact closes its object asks for steps down to the very touch; the engine's smallest step (1e-8 s) is then
+# too large, and it gives up.
+TOUCH = 1e-13
+
 _SOLVERS = {
     "GeneralizedAlpha": exu.DynamicSolverType.GeneralizedAlpha,
     "TrapezoidalIndex2": exu.DynamicSolverType.TrapezoidalIndex2,
@@ -86,7 +91,13 @@ def refuses(case: Case, route: str) -> str | None:
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "Exudyn's contacts know one friction coefficient; mu_static cannot differ from mu."
-    return _exudyn_native.refuses(case) if route == "native" else None
+    if route == "native":
+        return _exudyn_native.refuses(case)
+    if case.effect(Impact):
+        return (
+            "The law handed to Exudyn has a damper and no restitution: after an impact a seventh of the speed is left."
+        )
+    return None
 
 
 # --- settings -------------------------------------------------------------------------------------------------------
@@ -161,6 +172,8 @@ def _simulation_settings(model: Model):
     steps = max(1, ceil(case.duration / setting["h"] - 1e-6))
     settings.timeIntegration.endTime = case.duration
     settings.timeIntegration.numberOfSteps = steps
+    if case.effect(Flight):
+        settings.timeIntegration.minimumStepSize = TOUCH
     settings.timeIntegration.newton.useModifiedNewton = setting["newton"] == "modified"
     settings.solution.file.write = False
     # A period below every step stores every step.
