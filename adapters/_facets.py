@@ -93,7 +93,7 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
 
 
 def chain(case: Case, count: int) -> np.ndarray:
-    """Corners, shape (2, count + 1), of `count` facets of equal length along the stretch; closed: the last is the first.
+    """Corners, shape (2, count + 1), of `count` equally long facets along the stretch; closed: the last is the first.
 
     They lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
     """
@@ -122,7 +122,7 @@ def _area(x: np.ndarray, y: np.ndarray) -> float:
 
 
 def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
-    """How far (m) `facets` of the track and `vertices` of the outline stand off the curves; None: the shape is exact."""
+    """How far (m) facets of the track and vertices of the outline stand off the curves; None: the shape is exact."""
     off = 0.0
     if facets:
         part = stretch(case)

@@ -1,14 +1,20 @@
-"""box2d (Box2D 3.1 by pyb2d3, single precision): a game engine with chains of segments and soft contacts.
+"""box2d (Box2D 3.1 by pyb2d3): a game engine in single precision, with chains of segments and soft contacts.
 
-The engine has circles, polygons of up to eight corners and chains of segments without inner edges. So the route is
-`native`: a line and a circle met from outside are exact, every other track is a chain; a disc is a circle.
-Its step is semi-implicit Euler with contact directions that stay those of the step's beginning, also for its
-substeps: a rung's steps are therefore not divided, except for the engine as it comes.
+Route `native`, the engine's own shapes. A disc is a circle; any other convex plate a fan of polygons, of which the
+engine allows eight corners each. A line, and a circle met from outside, are exact; every other track is a chain, whose
+inner corners the engine smooths out by itself.
 
-What it takes for small is in its own length unit: 5 mm of overlap left alone (its slop) where a unit is a metre, and no
-facet shorter than that. `scale` is how many of its units the scene's metre is given.
+The step is semi-implicit Euler with the contact's direction held from the step's beginning, through all its substeps:
+so a rung halves its steps and takes one substep each; only the engine as it comes has four. A contact is a damped
+spring, whose velocity is taken out again after each step; `hertz` is its stiffness, 0.25/h the most the engine takes.
 
-Source of the parameters: the Box2D manual, "Simulation", and the comments of its header types.h.
+What is small is told in the engine's unit of length: it leaves slop of 0.005 alone, merges corners that stand off their
+neighbours' chord by twice that, lets no facet be shorter. `scale` is how many units a metre is given.
+
+The time of the first transition converges with h² until single precision tells: with h = 1e-4 s the rounding of the
+positions, over h, lets go of the plate every other step, and transitions are invented. The ladder ends before.
+
+Sources: the Box2D manual ("Simulation") and the comments of its headers types.h and math_functions.h.
 """
 
 from __future__ import annotations
@@ -31,10 +37,23 @@ from .interface import Setting
 NAME = "box2d"
 routes = ("native",)
 
+# The engine's numbers are of single precision.
+ROUNDING = float(np.finfo(np.float32).eps)
+# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
-STEPS, USUAL_DURATION = (8e-3,4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4), 2.5
+STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
+# Units to a metre: slop is then 5 µm, less than a thousandth of any plate here, and facets may be a step's way long.
+SCALE = 1000.0
+# As its manual begins: 60 steps a second of four substeps, metres, and a curve of as many facets as one types in.
+DEFAULTS, MODEST = dict(h=1 / 60, substeps=4, scale=1.0), 64
+# Of the engine, in its units: what it leaves alone, and how fast it pushes and moves at most.
+SLOP, PUSH, SPEED = 0.005, 3.0, 400.0
+# Corners a polygon may have; and edges on the rim of one in a fan: its eighth corner is the plate's centre.
+MOST_CORNERS, RIM = 8, 6
+# With more corners than this the engine merges some, on plates of the usual bends.
+FINEST_RIM = 390
 
 
 def version() -> str:
@@ -49,92 +68,132 @@ def refuses(case: Case, route: str) -> str | None:
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if strange:
         return f"box2d has nothing for {' and '.join(strange)}."
-    friction = case.effect(CoulombFriction)
+    friction, outline = case.effect(CoulombFriction), case.plate.outline
     if friction and friction.stick != friction.mu:
         return "box2d has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):
         return "box2d's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
-    if case.plate.radius is None:
-        return "box2d's only smooth plate is a circle about its centre, and this outline is none."
+    if not outline.period or np.any(outline.curvature(np.linspace(*outline.look, 721)) <= 0.0):
+        return "box2d's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
     return None
-import os
-DAMP=float(os.environ.get('DAMP','10')); SCALE=float(os.environ.get('SCALE','100')); SUB=int(os.environ.get('SUB','1')); HZ=float(os.environ.get('HZ','.25')); FAC=float(os.environ.get('FAC','1'))
+
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
+    """Settings from coarse to fine: the engine as it comes, then step, stiffness and facets together."""
     stretched = max(1.0, case.duration / USUAL_DURATION)
-    fine = [h * stretched for h in STEPS]
+    steps = [h * stretched for h in STEPS]
+    knobs = dict(substeps=1, scale=SCALE)
     return (
-        Setting.of(rung="defaults", h=1 / 60, substeps=4, scale=1.0, **_facets(case, None)),
-        *(Setting.of(h=h, substeps=SUB, scale=SCALE, hertz=HZ / h, damping=DAMP, **_facets(case, h)) for h in fine),
+        Setting.of(rung="defaults", **DEFAULTS, **_corners(case, None)),
+        *(Setting.of(h=h, **knobs, hertz=0.25 / h, **_corners(case, h)) for h in steps),
     )
 
 
-def _facets(case: Case, h: float | None) -> dict[str, int]:
-    if facets.track_kind(case) != "chain":
-        return {}
-    part = facets.stretch(case)
-    way = part.top_speed * h*FAC if h else 0.0
-    return {"facets": max(64, round(part.length / way)) if way else 64}
+def _corners(case: Case, h: float | None) -> dict[str, int]:
+    """How many facets and corners go with the step h (s): a facet is a step's way at top speed. None: a beginner's."""
+    counts: dict[str, int] = {}
+    if facets.track_kind(case) == "chain":
+        part = facets.stretch(case)
+        way = part.top_speed * h if h else 0.0
+        counts["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+    if not case.plate.radius:
+        # 0.2 s over the step is where corners cost as much energy as the step itself; whole polygons of a fan.
+        counts["vertices"] = RIM * round(max(0.2 / h, MODEST) / RIM) if h else MOST_CORNERS
+        counts["vertices"] = min(counts["vertices"], FINEST_RIM)
+    return counts
 
 
 @dataclass
 class Model:
+    """One run: the case, its setting, the step (s) and how many; the engine's world and plate, and what was noted."""
+
     case: Case
+    knobs: dict[str, float | int | str]
     h: float
     steps: int
-    setting: Setting
     world: pyb2d3.World
-    body: pyb2d3.Body
+    plate: pyb2d3.Body
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
 
 def build(case: Case, route: str, setting: Setting) -> Model:
-    steps = max(2, round(case.duration / setting["h"]))
-    h, scale, start, knobs = case.duration / steps, setting["scale"], start_motion(case), dict(setting.values)
-    gx, gy = scale * facets.pull(case)
-    world = pyb2d3.World(gravity=(gx, gy), maximum_linear_speed=400*scale)
+    """A world at the case's start, backed up by half a step. The step divides the duration evenly."""
+    steps, knobs = max(2, round(case.duration / setting["h"])), dict(setting.values)
+    h, scale, start = case.duration / steps, setting["scale"], start_motion(case)
+    gravity = scale * facets.pull(case)
+    world = pyb2d3.World(gravity=_pair(gravity), maximum_linear_speed=SPEED * scale)
     if "hertz" in knobs:
-        world.set_contact_tuning(knobs["hertz"], knobs["damping"], 3.0 * scale)
+        world.set_contact_tuning(knobs["hertz"], 10.0, PUSH * scale)
         world.sleeping_enabled = False
     friction = case.effect(CoulombFriction)
+    # The engine takes the root of the product of both shapes' coefficients.
     material = pyb2d3.surface_material(friction=friction.mu if friction else 0.0)
-    shape_def = pyb2d3.shape_def(material=material)
-    track = world.create_static_body()
-    if facets.track_kind(case) == "hill":
-        circle = as_circle(case.track)
-        track.create_shape(shape_def, pyb2d3.circle(tuple(map(float, scale*circle.centre)), scale * circle.radius))
-    else:
-        corners = facets.chain(case, knobs.get("facets", 1))
-        closed = facets.track_kind(case) == "chain" and facets.stretch(case).closed
-        if closed:
-            corners = corners[:, :-1]
-        else:
-            corners = np.column_stack([2*corners[:,0]-corners[:,1], corners, 2*corners[:,-1]-corners[:,-2]])
-        # right
-        track.create_chain(pyb2d3.chain_def(points=scale*corners.T[::-1], material=material, is_loop=closed))
-    back = 0.5*h
-    body = world.create_dynamic_body(position=(scale * (start.x-back*start.vx), scale * (start.y-back*start.vy)), rotation=pyb2d3.make_rot(start.theta-back*start.omega))
-    body.create_shape(shape_def, pyb2d3.circle(radius=scale * case.plate.radius))
+    _add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
+    back = scale * (np.array([start.x, start.y]) - 0.5 * h * np.array([start.vx, start.vy]))
+    plate = world.create_dynamic_body(
+        position=_pair(back), rotation=pyb2d3.make_rot(start.theta - 0.5 * h * start.omega)
+    )
+    _add_plate(case, plate, material, scale, knobs.get("vertices", 0))
     mass = pyb2d3.MassData()
     mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), case.plate.inertia * scale**2
-    body.mass_data = mass
-    body.linear_velocity = scale * start.vx, scale * start.vy
-    body.angular_velocity = start.omega
-    return Model(case, h, steps, setting, world, body)
+    plate.mass_data = mass
+    plate.linear_velocity, plate.angular_velocity = (scale * start.vx, scale * start.vy), start.omega
+    return Model(case, knobs, h, steps, world, plate)
+
+
+def _pair(values) -> tuple[float, float]:
+    return float(values[0]), float(values[1])
+
+
+def _add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
+    circle, kind = as_circle(case.track), facets.track_kind(case)
+    if kind == "hill" and circle:
+        shape = pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius)
+        body.create_shape(pyb2d3.shape_def(material=material), shape)
+        return
+    corners = facets.chain(case, count)
+    closed = kind == "chain" and facets.stretch(case).closed
+    if closed:
+        corners = corners[:, :-1]
+    else:
+        # The first and last edges of an open chain only guide their neighbours.
+        corners = np.column_stack([2 * corners[:, 0] - corners[:, 1], corners, 2 * corners[:, -1] - corners[:, -2]])
+    # The engine's chains push to their right, ours has the plate on its left.
+    body.create_chain(pyb2d3.chain_def(points=scale * corners.T[::-1], material=material, is_loop=closed))
+
+
+def _add_plate(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
+    define = pyb2d3.shape_def(material=material)
+    if case.plate.radius:
+        body.create_shape(define, pyb2d3.circle(radius=scale * case.plate.radius))
+        return
+    rim = scale * facets.polygon(case, count).T
+    if count == MOST_CORNERS:
+        body.create_shape(define, pyb2d3.polygon(points=rim))
+        return
+    for first in range(0, count, RIM):
+        part = rim[np.arange(first, first + RIM + 1) % count]
+        body.create_shape(define, pyb2d3.polygon(points=np.vstack([np.zeros(2), part])))
 
 
 def run(model: Model) -> None:
-    step, note, body, substeps, scale = model.world.step, model.rows.append, model.body, model.setting["substeps"], model.setting["scale"]
-    for k in range(model.steps+1):
-        step(model.h if k else 0.5 * model.h, substeps)
-        (x, y), (vx, vy) = body.position, body.linear_velocity
-        note((x/scale, y/scale, body.angle, vx/scale, vy/scale, body.angular_velocity))
+    """Step through the duration, noting pose and velocities (in the engine's units) after every step."""
+    step, plate, note, substeps = model.world.step, model.plate, model.rows.append, model.knobs["substeps"]
+    # The half step moves the plate to its start and gives the velocities half a step's forces.
+    step(0.5 * model.h, substeps)
+    note((*plate.position, plate.angle, *plate.linear_velocity, plate.angular_velocity))
+    for _ in range(model.steps):
+        step(model.h, substeps)
+        note((*plate.position, plate.angle, *plate.linear_velocity, plate.angular_velocity))
 
 
 def read(model: Model) -> Trajectory:
-    rows = np.array(model.rows)
-    rows[:,2] = np.unwrap(rows[:,2])
-    start = start_motion(model.case)
-    rows[:,2] += 2*np.pi*np.round((start.theta-rows[0,2])/(2*np.pi))
-    knobs = dict(model.setting.values)
-    return half_steps.read(half_steps.Noted(model.case, model.h, model.steps, rows, rough=facets.sagitta(model.case, knobs.get("facets"), None)+0.005/model.setting["scale"], lever=0.5, rounding=float(np.finfo(np.float32).eps)))
+    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
+    case, knobs, scale = model.case, model.knobs, model.knobs["scale"]
+    rows = np.array(model.rows) / np.array([scale, scale, 1.0, scale, scale, 1.0])
+    # The engine's angle forgets whole turns.
+    theta = np.unwrap(rows[:, 2])
+    rows[:, 2] = theta + 2 * np.pi * np.round((start_motion(case).theta - theta[0]) / (2 * np.pi))
+    rough = facets.sagitta(case, knobs.get("facets"), knobs.get("vertices")) + SLOP / scale
+    noted = half_steps.Noted(case, model.h, model.steps, rows, rough=rough, lever=0.5, rounding=ROUNDING)
+    return half_steps.read(noted)

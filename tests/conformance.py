@@ -11,6 +11,7 @@ Tolerances. They follow from the rung that is run (the finest but one) and from 
 - `loss`, ½ m (a h)²·T/h: what is lost if every step removes a velocity a·h that it had let grow.
 - `tilt`: by how much a facet's direction, or the direction a step goes by, is off the curve's: the track's and the
   plate's turn within a step, and 2π over the `vertices` or `facets` where the setting names them.
+- `grain`, the force that the rounding of velocities looks like: engines in single precision say so by `ROUNDING`.
 - `motion.slip_resolution`: the creep that a solver declares it cannot tell from stick.
 """
 
@@ -23,7 +24,7 @@ from math import atan, cos, pi, sin
 from typing import Any
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+from scipy.integrate import cumulative_trapezoid, trapezoid
 
 from adapters import Setting
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
@@ -60,6 +61,7 @@ class Run:
     case: Case
     setting: Setting
     motion: Trajectory
+    rounding: float  # relative, of the engine's numbers
 
     @property
     def step(self) -> float:
@@ -94,6 +96,11 @@ class Run:
         return 0.5 * self.case.plate.mass * self.kick**2 * float(self.motion.t[-1]) / self.step
 
     @property
+    def grain(self) -> float:
+        """N: a force read as a difference of velocities over a step, each off by a few roundings."""
+        return 10 * self.rounding * self.case.plate.mass * self.speed / self.step
+
+    @property
     def corners(self) -> float:
         """The part of `tilt` that facets have, rad."""
         knobs = dict(self.setting.values)
@@ -115,7 +122,7 @@ def _run(adapter, route: str, case: Case) -> Run:
     setting = [rung for rung in ladder if dict(rung.values).get("vertices", 0) <= MOST_VERTICES][RUNG]
     model = adapter.build(case, route, setting)
     adapter.run(model)
-    return Run(case, setting, adapter.read(model))
+    return Run(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))
 
 
 def _hold(law: str, what: str, error, tolerance) -> None:
@@ -226,9 +233,9 @@ def cone(route: Route, scene: Case) -> None:
     normal, friction = run.motion.normal_force, run.motion.friction_force
     mu = _mu(scene)
     # A push along a direction that is off by `tilt` has this share along the tangent; 1e-9 of the weight is rounding.
-    allowed = (mu + run.tilt) * np.abs(normal) + 1e-9 * scene.plate.mass * G
-    _hold("cone", "friction beyond zero", friction, allowed)
-    _hold("cone", "the normal force below zero", np.minimum(normal, 0.0), run.tilt * np.abs(friction) + 1e-9 * G)
+    nothing = 1e-9 * scene.plate.mass * G + run.grain
+    _hold("cone", "friction beyond zero", friction, (mu + run.tilt) * np.abs(normal) + nothing)
+    _hold("cone", "the normal force below zero", np.minimum(normal, 0.0), run.tilt * np.abs(friction) + nothing)
 
 
 def friction_opposes_slip(route: Route, scene: Case) -> None:
@@ -264,8 +271,11 @@ def no_friction_no_spin(route: Route) -> None:
     """Without friction a disc keeps its spin, since the normal force points at its centre."""
     run = route.run(replace(SCENES["disc in a circle"], effects=(Gravity(G), Unilateral())))
     omega = run.motion.omega
-    # Nothing acts on the spin, so there is nothing a step could misplace: rounding of a thousand steps or more.
-    _hold("no spin-up without friction", "the spin", omega - omega[0], 1e-9 * (1 + abs(omega[0])))
+    # Nothing acts on the spin, so there is nothing a step could misplace: rounding of a thousand steps or more, and of
+    # the lever of the normal force.
+    plate, pressed = run.case.plate, float(trapezoid(np.abs(run.motion.normal_force), run.motion.t))
+    allowed = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * pressed / plate.inertia
+    _hold("no spin-up without friction", "the spin", omega - omega[0], allowed)
 
 
 def energy_kept(route: Route, scene: Case) -> None:
