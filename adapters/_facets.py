@@ -13,7 +13,7 @@ import numpy as np
 
 from cases import Case, Gravity
 from cases.contact import start_motion
-from cases.shapes import as_circle, as_line
+from cases.shapes import Circle, as_circle, as_line
 
 
 class Stretch(NamedTuple):
@@ -32,6 +32,11 @@ def track_kind(case: Case) -> str:
         return "line"
     circle = as_circle(case.track)
     return "hill" if circle and not circle.left and case.track.period else "chain"
+
+
+def round_plate(case: Case) -> Circle | None:
+    """The circle that the outline is, about the centre of mass or not, or None."""
+    return as_circle(case.plate.outline) if case.plate.outline.period else None
 
 
 def radii(case: Case) -> tuple[float, float]:

@@ -1,8 +1,8 @@
-"""The motion out of an engine whose positions stand at k·h and velocities at (k+½)·h.
+"""The motion out of an engine whose positions stand at k·h and velocities half a step later.
 
-That is semi-implicit Euler, the step of game engines, after a first step of h/2 from a start backed up by v₀ h/2.
-Velocities at the positions' times are means of their neighbours: second order. Forces are what the contact added to
-the momentum in a step, over its length. Nothing here knows an engine.
+That is semi-implicit Euler, the step of game engines, after a first step of h/2 (with substeps, one that is half a
+substep short). Velocities at the positions' times are weighted means of their neighbours: second order. Forces are what
+the contact added to the momentum in a step, over its length. Nothing here knows an engine.
 """
 
 from __future__ import annotations
@@ -24,22 +24,27 @@ BEYOND = (ValueError, ArithmeticError)
 
 @dataclass(frozen=True)
 class Noted:
-    """What a run noted: rows (x, y, theta, vx, vy, omega) after each step of `h` seconds, `steps` + 1 if it ran to its
-    end.
+    """What a run noted: rows (x, y, theta, vx, vy, omega) at every step of `h` s, `steps` + 1 if it ran to its end.
 
     `contacts`: those of the rows if the engine was told them, else they are found. `rough`: how far (m) the engine's
     shapes stand off the curves. `lever`: what share of the gap the engine puts between the plate and the point
-    where friction acts. `rounding`: relative, of its numbers.
+    where friction acts. `rounding`: relative, of its numbers. `rest`: what the first step was short of, over h.
     """
 
     case: Case
     h: float
     steps: int
-    rows: list[tuple[float, ...]]
+    rows: list[tuple[float, ...]] | np.ndarray
     contacts: list[Contact] | None = None
     rough: float = 0.0
     lever: float = 0.0
     rounding: float = float(np.finfo(float).eps)
+    rest: float = 0.5
+
+
+def rest(substeps: int) -> float:
+    """What the first step is short of, over its length: half a substep."""
+    return 0.5 / substeps
 
 
 class _Ending(NamedTuple):
@@ -57,12 +62,13 @@ def read(noted: Noted) -> Trajectory:
         raise EngineFailure("its numbers are not finite, or there are fewer than three steps of them.")
     start, after = start_motion(case), rows[:, 3:]
     before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
-    rates = 0.5 * (before + after)
+    rates = (1.0 - noted.rest) * before + noted.rest * after
     rates[0] = before[0]
     kick = np.full((len(rows), 1), h)
-    kick[0] *= 0.5
+    kick[0] *= 1.0 - noted.rest
     force = case.plate.mass * ((after - before)[:, :2] / kick - pull(case))
-    xi1, xi2, gap = np.array(noted.contacts or _follow(case, rows[:, :3]), dtype=float).reshape(-1, 3).T
+    contacts = (noted.contacts or _follow(case, rows[:, :3]))[: len(rows)]
+    xi1, xi2, gap = np.array(contacts, dtype=float).reshape(-1, 3).T
     ending = _ending(noted, xi1, xi2, gap, force, float(np.abs(rates[:, :2]).max()))
     kept = slice(ending.kept)
     xi1, xi2, gap, force, rates = xi1[kept], xi2[kept], gap[kept], force[kept], rates[kept]

@@ -25,6 +25,12 @@ KNOWN_FAULTS: dict[tuple[str, str, str], str] = {
         "lift_off",
     ): "cos phi is off by 0.008 where it leaves, 0.001 is allowed: on facets the contact "
     "is lost for good a few steps early, and no finer setting mends it",
+    (
+        "box2d",
+        "native",
+        "sticking_threshold",
+    ): "0.1 % above the threshold slip is off by 0.00150 m/s after 1 s at h = 5e-4 s, 0.00141 is allowed: a rolling "
+    "disc presses by m r omega domega/dt h / 2 too little, since the contact's spring follows the plate's own point",
 }
 
 
