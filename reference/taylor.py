@@ -10,8 +10,9 @@ from functools import lru_cache
 import numpy as np
 
 from .arc import BREAKDOWN, Arc, Stop
-from .eliminated import System, T
+from .eliminated import T
 from .modes import Phase
+from .system import System
 
 try:
     import heyoka as hy
