@@ -113,14 +113,18 @@ class Bounces:
 
 
 def extrapolated(sequence: Sequence[float]) -> float:
-    """The limit of a sequence of odd length by Wynn's ε-algorithm; its last term where it no longer changes."""
+    """The limit of a sequence of odd length by Wynn's ε-algorithm, as far as its columns agree with each other."""
     before, now = [0.0] * (len(sequence) + 1), list(sequence)
-    best = now[-1]
+    best, spread = now[-1], inf
     for column in range(1, len(sequence)):
         steps = [b - a for a, b in pairwise(now)]
         if any(step == 0.0 for step in steps):
             return best
         before, now = now, [before[i + 1] + 1.0 / step for i, step in enumerate(steps)]
         if column % 2 == 0:
-            best = now[-1]
+            # A term like ρᵏ that is removed moves the limit by 1/(1 − ρ) times the last change, and ρ is hardly above
+            # 0.97 for the second and third; what moves it more is rounding, blown up.
+            if abs(now[-1] - best) > 30.0 * spread:
+                return best
+            best, spread = now[-1], abs(now[-1] - now[-2]) if len(now) > 1 else 0.0
     return best

@@ -231,10 +231,9 @@ def _after_flight(case: Case, arc: Arc, bounces: Bounces) -> Step:
         return _rest(case, (flown,), landing.time, place, landing.theta, after, "landing")
     bounces.add(landing, after)
     limit = bounces.limit()
-    if limit and limit.time < case.duration:
-        settling = bounces.settling(arc.phase, limit)
-        place = limit.xi1, limit.xi2
-        return _rest(case, (flown, settling), limit.time, place, limit.theta, limit.touch, "rest")
+    if limit and landing.time < limit.time < case.duration:
+        arcs, place = (flown, bounces.settling(arc.phase, limit)), (limit.xi1, limit.xi2)
+        return _rest(case, arcs, limit.time, place, limit.theta, limit.touch, "rest")
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     return Step(
         (flown,), landing.time, place, "landing", in_flight(case, y, after.slip, after.omega, after.lift), FLIGHT

@@ -7,6 +7,7 @@ gap that turns around between two of them is looked at where it turns.
 
 from __future__ import annotations
 
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -74,13 +75,15 @@ def first_landing(case: Case, arc: Arc, end: float) -> Landing | None:
 
 def _first_look(case: Case, arc: Arc, start: float, end: float, size: float) -> _Look | None:
     """A look soon after the start at which the gap is positive and grows; None if it closes from the start."""
+    lift = _look(case, arc, start).rate
     part = min(CLOSE * size / _speed(arc, start, size), end - start)
     soonest = SOONEST * part
     while part > soonest:
         look = _look(case, arc, start + part)
         if look.rate > 0.0 and look.gap > 0.0:
             return look
-        part *= 0.25
+        # Half the time in which the rate falls to zero, as it has fallen until now; a fourth where it began at zero.
+        part *= min(0.5 * lift / (lift - look.rate), 0.5) if lift > 0.0 > look.rate else 0.25
     return None
 
 
@@ -91,24 +94,25 @@ def _reach(case: Case) -> float:
 
 def _speed(arc: Arc, t: float, size: float) -> float:
     """A bound on the speed of the plate's points at that time; what it gains until the next look is small beside it."""
-    vx, vy, omega = arc.states(np.array([t]))[3:, 0]
+    _, _, _, vx, vy, omega = _state(arc, t)
     # A plate that is let go has no speed yet: it takes the time to fall through its own size as a start.
-    return float(np.hypot(vx, vy)) + abs(float(omega)) * size or size / max(float(arc.times[-1]) - t, 1e-300)
+    return hypot(vx, vy) + abs(omega) * size or size / max(float(arc.times[-1]) - t, 1e-300)
 
 
-def _pose(arc: Arc, t: float) -> tuple[float, float, float]:
-    x, y, theta = arc.states(np.array([t]))[:3, 0]
-    return float(x), float(y), float(theta)
+def _state(arc: Arc, t: float) -> list[float]:
+    """(x, y, θ, vx, vy, ω)."""
+    return arc.states(np.array([t]))[:, 0].tolist()
 
 
 def _look(case: Case, arc: Arc, t: float) -> _Look:
-    contact = nearest(case, *_pose(arc, t))
-    return _Look(t, contact, _touch(case, arc, t, contact)[0].lift if contact else 0.0)
+    state = _state(arc, t)
+    contact = nearest(case, *state[:3])
+    return _Look(t, contact, _touch(case, state, contact)[0].lift if contact else 0.0)
 
 
-def _touch(case: Case, arc: Arc, t: float, contact: Contact) -> tuple[Touch, float, float]:
+def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:
     """Velocity of the plate's nearest point along tangent and normal of the track's, the spin, and the arm."""
-    x, y, theta, vx, vy, omega = (float(v) for v in arc.states(np.array([t]))[:, 0])
+    x, y, _, vx, vy, omega = state
     (tx, ty), (X, Y) = case.track.tangent(contact.xi1), case.track.point(contact.xi1)
     # The outline's point lies off the track's by the gap along the normal.
     rx, ry = X - contact.gap * ty - x, Y + contact.gap * tx - y
@@ -143,19 +147,20 @@ class _Followed:
         self.case, self.arc, self.near = case, arc, (contact.xi1, contact.xi2)
 
     def __call__(self, t: float) -> Contact:
-        contact = find(self.case, *_pose(self.arc, t), self.near)
+        x, y, theta = _state(self.arc, t)[:3]
+        contact = find(self.case, x, y, theta, self.near)
         self.near = contact.xi1, contact.xi2
         return contact
 
     def rate(self, t: float) -> float:
         """Of the gap, m/s."""
-        return _touch(self.case, self.arc, t, self(t))[0].lift
+        return _touch(self.case, _state(self.arc, t), self(t))[0].lift
 
 
 def _landing(case: Case, arc: Arc, t: float, contact: Contact) -> Landing:
-    touch, arm_t, arm_n = _touch(case, arc, t, contact)
-    theta = _pose(arc, t)[2]
-    return Landing(t, *_turned_back(case, contact, theta), theta, touch, arm_t, arm_n)
+    state = _state(arc, t)
+    touch, arm_t, arm_n = _touch(case, state, contact)
+    return Landing(t, *_turned_back(case, contact, state[2]), state[2], touch, arm_t, arm_n)
 
 
 def _turned_back(case: Case, contact: Contact, theta: float) -> tuple[float, float]:
