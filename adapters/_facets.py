@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity
+from cases import Case, Flight, Gravity
 from cases.contact import start_motion
 from cases.shapes import Circle, as_circle, as_line
 
@@ -55,11 +55,12 @@ def pull(case: Case) -> np.ndarray:
 def stretch(case: Case) -> Stretch:
     """Which part of the track the plate can reach, by its energy and by the time it has.
 
-    Nothing adds energy, so the plate stays where its potential is below its first energy; and its speed cannot grow
-    faster than g. A margin of the plate's own size is added at both ends.
+    Nothing adds energy, so the plate stays where its potential is below its first energy, unless it flies over what is
+    above; and its speed cannot grow faster than g. A margin of the plate's own size is added at both ends.
     """
     start, (smallest, largest) = start_motion(case), radii(case)
     energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * case.plate.inertia / case.plate.mass * start.omega**2
+    energy += float(np.hypot(*pull(case))) * case.start.gap
     # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
     energy += float(np.hypot(*pull(case))) * (largest - smallest)
     longest = (np.sqrt(2 * energy) + np.hypot(*pull(case)) * case.duration) * case.duration
@@ -91,7 +92,7 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
         far *= 2.0
     centre = point + case.plate.radius * track.normal(s) if case.plate.radius else point
     kinetic = energy + pull(case) @ (centre - centre[:, :1])
-    barred = (kinetic < 0.0) | (run > longest)
+    barred = run > longest if case.effect(Flight) else (kinetic < 0.0) | (run > longest)
     stop = int(np.argmax(barred)) if barred.any() else len(s) - 1
     end = min(int(np.searchsorted(run, run[stop] + margin)), len(s) - 1)
     return float(s[end]), float(run[end]), float(np.sqrt(2 * max(kinetic[: stop + 1].max(), 0.0)))

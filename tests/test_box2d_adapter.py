@@ -8,7 +8,22 @@ import pytest
 import cases
 import reference
 from adapters import Setting
-from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, curves, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    Plate,
+    RollingResistance,
+    Start,
+    Unilateral,
+    curves,
+    disc,
+)
 from reports.metrics import read_transitions
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 from tests.scenes import ellipse
@@ -138,6 +153,106 @@ def test_what_the_engine_lacks_is_refused_by_name():
     assert "convex" in box2d.refuses(straight, "native")
     with pytest.raises(cases.errors.UnknownName, match="native"):
         box2d.refuses(guided, "assisted")
+
+
+def falling(*effects, start: Start, duration: float, plate: Plate | None = None) -> Case:
+    """A disc above a level line, under gravity alone."""
+    return Case(LEVEL, plate or disc(0.1, 1.0), (G, PUSH, *effects), start, duration)
+
+
+def test_bounces_come_at_the_times_of_a_geometric_series():
+    height, e = 0.3, 0.5
+    motion = solve(falling(Flight(), Impact(e), start=Start(0.0, slip=0.5, gap=height), duration=1.0), -1)
+    jumps = np.flatnonzero(np.diff(motion.t) == 0.0)
+    first, h = np.sqrt(2 * height / 9.81), motion.t[1]
+    exact = first * (1 + 2 * np.cumsum([0.0, e, e**2, e**3]))
+    # Every bounce may come up to two steps early or late, and hands that on to the next.
+    assert np.abs(motion.t[jumps[:4]] - exact).max() < 2 * 4 * h
+    speed = 9.81 * first
+    assert motion.vy[jumps[:4]] == pytest.approx(-speed * e ** np.arange(4), abs=2 * 4 * 9.81 * h)
+    assert motion.vy[jumps[:4] + 1] == pytest.approx(speed * e ** np.arange(1, 5), abs=2 * 4 * 9.81 * h)
+    # Bounces below 1 m/s are there too: the engine's own threshold is not in the way. Then it rests.
+    assert len(jumps) >= 6
+    assert np.isfinite(motion.slip[-1]) and motion.normal_force[-100:].mean() == pytest.approx(9.81, rel=1e-2)
+
+
+def test_engine_as_it_comes_rebounds_from_no_landing_below_its_threshold():
+    case = falling(Flight(), Impact(0.5), start=Start(0.0, gap=0.04), duration=0.4)
+    assert np.sqrt(2 * 9.81 * 0.04) < 1.0
+    assert np.nanmax(solve(case, 0).vy) < 0.1
+    assert np.nanmax(solve(case, -1).vy) > 0.4
+
+
+def test_flight_has_neither_slip_nor_force_and_follows_a_parabola():
+    motion = solve(falling(Flight(), Impact(0.5), start=Start(0.0, slip=0.5, gap=0.3), duration=0.2), -1)
+    assert np.isnan(motion.slip).all() and np.isnan(motion.xi1).all()
+    assert not motion.normal_force.any() and not motion.friction_force.any()
+    assert np.abs(motion.y - (0.4 - 0.5 * 9.81 * motion.t**2)).max() < 1e-5
+
+
+def test_landing_without_impact_is_the_end():
+    motion = solve(falling(Flight(), start=Start(0.0, gap=0.3), duration=1.0), -1)
+    assert motion.status == "landing"
+    assert motion.t[-1] == pytest.approx(np.sqrt(2 * 0.3 / 9.81), abs=2 * motion.t[1])
+
+
+def test_disc_that_leaves_a_hill_flies_on():
+    hill = Curve(lambda s: (curves.sin(s), curves.cos(s)))
+    case = Case(hill, disc(0.1, 2.0), (G, PUSH, Flight()), Start(0.2), 1.2)
+    motion, exact = solve(case, -1), reference.simulate(case, rtol=1e-10)
+    left = motion.t[np.argmax(np.isnan(motion.slip))]
+    assert left == pytest.approx(exact.transitions[0].time, abs=5e-3)
+    assert (motion.x[-1], motion.y[-1]) == pytest.approx((exact.x[-1], exact.y[-1]), abs=1e-3)
+
+
+def test_rolling_resistance_brakes_a_rolling_disc_by_its_couple():
+    arm, radius = 0.005, 0.1
+    case = Case(LEVEL, disc(radius, 1.0), (G, CoulombFriction(0.5), RollingResistance(arm), PUSH),
+                Start(0.0, omega=-10.0), 1.5)  # fmt: skip
+    motion = solve(case, -1)
+    # m a r = -T r and J ω̇ = T r + couple: a = arm g / (r (1 + J/(m r²))).
+    assert motion.vx == pytest.approx(1.0 - arm * 9.81 / (1.5 * radius) * motion.t, abs=1e-4)
+
+
+def test_perfectly_rough_plate_rolls_down_a_slope_no_friction_would_hold_it_on():
+    track = Curve(lambda s: (s * np.cos(0.8), -s * np.sin(0.8)))
+    motion = solve(Case(track, disc(0.1, 1.0), (G, PerfectlyRough(), PUSH), Start(0.0), 1.0), -1)
+    assert -0.1 * motion.omega[-1] == pytest.approx(2 / 3 * 9.81 * np.sin(0.8), rel=1e-3)
+    assert np.abs(motion.slip).max() < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("case", "word"),
+    [
+        (falling(Load(fx=1.0), start=Start(0.0), duration=1.0), "nothing for Load"),
+        (falling(Flight(), Impact(0.5), CoulombFriction(0.1), start=Start(0.0, gap=0.1), duration=1.0), "compression"),
+        (
+            falling(
+                Flight(), Impact(0.0), plate=Plate(ellipse(0.2, 0.1), 1.0, 0.0125), start=Start(0.0, -1.2, gap=0.1),
+                duration=1.0,
+            ),  # fmt: skip
+            "corner by corner",
+        ),
+        (
+            falling(
+                CoulombFriction(0.1), RollingResistance(0.01), plate=Plate(ellipse(0.2, 0.1), 1.0, 0.0125),
+                start=Start(0.0, -1.2), duration=1.0,
+            ),  # fmt: skip
+            "RollingResistance for circles",
+        ),
+    ],
+)  # fmt: skip
+def test_effects_it_would_get_wrong_are_refused_by_name(case, word):
+    assert word in box2d.refuses(case, "native")
+
+
+def test_impact_knows_the_friction_of_its_compression_alone():
+    """The reason for a refusal, measured: of μ (1 + e) times the impulse of compression, e's share is missing."""
+    case = falling(Flight(), Impact(0.5), CoulombFriction(0.2), start=Start(0.0, slip=2.0, gap=0.3), duration=0.3)
+    motion = solve(case, -1)
+    impulse = np.sqrt(2 * 9.81 * 0.3)
+    assert motion.vx[-1] == pytest.approx(2.0 - 0.2 * impulse, abs=1e-3)
+    assert reference.simulate(case, rtol=1e-10).vx[-1] < 2.0 - 0.2 * 1.2 * impulse
 
 
 def test_track_that_ends_ends_the_motion():
