@@ -22,13 +22,14 @@ from .flight import Landing
 from .impact import Touch
 from .modes import Phase
 
-# Terms ρᵏ, ρ²ᵏ, ρ³ᵏ are removed: each costs two more impacts and digits to rounding.
-MOST_TERMS = 3
-# What is left of the time after m terms are removed, as a part of the natural time: below the rounding of the instants.
-NEGLIGIBLE = 1e-15
+# At most the terms ρᵏ, ρ²ᵏ, ρ³ᵏ, ρ⁴ᵏ are removed: each costs two more impacts and digits to rounding.
+MOST_TERMS = 4
+# What is left of the time after m terms are removed, as a part of the natural time. The smaller the bounces, the less
+# sure are their instants (the rounding of a position over a speed): there is nothing to gain below.
+NEGLIGIBLE = 1e-13
 # Bounces count from where the time that is left is this part of the natural time, and while the ratio of two flights
 # does not change by more than as much: there the expansion in powers of ρᵏ holds.
-SMALL = 1e-2
+SMALL = 2e-2
 
 
 class Limit(NamedTuple):

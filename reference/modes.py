@@ -46,12 +46,14 @@ FLIGHT = Regime(Mode.FLIGHT)
 class Phase(NamedTuple):
     """A regime with its equations and their parameters: all an integrator needs.
 
-    `lengths` are the plate's size (radius of gyration) in units of each position: what counts as a change of order one.
+    `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: what counts as a
+    change of order one.
     """
 
     regime: Regime
     system: System
     parameters: tuple[float, ...]
+    size: float
     lengths: tuple[float, ...]
 
 
@@ -84,7 +86,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     size = sqrt(case.plate.inertia / case.plate.mass)
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
-        return Phase(regime, equations, parameter_values(case, {}, equations.parameters), (size, size, 1.0))
+        return Phase(regime, equations, parameter_values(case, {}, equations.parameters), size, (size, size, 1.0))
     equations = contact_system(case, regime.kind)
     law = laws(case)
     values = {"nu": float(regime.side)}
@@ -93,7 +95,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     start = start_motion(case)
     lengths = (size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0)
     parameters = parameter_values(case, values, equations.parameters)
-    return Phase(regime, equations, parameters, lengths[: equations.positions])
+    return Phase(regime, equations, parameters, size, lengths[: equations.positions])
 
 
 def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:

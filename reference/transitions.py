@@ -48,9 +48,10 @@ def _by_value(candidate: Phase, t, y, error) -> bool | None:
         # A velocity that has just vanished: its rate says which way it goes on. (All other conditions are forces per
         # mass, and so is this rate.)
         rates = system.condition_rates_of_numbers(t, y, candidate.parameters)
-        fastest = max(abs(v) for v in y[system.positions :])
+        fastest = max(abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False))
         for name, rate in zip(system.condition_rates, rates, strict=True):
-            if abs(values[name]) <= 1e3 * max(error, series.EPS) * fastest:
+            # At an event a thousand times its error; at a start the rounding of a difference of two speeds.
+            if abs(values[name]) <= (1e3 * error if error > series.EPS else 8 * series.EPS) * candidate.size * fastest:
                 values[name] = rate
     scale = max((abs(v) for v in values.values()), default=0.0)
     # A million times the state's error: anything closer to zero is left to the series, which know their own bounds.
