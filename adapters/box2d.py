@@ -58,6 +58,8 @@ KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Un
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
+# The grid's, with stiffnesses that the engine takes at the longest of its steps, its own among them.
+GRID_STEPS, GRID_HERTZ = (4e-3, 2e-3, 1e-3, 5e-4), (15.0, 30.0, 62.5)
 # Units to a metre: slop is then 5 µm, less than a thousandth of any plate here, and facets may be a step's way long.
 SCALE = 1000.0
 # As its manual begins: 60 steps a second of four substeps, and metres.
@@ -103,6 +105,16 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
         Setting.of(rung="defaults", **DEFAULTS, **scene.corners(case, None)),
         *(Setting.of(h=h, **knobs, hertz=0.25 / h, **scene.corners(case, h)) for h in steps),
     )
+
+
+def grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Step times model: facets and corners, or where there are none the contact's stiffness."""
+    models = [scene.corners(case, h) for h in GRID_STEPS]
+    if any(models):
+        knobs: list[dict[str, Any]] = [dict(hertz=GRID_HERTZ[-1], **model) for model in models]
+    else:
+        knobs = [dict(hertz=hertz) for hertz in GRID_HERTZ]
+    return tuple(Setting.of(h=h, substeps=1, scale=SCALE, **knob) for h in GRID_STEPS for knob in knobs)
 
 
 @dataclass

@@ -142,6 +142,15 @@ def test_engine_as_it_comes_is_the_first_rung_and_told_so(name):
     assert all(fine["h"] < coarse["h"] for coarse, fine in pairwise(others))
 
 
+@pytest.mark.parametrize(("name", "knob"), [("disc_in_circle", "facets"), ("disc_on_line", "hertz")])
+def test_grid_has_every_step_with_every_model_and_ends_with_the_finest(name, knob):
+    settings = box2d.grid(cases.load(name), "native")
+    pairs = [(setting["h"], setting[knob]) for setting in settings]
+    steps, models = {h for h, _ in pairs}, {model for _, model in pairs}
+    assert len(set(pairs)) == len(pairs) == len(steps) * len(models) >= 9
+    assert pairs[-1] == (min(steps), max(models))
+
+
 def test_what_the_engine_lacks_is_refused_by_name():
     circle = ellipse(1.0, 1.0)
     guided = Case(circle, disc(0.1, 1.0), (G,), Start(0.0), 1.0)
