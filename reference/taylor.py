@@ -26,6 +26,8 @@ else:
 FINEST = 1e-16
 # Far below double precision's rounding, far above quadruple's.
 QUADRUPLE_TOLERANCE = 1e-24
+# A step of so few units in the last place of time no longer moves it: towards a singularity steps shrink without end.
+SHORTEST = 16
 
 
 def _expressions(system: System) -> dict:
@@ -36,7 +38,8 @@ def _expressions(system: System) -> dict:
 
 def _converted(expression: sp.Expr, known: dict):
     """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero."""
-    known, products = dict(known), {}
+    known = dict(known)
+    products: dict[sp.Expr, sp.Symbol] = {}
     powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
     for power in sorted(powers, key=sp.count_ops):  # what a power contains comes before it
         base = hy.from_sympy(power.base.xreplace(products), known)
@@ -103,8 +106,8 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type) ->
             if not 0 <= number < len(phase.system.guards):
                 return _broken(phase, times, coefficients, y)
             guard = list(phase.system.guards)[number]
-        elif times[-1] <= times[-2]:
-            return _broken(phase, times, coefficients, y)  # steps have become too small to move time
+        elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * np.spacing(times[-1]):
+            return _broken(phase, times, coefficients, y)
     stop = Stop(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
     return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
 
