@@ -90,7 +90,7 @@ def refuses(case: Case, route: str) -> str | None:
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles alone, and this outline is none."
     if impact and not case.plate.radius:
-        return "box2d takes an Impact corner by corner, and this outline is no circle about its centre."
+        return "box2d's Impact is right for circles about their centre of mass alone, and this outline is none."
     if impact and impact.restitution and friction:
         return "box2d's friction in an Impact is bounded by the compression alone, whatever the restitution adds."
     return None

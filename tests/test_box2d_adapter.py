@@ -240,7 +240,7 @@ def test_perfectly_rough_plate_rolls_down_a_slope_no_friction_would_hold_it_on()
                 Flight(), Impact(0.0), plate=Plate(ellipse(0.2, 0.1), 1.0, 0.0125), start=Start(0.0, -1.2, gap=0.1),
                 duration=1.0,
             ),  # fmt: skip
-            "corner by corner",
+            "Impact is right for circles",
         ),
         (
             falling(
