@@ -163,7 +163,7 @@ def _hop(noted: Noted, rates: np.ndarray, force: np.ndarray | None) -> float:
 
     An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
     of gravity or contact (`force`; None where there may be impacts: what the track's bend asks for); and facets stand
-    off the curve. Four times that, and a millionth of the plate for rounding, is a flight.
+    off the curve. Four times that, and a millionth of the plate or a thousand roundings of it, is a flight.
     """
     case = noted.case
     if force is None:
@@ -172,7 +172,7 @@ def _hop(noted: Noted, rates: np.ndarray, force: np.ndarray | None) -> float:
     else:
         push = float(np.hypot(*force.T).max()) / case.plate.mass
     strongest = float(np.hypot(*pull(case))) + push
-    return 1e-6 * radii(case)[0] + 2.0 * strongest * noted.h**2 + 4.0 * noted.rough
+    return max(1e-6, 1e3 * noted.rounding) * radii(case)[0] + 2.0 * strongest * noted.h**2 + 4.0 * noted.rough
 
 
 def _creep(case: Case, samples: Samples, normal_force: np.ndarray, h: float) -> float:
