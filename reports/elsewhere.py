@@ -80,7 +80,7 @@ def joined(experiment: Experiment, trajectories: Sequence[Elsewhere]) -> Experim
         run = judged(given, rung, experiment.truths[given.case.label])
         after = max((i for i, other in enumerate(runs) if other.case == run.case), default=len(runs) - 1)
         runs.insert(after + 1, run)
-    return replace(experiment, runs=tuple(runs), versions={**experiment.versions, **_sources(trajectories)})
+    return replace(experiment, runs=tuple(runs))
 
 
 def judged(given: Elsewhere, rung: int, truth: Truth) -> Run:
@@ -93,7 +93,7 @@ def judged(given: Elsewhere, rung: int, truth: Truth) -> Run:
         return replace(row, outcome="refused", reason=str(problem))
 
 
-def _sources(trajectories: Sequence[Elsewhere]) -> dict[str, str]:
+def sources(trajectories: Sequence[Elsewhere]) -> dict[str, str]:
     """What the manifest tells in place of a version, by solver's name: the files and their digests."""
     told: dict[str, list[str]] = {}
     for given in trajectories:
