@@ -44,6 +44,7 @@ _MODE_WORDS = {
     Mode.SLIP_FORWARD: "slip v > 0",
     Mode.SLIP_BACKWARD: "slip v < 0",
     Mode.ROLL: "rolls",
+    Mode.STICK: "rests",
     Mode.FLIGHT: "flies",
 }
 
@@ -273,7 +274,8 @@ def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     ax.set_xlabel("steps")
     ax.set_ylabel("error of the first transition's time / s" if timed else "largest error of the centre / m")
     ax.set_title(case.label, loc="left", fontweight="bold")
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
@@ -292,7 +294,8 @@ def scene(experiment: Experiment, case: Case) -> Figure:
         edge, inside = (to_rgba(PALETTE[0], alpha) for alpha in (0.4 + 0.6 * shade, 0.10 + 0.3 * shade))
         ax.fill(*place, facecolor=inside, edgecolor=edge, linewidth=0.9)
         ax.plot([x, spoke[0, 0]], [y, spoke[1, 0]], color=PALETTE[0], linewidth=0.9, alpha=0.4 + 0.6 * shade)
-        ax.plot(*case.track.point(float(shown["xi1"][i])), marker="o", markersize=3, color=PALETTE[1])
+        if np.isfinite(shown["xi1"][i]):  # no contact in flight
+            ax.plot(*case.track.point(float(shown["xi1"][i])), marker="o", markersize=3, color=PALETTE[1])
     ax.set_aspect("equal")
     ax.locator_params(nbins=5)
     gravity = case.effect(Gravity)
@@ -308,11 +311,19 @@ def _visible(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
     """Track parameters worth drawing: all of a closed track, else what the plate visits and a little more."""
     if case.track.period:
         return np.linspace(*case.track.look, 361)
-    low, high = float(np.min(shown["xi1"])), float(np.max(shown["xi1"]))
+    below = np.where(np.isfinite(shown["xi1"]), shown["xi1"], _below(case, shown))
+    low, high = float(np.min(below)), float(np.max(below))
     size = float(np.ptp(case.plate.outline.point(np.linspace(*case.plate.outline.look, 181)), axis=1).max())
     more = 1.2 * size / float(case.track.speed(0.5 * (low + high)))
     domain = case.track.domain or (-np.inf, np.inf)
     return np.linspace(max(low - more, domain[0]), min(high + more, domain[1]), 361)
+
+
+def _below(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
+    """Roughly the track parameter that is nearest to the centre, for each sample."""
+    grid = np.linspace(*case.track.look, 1001)
+    X, Y = case.track.point(grid)
+    return np.array([grid[np.argmin(np.hypot(X - x, Y - y))] for x, y in zip(shown["x"], shown["y"], strict=True)])
 
 
 def _instants(truth: Truth) -> list[tuple[float, int]]:

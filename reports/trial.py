@@ -16,7 +16,7 @@ import adapters
 import cases
 import reference
 from adapters import EngineFailure, Setting
-from cases import Case, CoulombFriction, NotSupported, Trajectory
+from cases import Case, CoulombFriction, NotSupported, PerfectlyRough, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
 from . import metrics
@@ -180,7 +180,8 @@ def read(case: Case, trajectory: Trajectory) -> metrics.Reading:
         own = tuple(trajectory.transitions)
         return metrics.Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
     friction = case.effect(CoulombFriction)
-    return metrics.read(trajectory, friction.stick if friction else 0.0)
+    bound = friction.stick if friction else None if case.effect(PerfectlyRough) else 0.0
+    return metrics.read(trajectory, bound)
 
 
 def _faults(reading: metrics.Reading, ledger, trajectory: Trajectory, truth: Truth) -> list[str]:
@@ -199,8 +200,10 @@ def _faults(reading: metrics.Reading, ledger, trajectory: Trajectory, truth: Tru
 
 
 def _sound(trajectory: Trajectory) -> bool:
-    names = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip")
+    names = ("t", "x", "y", "theta", "vx", "vy", "omega")
     finite = all(np.all(np.isfinite(getattr(trajectory, name))) for name in names)
+    # In flight there is no slip, and then no place of contact either.
+    finite = finite and bool(np.all(np.isfinite(trajectory.slip) | np.isnan(trajectory.xi1)))
     return finite and len(trajectory.t) > 1 and bool(np.all(np.diff(trajectory.t) >= 0))
 
 
