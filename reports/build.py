@@ -166,7 +166,7 @@ def _plan(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     own = [name for file in files for name in _guarded(file, lambda file=file: cases.load_file(file))]
     out = _checked_out(Path(options.out))
     asked = options.case or own
-    found = _cases(asked or (SHARED if effort == "quick" else cases.names()), effort)
+    found = _cases(asked or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
     given = _trajectories(options.trajectory, found)
     return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked), trajectories=given)
 

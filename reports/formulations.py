@@ -241,8 +241,8 @@ _WORDS = (
     "Which coordinates to integrate",
     "The paper's ten coordinates without stabilisation, with Baumgarte's terms and with projection after each step, "
     "and the two independent ones with their rates; one integrator, one matrix. Left: the gap that opens. Middle: the "
-    "error of the centre. Right: error against evaluations of (27). An unbalanced ellipse in an ellipse; above it slips "
-    "with friction until its first transition, below it slides without friction for five seconds.",
+    "error of the centre. Right: error against evaluations of (27). An unbalanced ellipse in an ellipse; above it "
+    "slips with friction until its first transition, below it slides without friction for five seconds.",
 )
 
 

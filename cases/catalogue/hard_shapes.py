@@ -73,7 +73,7 @@ def sliver(mu=0.1, tilt=0.02, slip=0.0, omega=0.0, a=0.5, b=0.01, m=1.0, g=9.81,
 
 
 @case(
-    variants=[dict(exponent=8.0), dict(exponent=16.0)],
+    variants=[dict(exponent=16.0), dict(exponent=8.0)],
     hard="the outline's sides are flat to high order: their curvature is zero to rounding over half of their length",
     outcome="rocks on the hill, its contact running along the flat side",
 )
