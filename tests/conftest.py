@@ -27,7 +27,7 @@ def pytest_configure(config):
 
 
 def pytest_generate_tests(metafunc):
-    """`any_case`: one test for each variant of each case, of the catalogue (hard ones have `test_atlas`) or of files."""
+    """`any_case`: one test for each variant of each case, of the catalogue (not its hard ones) or of case files."""
     if "any_case" not in metafunc.fixturenames:
         return
     try:
