@@ -15,7 +15,7 @@ import pytest
 import cases
 from adapters import EngineFailure, Setting
 from cases import Cost, Mode, NotSupported, State, Trajectory, Transition
-from reports import build, experiment, tables, trial, workers
+from reports import build, experiment, plan, tables, trial, workers
 from reports.metrics import LedgerRow
 from reports.records import CaseKey, Run
 
@@ -369,7 +369,7 @@ def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogu
     few = (settings[0], settings[1], settings[3], settings[5])
 
     def kept(effort, asked, case):
-        return build.Plan(Path("x"), (), (), (), effort, 1, (), asked).thin(case, settings)
+        return plan.Plan(Path("x"), (), (), (), effort, 1, (), asked).thin(case, settings)
 
     assert kept("quick", True, "disc_in_circle") == few
     assert kept("default", False, "disc_in_circle") == settings
@@ -409,7 +409,7 @@ def test_report_has_every_promised_file_and_no_other(report):
 
 def test_manifest_tells_how_it_was_made(report):
     manifest = json.loads((report / "manifest.json").read_text())
-    assert manifest["made_by"] == build.MADE_BY and "--quick" in manifest["command"]
+    assert manifest["made_by"] == plan.MADE_BY and "--quick" in manifest["command"]
     assert {"numpy", "scipy"} <= manifest["packages"].keys() and manifest["python"].startswith("3.")
     assert set(manifest["solvers"]) == {"reference", "pymunk"}
 
