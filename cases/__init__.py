@@ -2,7 +2,17 @@
 
 from .case import Case, Plate, Start, disc
 from .curves import Curve
-from .effects import CoulombFriction, Effect, Gravity, Unilateral
+from .effects import (
+    CoulombFriction,
+    Effect,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    RollingResistance,
+    Unilateral,
+)
 from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
 from .registry import case, entry, load, load_file, names, select
 from .trajectory import Cost, Mode, State, Trajectory, Transition
@@ -17,10 +27,15 @@ __all__ = [
     "Curve",
     "DoesNotFit",
     "Effect",
+    "Flight",
     "Gravity",
+    "Impact",
+    "Load",
     "Mode",
     "NotSupported",
+    "PerfectlyRough",
     "Plate",
+    "RollingResistance",
     "Start",
     "State",
     "Trajectory",

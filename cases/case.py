@@ -10,10 +10,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from . import curves
+from . import curves, effects
 from .curves import Curve
 from .effects import Effect
-from .errors import BadCurve, BadValue, finite, positive
+from .errors import BadCurve, BadValue, finite, not_negative, positive
 
 E = TypeVar("E")
 
@@ -62,13 +62,18 @@ class Start:
     """Where and how the plate touches its track at time zero.
 
     `xi1`, `xi2`: contact parameters on track and outline (xi2=None: such that θ = 0); `slip`: slip velocity along
-    the track's unit tangent in m/s; `omega`: angular velocity in rad/s.
+    the track's unit tangent in m/s; `omega`: angular velocity in rad/s. A start off the track (Flight): `gap`, the
+    distance in m of the outline's point from the track's along the track's left normal, their tangents parallel;
+    `lift`, the velocity in m/s of the outline's point along that normal (negative with gap = 0: it begins with an
+    impact).
     """
 
     xi1: float
     xi2: float | None = None
     slip: float = 0.0
     omega: float = 0.0
+    gap: float = 0.0
+    lift: float = 0.0
 
     def __post_init__(self):
         object.__setattr__(self, "xi1", finite("xi1 of Start", self.xi1))
@@ -76,6 +81,13 @@ class Start:
             object.__setattr__(self, "xi2", finite("xi2 of Start", self.xi2))
         object.__setattr__(self, "slip", finite("slip of Start", self.slip))
         object.__setattr__(self, "omega", finite("omega of Start", self.omega))
+        object.__setattr__(self, "gap", not_negative("gap of Start", self.gap))
+        object.__setattr__(self, "lift", finite("lift of Start", self.lift))
+
+    @property
+    def in_contact(self) -> bool:
+        """Whether the plate begins on its track, neither apart from it nor about to hit or leave it."""
+        return self.gap == 0.0 and self.lift == 0.0
 
 
 @dataclass(frozen=True)
@@ -102,7 +114,7 @@ class Case:
         ):
             if not isinstance(value, kind):
                 raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
-        object.__setattr__(self, "effects", _checked_effects(self.effects))
+        object.__setattr__(self, "effects", effects.checked(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
         from .contact import check_start  # the geometry is written in terms of cases, so it is imported late
@@ -123,18 +135,3 @@ class Case:
 def _written(value) -> str:
     """A number in as few digits as give it back."""
     return f"{value:g}" if float(f"{value:g}") == value else repr(float(value))
-
-
-def _checked_effects(effects) -> tuple[Effect, ...]:
-    try:
-        effects = tuple(effects)
-    except TypeError:
-        raise BadValue(f"effects is {effects!r}; give a tuple such as (Gravity(9.81), Unilateral())") from None
-    for e in effects:
-        if not isinstance(e, Effect):
-            raise BadValue(f"{e!r} is not an effect; give objects such as Gravity(9.81), with the brackets")
-    kinds = [type(e).__name__ for e in effects]
-    twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
-    if twice:
-        raise BadValue(f"the case asks for {twice} more than once; give one of each effect")
-    return effects

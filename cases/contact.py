@@ -5,13 +5,14 @@ Nothing here knows a solver. Positions in metres, angles in radians; (5), (6), (
 
 from __future__ import annotations
 
-from math import cos, hypot, isfinite, pi, sin
+from math import cos, hypot, isfinite, nan, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from .case import Case
 from .curves import Curve
+from .effects import Flight, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit
 
 
@@ -24,7 +25,7 @@ class Contact(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Pose, velocities and contact parameters with their rates at one instant."""
+    """Pose, velocities and contact parameters with their rates (NaN off the track) at one instant."""
 
     x: float
     y: float
@@ -68,7 +69,22 @@ def start_motion(case: Case) -> Motion:
     """The case's start as pose, velocities and contact rates."""
     start = case.start
     xi2 = level_parameter(case) if start.xi2 is None else start.xi2
-    return velocity(case, start.xi1, xi2, start.slip, start.omega)
+    if start.in_contact:
+        return velocity(case, start.xi1, xi2, start.slip, start.omega)
+    return _off_track(case, xi2)
+
+
+def _off_track(case: Case, xi2: float) -> Motion:
+    """A start apart from the track, or about to hit or leave it: the outline's point moved along the track's normal."""
+    start, normal = case.start, case.track.normal(case.start.xi1)
+    x, y, theta = pose(case, start.xi1, xi2)
+    contact = case.track.point(start.xi1)
+    # The outline's point has the velocity slip·t + lift·n; the centre of mass follows by (11).
+    vx = start.slip * normal[1] + start.lift * normal[0] + start.omega * (contact[1] - y)
+    vy = -start.slip * normal[0] + start.lift * normal[1] - start.omega * (contact[0] - x)
+    x, y = x + start.gap * normal[0], y + start.gap * normal[1]
+    x, y, theta, vx, vy = (float(v) for v in (x, y, theta, vx, vy))
+    return Motion(x, y, theta, vx, vy, start.omega, start.xi1, xi2, nan, nan, start.slip)
 
 
 def level_parameter(case: Case) -> float:
@@ -177,8 +193,9 @@ def check_start(case: Case) -> None:
     xi1, domain = case.start.xi1, case.track.domain
     if domain and not case.track.period and not domain[0] <= xi1 <= domain[1]:
         raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
+    _check_start_effects(case)
     start = start_motion(case)
-    if clearance(case, xi1, start.xi2) <= 0.0:
+    if case.start.gap == 0.0 and clearance(case, xi1, start.xi2) <= 0.0:
         raise DoesNotFit(
             f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
             f"{float(case.track.curvature(xi1)):.6g} 1/m is not below the outline's "
@@ -190,6 +207,19 @@ def check_start(case: Case) -> None:
             f"the plate overlaps its track at xi1 = {place:.6g} while it touches at xi1 = {xi1:g}; "
             "give a smaller plate or another start"
         )
+
+
+def _check_start_effects(case: Case) -> None:
+    """Raises BadValue if the start asks for an effect that the case does not name."""
+    start = case.start
+    if (start.gap > 0.0 or start.lift > 0.0) and case.effect(Flight) is None:
+        raise BadValue("gap and lift of Start begin off the track; add Flight to the effects or leave them at 0")
+    if start.gap == 0.0 and start.lift < 0.0 and case.effect(Impact) is None:
+        raise BadValue(
+            f"lift = {start.lift:g} of Start begins with an impact; add Impact to the effects or give lift=0"
+        )
+    if start.in_contact and start.slip != 0.0 and case.effect(PerfectlyRough) is not None:
+        raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {start.slip:g}")
 
 
 def overlap(case: Case, x: float, y: float, theta: float) -> float | None:

@@ -7,7 +7,6 @@ to its left: a plate can touch where its outline's curvature exceeds the track's
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -17,6 +16,7 @@ import numpy as np
 import sympy as sp
 from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
+from . import expressions
 from .errors import BadCurve, BadValue, finite
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
@@ -89,22 +89,13 @@ class Curve:
 
         Curves of one structure share their compiled systems, whatever their sizes.
         """
-        symbols = tuple(sp.Symbol(f"c{i}", positive=True) for i in range(len(self.constants)))
-        size = dict(zip(self.constants, symbols, strict=True))
-        floats = {f for e in self.expression for f in e.atoms(sp.Float)}
-        replace = {f: size[abs(float(f))] * (1 if f > 0 else -1) for f in floats}
-        x, y = (e.xreplace(replace) for e in self.expression)
+        (x, y), symbols = expressions.lifted(self.expression)
         return (x, y), symbols
 
     @cached_property
     def constants(self) -> tuple[float, ...]:
         """The values of `structure`'s symbols: the sizes in the order in which the expression names them."""
-        sizes: dict[float, None] = {}
-        for part in self.expression:
-            for node in sp.preorder_traversal(part):
-                if isinstance(node, sp.Float):
-                    sizes.setdefault(abs(float(node)))
-        return tuple(sizes)
+        return expressions.constants(self.expression)
 
     def jet(self, s: float) -> tuple[float, ...]:
         """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
@@ -289,24 +280,8 @@ def _checked_domain(domain) -> tuple[float, float] | None:
 
 
 def _from_strings(texts: tuple[str, str]) -> tuple[sp.Expr, sp.Expr]:
-    """A pair of strings as expressions; only numbers, s, arithmetic and this module's functions may occur."""
-    known = {name: globals()[name] for name in __all__ if name != "Curve"} | {"s": PARAMETER}
-    allowed = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant)
-    arithmetic = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd)
-    for text in texts:
-        try:
-            nodes = list(ast.walk(ast.parse(text, mode="eval")))
-        except SyntaxError as problem:
-            raise BadCurve(f"the curve's coordinate {text!r} cannot be read ({problem.msg})") from None
-        for node in nodes:
-            if isinstance(node, ast.BitXor):
-                raise BadCurve(f"the curve's coordinate {text!r} has a ^; write ** for a power")
-            if isinstance(node, ast.Name) and node.id not in known:
-                raise BadCurve(f"the curve's coordinate {text!r} has {node.id!r}; use s and {', '.join(sorted(known))}")
-            number = not isinstance(node, ast.Constant) or isinstance(node.value, int | float)
-            if not isinstance(node, allowed + arithmetic) or not number:
-                raise BadCurve(f"the curve's coordinate {text!r} is more than arithmetic in s; write it as a function")
-    x, y = (sp.parse_expr(text, local_dict=known) for text in texts)
+    """A pair of strings as expressions in s."""
+    x, y = (expressions.parse(text, {"s": PARAMETER}, "the curve's coordinate", BadCurve) for text in texts)
     return x, y
 
 

@@ -5,10 +5,18 @@ SI units, angles in radians.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 
-from .errors import BadValue, finite, not_negative
+import sympy as sp
+
+from . import expressions
+from .errors import BadValue, DoesNotFit, finite, not_negative, positive
+
+# What a load may depend on: time (s), pose (m, rad) and velocities (m/s, rad/s) of the centre of mass.
+MOTION = sp.symbols("t x y theta vx vy omega", real=True)
 
 
 @dataclass(frozen=True)
@@ -21,6 +29,50 @@ class Gravity:
     def __post_init__(self):
         object.__setattr__(self, "g", not_negative("g of Gravity", self.g))
         object.__setattr__(self, "direction", finite("direction of Gravity", self.direction))
+
+
+@dataclass(frozen=True)
+class Load:
+    """A force at the centre of mass, components `fx`, `fy` in the fixed frame (N), and a `moment` about it (N m).
+
+    The paper's torsor (F_x, F_y, M₀). Each is a number or a formula in t, x, y, theta, vx, vy, omega: text such as
+    "-0.2*vx + sin(3*t)", or an expression in the symbols of `cases.effects.MOTION`. Raises BadValue for anything else.
+    """
+
+    fx: sp.Expr | str | float = 0.0
+    fy: sp.Expr | str | float = 0.0
+    moment: sp.Expr | str | float = 0.0
+
+    def __post_init__(self):
+        for name in ("fx", "fy", "moment"):
+            object.__setattr__(self, name, _formula(f"{name} of Load", getattr(self, name)))
+        if not any(self.expression):
+            raise BadValue("every component of Load is 0; leave Load out for a scene without one")
+
+    @property
+    def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """(fx, fy, moment) as expressions in `MOTION`."""
+        return self.fx, self.fy, self.moment
+
+    @cached_property
+    def at(self) -> Callable[..., list[float]]:
+        """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats."""
+        return sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+
+
+def _formula(what: str, value) -> sp.Expr:
+    if isinstance(value, str):
+        value = expressions.parse(value, {s.name: s for s in MOTION}, what, BadValue)
+    try:
+        formula = sp.sympify(value)
+    except (sp.SympifyError, TypeError, AttributeError):
+        formula = None
+    if not isinstance(formula, sp.Expr) or isinstance(value, bool) or formula.free_symbols - set(MOTION):
+        names = ", ".join(s.name for s in MOTION)
+        raise BadValue(f"{what} is {value!r}; give a number or a formula in {names}")
+    if formula.has(sp.nan, sp.zoo, sp.oo, sp.I):
+        raise BadValue(f"{what} is {value!r}; give finite real numbers")
+    return formula
 
 
 @dataclass(frozen=True)
@@ -48,8 +100,93 @@ class CoulombFriction:
 
 
 @dataclass(frozen=True)
+class PerfectlyRough:
+    """The plate never slips, whatever friction that takes."""
+
+
+@dataclass(frozen=True)
+class RollingResistance:
+    """A couple arm·N against the plate's rotation on its track, at most arm·N while it does not turn; `arm` in m.
+
+    (Lever-arm model; e.g. Popov, Contact Mechanics and Friction, chapter on rolling contact.) A plate that neither
+    slips nor turns is in the mode `stick`.
+    """
+
+    arm: float
+
+    def __post_init__(self):
+        object.__setattr__(self, "arm", positive("arm of RollingResistance", self.arm))
+
+
+@dataclass(frozen=True)
 class Unilateral:
-    """The track pushes and never pulls: the motion ends (lift-off) where the normal force would change sign."""
+    """The track pushes and never pulls: contact ends (lift-off) where the normal force would change sign.
+
+    Without it the contact is a two-sided guide; its friction uses the magnitude of the normal force.
+    """
 
 
-Effect = Gravity | CoulombFriction | Unilateral
+@dataclass(frozen=True)
+class Flight:
+    """After lift-off the plate flies on until its outline meets the track again; without it lift-off is the end.
+
+    Without `Impact` the landing is the end. A start may then lie off the track (`gap`, `lift` of Start).
+    """
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A landing is an impact without duration with friction, `restitution` e in [0, 1], by Routh's construction.
+
+    `law`: "poisson" (the impulse of restitution is e times that of compression) or "newton" (the contact point's
+    normal velocity turns to −e times itself). Newton's law can create energy where friction reverses the slip; such an
+    impact ends the motion with a reason. (Routh, Dynamics of a System of Rigid Bodies, 1905; Wang & Mason 1992,
+    J. Appl. Mech. 59, 635.)
+    """
+
+    restitution: float
+    law: str = "poisson"
+
+    def __post_init__(self):
+        object.__setattr__(self, "restitution", not_negative("restitution of Impact", self.restitution))
+        if self.restitution > 1.0:
+            raise BadValue(f"restitution of Impact is {self.restitution:g}; give a number between 0 and 1")
+        if self.law not in ("poisson", "newton"):
+            raise BadValue(f'law of Impact is {self.law!r}; give "poisson" or "newton"')
+
+
+Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact
+
+# What an effect needs beside it, any one of them, and why.
+_NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
+    RollingResistance: ((CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
+    Flight: ((Unilateral,), "a two-sided guide never lets go"),
+    Impact: ((Flight,), "a plate that does not fly does not land"),
+}
+# Pairs that contradict each other, and why.
+_CONTRADICT: tuple[tuple[type, type, str], ...] = (
+    (CoulombFriction, PerfectlyRough, "friction is either bounded or not"),
+)
+
+
+def checked(effects) -> tuple[Effect, ...]:
+    """The effects as a tuple; raises BadValue or DoesNotFit with one sentence if they make no sense together."""
+    try:
+        effects = tuple(effects)
+    except TypeError:
+        raise BadValue(f"effects is {effects!r}; give a tuple such as (Gravity(9.81), Unilateral())") from None
+    for e in effects:
+        if not isinstance(e, Effect):
+            raise BadValue(f"{e!r} is not an effect; give objects such as Gravity(9.81), with the brackets")
+    kinds: Sequence[type] = [type(e) for e in effects]
+    twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
+    if twice:
+        raise BadValue(f"the case asks for {twice.__name__} more than once; give one of each effect")
+    for kind, (needed, why) in _NEEDS.items():
+        if kind in kinds and not set(needed) & set(kinds):
+            names = " or ".join(f"{n.__name__}" for n in needed)
+            raise DoesNotFit(f"{kind.__name__} asks for {names} beside it ({why}); add it or leave {kind.__name__} out")
+    for one, other, why in _CONTRADICT:
+        if one in kinds and other in kinds:
+            raise DoesNotFit(f"{one.__name__} and {other.__name__} contradict each other ({why}); leave one out")
+    return effects

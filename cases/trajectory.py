@@ -17,6 +17,7 @@ class Mode(StrEnum):
     SLIP_FORWARD = "slip_forward"  # the plate's point moves along the track's increasing parameter
     SLIP_BACKWARD = "slip_backward"
     ROLL = "roll"
+    STICK = "stick"  # neither slips nor turns: held by friction and rolling resistance
     FLIGHT = "flight"
 
 
@@ -65,7 +66,8 @@ class Trajectory:
 
     `x`, `y`, `theta`: pose of the centre of mass; `vx`, `vy`, `omega`: its velocities; `slip`: slip velocity along
     the track's tangent; `normal_force`, `friction_force`: along its left normal and tangent, NaN where a solver
-    cannot tell; `xi1`, `xi2`: contact parameters.
+    cannot tell; `xi1`, `xi2`: contact parameters. In flight there is no contact: both forces are 0, and slip and
+    contact parameters NaN.
     `status` is "completed" or names what ended the motion early; `reason` says it in one sentence.
     `slip_resolution` (m/s) is the creep below which this solver cannot tell stick from slip (0: exact).
     `dense` maps a time or an array of times inside the range to a State; without it the samples are interpolated.

@@ -1,0 +1,60 @@
+"""What an author writes as a formula: read from text, and its sizes lifted out so that one compilation serves all."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping, Sequence
+
+import sympy as sp
+from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+
+# What a formula may call.
+FUNCTIONS = dict(
+    acos=acos, asin=asin, atan=atan, cos=cos, cosh=cosh, exp=exp, log=log, pi=pi,
+    sin=sin, sinh=sinh, sqrt=sqrt, tan=tan, tanh=tanh,
+)  # fmt: skip
+
+_NODES = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant)
+_ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd)
+
+
+def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[Exception]) -> sp.Expr:
+    """A text as an expression; only numbers, the variables, arithmetic and `FUNCTIONS` may occur.
+
+    Raises `error` with one sentence that calls the text `what`.
+    """
+    known = {**FUNCTIONS, **variables}
+    try:
+        nodes = list(ast.walk(ast.parse(text, mode="eval")))
+    except SyntaxError as problem:
+        raise error(f"{what} {text!r} cannot be read ({problem.msg})") from None
+    for node in nodes:
+        if isinstance(node, ast.BitXor):
+            raise error(f"{what} {text!r} has a ^; write ** for a power")
+        if isinstance(node, ast.Name) and node.id not in known:
+            use = f"{', '.join(variables)} and {', '.join(sorted(FUNCTIONS))}"
+            raise error(f"{what} {text!r} has {node.id!r}; use {use}")
+        number = not isinstance(node, ast.Constant) or isinstance(node.value, int | float)
+        if not isinstance(node, _NODES + _ARITHMETIC) or not number:
+            raise error(f"{what} {text!r} is more than arithmetic in {', '.join(variables)}; write it as an expression")
+    return sp.parse_expr(text, local_dict=known)
+
+
+def constants(expressions: Sequence[sp.Expr]) -> tuple[float, ...]:
+    """The magnitudes of the floating-point constants in the order in which the expressions name them, each once."""
+    sizes: dict[float, None] = {}
+    for part in expressions:
+        for node in sp.preorder_traversal(part):
+            if isinstance(node, sp.Float):
+                sizes.setdefault(abs(float(node)))
+    return tuple(sizes)
+
+
+def lifted(expressions: Sequence[sp.Expr]) -> tuple[tuple[sp.Expr, ...], tuple[sp.Symbol, ...]]:
+    """The expressions with ±c0, ±c1, … (all positive) for their constants, and those symbols."""
+    values = constants(expressions)
+    symbols = tuple(sp.Symbol(f"c{i}", positive=True) for i in range(len(values)))
+    size = dict(zip(values, symbols, strict=True))
+    floats = {f for e in expressions for f in e.atoms(sp.Float)}
+    replace = {f: size[abs(float(f))] * (1 if f > 0 else -1) for f in floats}
+    return tuple(e.xreplace(replace) for e in expressions), symbols
