@@ -23,10 +23,12 @@ from .plan import MADE_BY, Plan, listing, parser, plan_of, solvers, strangers
 if TYPE_CHECKING:
     from .precision import Measured
     from .records import Experiment
+    from .store import Store
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status: 0, or 2 if what was asked for makes no sense."""
+    """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
+    written, 130 if it was stopped."""
     argv = list(sys.argv[1:] if argv is None else argv)
     try:
         options = parser().parse_args(argv)
@@ -37,44 +39,48 @@ def main(argv: Sequence[str] | None = None) -> int:
     except CaseError as problem:
         print(f"reports.build: {problem}", file=sys.stderr)
         return 2
+    from .store import Store
+
+    store = Store(plan.store, plan.fresh)
     try:
-        return _build(plan)
+        _build(plan, store)
     except KeyboardInterrupt:
-        print("reports.build: stopped; nothing was written", file=sys.stderr)
+        # A progress bar may stand on the line.
+        print(f"\nreports.build: stopped; {store.kept_words()}", file=sys.stderr)
         return 130
     except OSError as problem:
         print(f"reports.build: cannot write the report: {problem}", file=sys.stderr)
         return 1
+    return 0
 
 
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def _build(plan: Plan) -> int:
+def _build(plan: Plan, store: Store) -> None:
     from . import experiment as xp
 
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
-    found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress)
-    measured = _measure(plan, found)
+    found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress, store)
+    measured = _measure(plan, found, store)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
     try:
-        _write(plan, found, measured, partial)
+        _write(plan, found, measured, store, partial)
         _move(partial, plan.out)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
-    print(_told(plan, found))
-    return 0
+    print(_told(plan, found, store))
 
 
-def _measure(plan: Plan, found: Experiment) -> Measured:
+def _measure(plan: Plan, found: Experiment, store: Store) -> Measured:
     """The timed pass, after everything else has ended; a quick report goes without."""
     from . import precision
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
         return precision.Measured()
-    return precision.measure(found, plan.files, plan.effort == "full", _progress)
+    return precision.measure(found, plan.files, plan.effort == "full", _progress, store)
 
 
 def _progress(step: str, total: int, answers: Iterator) -> Iterator:
@@ -89,7 +95,7 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _write(plan: Plan, found: Experiment, measured: Measured, folder: Path) -> None:
+def _write(plan: Plan, found: Experiment, measured: Measured, store: Store, folder: Path) -> None:
     """Tables, figures, page and manifest into the folder."""
     from . import figures, precision, precision_figures, tables, webpage
     from .manifest import manifest
@@ -102,12 +108,13 @@ def _write(plan: Plan, found: Experiment, measured: Measured, folder: Path) -> N
     drawn = list(_progress("figures", count, figures.draw(found, folder / "figures")))
     drawn += precision_figures.draw(found, measured, folder / "figures")
     _say("page")
-    told = manifest(plan.solvers, plan.jobs, plan.limit)
+    told = manifest(found.versions)
     told |= {
         "made_by": MADE_BY,
         "command": _command(plan),
         "options": _options(plan),
-        "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run",
+        "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {store.taken_words()}",
+        "store": store.told(),
         "limit_seconds": plan.limit,
         "seconds": found.seconds,
         "cases": {case.label: dict(case.parameters) for case in found.cases},
@@ -152,7 +159,7 @@ def _move(partial: Path, out: Path) -> None:
         shutil.rmtree(aside, ignore_errors=True)
 
 
-def _told(plan: Plan, found: Experiment) -> str:
+def _told(plan: Plan, found: Experiment, store: Store) -> str:
     """What was written and what came out, for the terminal."""
     from tabulate import tabulate
 
@@ -174,6 +181,8 @@ def _told(plan: Plan, found: Experiment) -> str:
     headers = ["first transition", "solver", "route", "as it comes / s", "finest / s"]
     lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in found.truths.items() if truth.failure]
+    lines += ["", f"store: {store.taken_words()}; {store.size_words()}"]
+    lines += [f"store: {sentence}" for sentence in store.trouble()]
     return "\n".join(lines)
 
 

@@ -25,6 +25,8 @@ MADE_BY = "slip-to-roll report"
 REFERENCE = "reference"
 # The families every solver runs, whose whole ladders stand in every report; they alone make up a quick one.
 SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
+# Finished runs are kept where one works, as test runners and linters do: a fresh folder is a fresh start.
+STORE = ".slip-to-roll"
 # Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
 _LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
 
@@ -41,6 +43,8 @@ class Plan:
     jobs: int
     argv: tuple[str, ...]
     asked: bool  # whether the cases were named, not taken from the whole catalogue
+    store: Path | None = None  # where finished runs are kept
+    fresh: bool = False  # whether what is kept there is left out of account
 
     @property
     def limit(self) -> float:
@@ -106,6 +110,12 @@ def parser() -> argparse.ArgumentParser:
     add("--quick", action="store_true", help="three cases, one variant each, fewer settings")
     add("--full", action="store_true", help="every setting of every case, with ten times the patience")
     parser.add_argument("--jobs", metavar="N", default="2", help="runs beside each other (default: 2)")
+    parser.add_argument(
+        "--store",
+        metavar="DIR",
+        help=f"folder where finished runs are kept and taken from (default: {STORE}); delete it to forget them",
+    )
+    parser.add_argument("--fresh", action="store_true", help="run everything anew, whatever is kept")
     parser.add_argument("--list", action="store_true", help="print cases and solvers, and stop")
     return parser
 
@@ -126,9 +136,10 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     files = tuple(str(Path(file).resolve()) for file in options.case_file)
     own = [name for file in files for name in _guarded(file, lambda file=file: cases.load_file(file))]
     out = _checked_out(Path(options.out))
+    store = _checked_store(options.store, out)
     asked = options.case or own
     found = _cases(asked or (SHARED if effort == "quick" else cases.names()), effort)
-    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked))
+    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked), store, options.fresh)
 
 
 def _jobs(text: str) -> int:
@@ -169,13 +180,29 @@ def _checked_out(out: Path) -> Path:
         raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
     if out.exists() and not out.is_dir():
         raise BadValue(f"--out is {out}, which is a file; give a folder")
-    above = next(folder for folder in out.parents if folder.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise BadValue(f"--out is {out}, and {above} cannot be written to; give another folder")
+    _check_writable("--out", out, out.parent)
     strange = strangers(out)
     if strange:
         raise BadValue(f"--out is {out}, which holds {strange}, no part of a report; give another folder")
     return out
+
+
+def _checked_store(text: str | None, out: Path) -> Path:
+    """The store's folder, resolved; raises BadValue if what was asked for is no folder of its own or not writable."""
+    store = Path(STORE if text is None else text).expanduser().resolve()
+    if store == out or store in out.parents or out in store.parents:
+        raise BadValue(f"--store is {store} and --out is {out}; give folders that are not inside each other")
+    if text is not None:  # the place nobody asked for may be unfit: the report is made all the same, and says so
+        if store.exists() and not store.is_dir():
+            raise BadValue(f"--store is {store}, which is a file; give a folder")
+        _check_writable("--store", store, store)
+    return store
+
+
+def _check_writable(option: str, path: Path, folder: Path) -> None:
+    above = next(place for place in (folder, *folder.parents) if place.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
+        raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder")
 
 
 def strangers(out: Path) -> str:

@@ -19,7 +19,9 @@ from cases import Case, CaseError, CoulombFriction
 
 from . import clock, tables, workers
 from .clock import Contestant, Timing
+from .fingerprint import Keys
 from .records import REFERENCE, CaseKey, Experiment, Run, Truth
+from .store import Store
 from .trial import load
 
 if TYPE_CHECKING:
@@ -73,8 +75,23 @@ def _right_routes(experiment: Experiment, label: str) -> list[tuple[str, str]]:
     return [(run.solver, run.route) for run in experiment.runs if run.case == label and run.outcome == "right"]
 
 
-def measure(experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell) -> Measured:
-    """Time the chosen cases one after the other, each in one process with nothing beside it."""
+class Timed(NamedTuple):
+    """A contestant's timing, as it is kept."""
+
+    solver: str
+    route: str
+    setting: str
+    timing: Timing
+
+
+def measure(
+    experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell, store: Store | None = None
+) -> Measured:
+    """Time the chosen cases one after the other, each in one process with nothing beside it.
+
+    A case's timings are kept in the `store` together, as they were taken in turns; a disturbed machine's are not.
+    """
+    store = store or Store(None)
     cases = chosen(experiment, full)
     timings: dict[Key, Timing] = {}
     nulls: list[dict[str, Any]] = []
@@ -86,12 +103,19 @@ def measure(experiment: Experiment, files: tuple[str, ...], full: bool, tell: Te
             left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
             budget = FULL_BUDGET_A_CASE if full else left
             label, key = case.label, CaseKey.of(case, files)
-            call = (key, contestants(experiment, label), budget)
-            (_, answer), *_ = workers.run(clock.time_case, [call], jobs=1, limit=budget + _PATIENCE)
-            if answer.outcome == "done":
-                timings.update({(label, *who): timing for who, timing in answer.value.items()})
-            else:
-                failures[label] = answer.reason
+            who = contestants(experiment, label)
+            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in who], full)
+            found = store.get("timing", kept_under, tuple[Timed, ...])
+            if found is None:
+                (_, answer), *_ = workers.run(clock.time_case, [(key, who, budget)], 1, limit=budget + _PATIENCE)
+                if answer.outcome != "done":
+                    failures[label] = answer.reason
+                    yield label
+                    continue
+                found = tuple(Timed(s, r, rung, timing) for (s, r, rung), timing in answer.value.items())
+                if not any(one.timing.disturbed for one in found):
+                    store.put("timing", kept_under, found)
+            timings.update({(label, *one[:3]): one.timing for one in found})
             yield label
 
     list(tell("timings", len(cases), one_by_one()))
