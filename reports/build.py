@@ -70,6 +70,7 @@ def _build(plan: Plan, store: Store) -> None:
         _move(partial, plan.out)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
+    store.trim()
     print(_told(plan, found, store))
 
 

@@ -8,7 +8,7 @@ what is there already is not done again.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -28,7 +28,6 @@ LIMIT_SECONDS = 60.0
 
 Tell = Callable[[str, int, Iterator], Iterator]
 Thin = Callable[[str, tuple[Setting, ...]], tuple[Setting, ...]]
-Instead = Callable[[list[tuple], dict[int, Answer], int], Answer | None]
 
 
 def run(
@@ -92,15 +91,18 @@ class _Bench:
 
     def truths(self, names: Mapping[str, CaseKey], keys: Mapping[str, Keys]) -> dict[str, Truth]:
         """The motion each case's runs are judged by, kept or found."""
-        labels = list(names)
-        kept = [self.store.get("truth", keys[label].truth(), Truth) for label in labels]
-        known = {i: Answer("done", value=truth) for i, truth in enumerate(kept) if truth}
-        found: dict[int, Truth] = {}
-        for i, answer in self._calls("truth", find_truth, [(names[label],) for label in labels], known):
-            found[i] = answer.value if answer.outcome == "done" else Truth(failure=answer.reason)
-            if i not in known and answer.outcome == "done":
-                self.store.put("truth", keys[labels[i]].truth(), found[i])
-        return {label: found[i] for i, label in enumerate(labels)}
+        found: dict[str, Truth] = {}
+        for label in names:
+            kept = self.store.get("truth", keys[label].truth(), Truth)
+            if kept:
+                found[label] = kept
+        missing = [label for label in names if label not in found]
+        calls = [(names[label],) for label in missing]
+        for i, answer in self._calls(_title("truth", len(found)), find_truth, calls):
+            found[missing[i]] = answer.value if answer.outcome == "done" else Truth(failure=answer.reason)
+            if answer.outcome == "done":
+                self.store.put("truth", keys[missing[i]].truth(), answer.value)
+        return {label: found[label] for label in names}
 
     def offers(
         self, names: Mapping[str, CaseKey], solvers: tuple[str, ...]
@@ -113,42 +115,56 @@ class _Bench:
 
     def runs(self, tasks: list[_Task]) -> Iterator[tuple[int, Run]]:
         """Place and run of every task as they come: those kept first, then those made, each kept before it is told."""
-        known: dict[int, Answer] = {}
-        for i, task in enumerate(tasks):
+        left: list[_Task] = []
+        slow: list[_Task] = []
+        for task in tasks:
             kept = self.store.get("run", task.key, Run) or self.store.get("run", _within(task.key, self.limit), Run)
-            if kept:
-                outcome = "timed_out" if kept.outcome == "timed_out" else "done"
-                known[i] = Answer(outcome, value=replace(kept, rung=task.call[4]), reason=kept.reason)
-        for i, answer in self._calls("runs", perform, [task.call for task in tasks], known, hopeless):
-            found = _run(tasks[i], answer)
-            if i not in known and answer.lasting and answer.outcome != "raised":
-                key = tasks[i].key
+            if kept is None:
+                left.append(task)
+                continue
+            if kept.outcome == "timed_out":
+                slow.append(task)
+            yield task.place, replace(kept, rung=task.call[4])
+        step = _title("runs", len(tasks) - len(left))
+        for i, answer in self._calls(step, perform, [t.call for t in left], lambda i: hopeless(left[i], slow)):
+            task, found = left[i], _run(left[i], answer)
+            if found.outcome == "timed_out":
+                slow.append(task)
+            if answer.lasting and answer.outcome != "raised":
                 # A larger limit may let it end, so what ran out of time is kept under the limit it had.
-                self.store.put("run", _within(key, self.limit) if found.outcome == "timed_out" else key, found)
-            yield tasks[i].place, found
+                key = _within(task.key, self.limit) if found.outcome == "timed_out" else task.key
+                self.store.put("run", key, found)
+            yield task.place, found
 
     def _calls(
         self,
         step: str,
         function: Callable,
         arguments: list[tuple],
-        known: Mapping[int, Answer] | None = None,
-        instead: Instead = lambda arguments, answers, index: None,
+        instead: Callable[[int], Answer | None] = lambda i: None,
     ) -> Iterator[tuple[int, Answer]]:
-        """Known answers, then those of the calls that are left, as they come."""
-        answers = dict(known or {})
-        yield from list(answers.items())
-        left = [i for i in range(len(arguments)) if i not in answers]
-        if not left:
+        """Index and answer of each call as they come."""
+        if not arguments:
             return
-        calls = [arguments[i] for i in left]
-        with closing(
-            workers.run(function, calls, self.jobs, self.limit, lambda k: instead(arguments, answers, left[k]))
-        ) as coming:
-            title = f"{step} ({len(answers)} more are kept)" if answers else step
-            for k, answer in self.tell(title, len(left), coming):
-                answers[left[k]] = answer
-                yield left[k], answer
+        with closing(workers.run(function, arguments, self.jobs, self.limit, instead)) as coming:
+            yield from self.tell(step, len(arguments), coming)
+
+
+def _title(step: str, kept: int) -> str:
+    return f"{step} ({kept} more from the store)" if kept else step
+
+
+def hopeless(task: _Task, slow: Iterable[_Task]) -> Answer | None:
+    """A rung finer than one that ran out of time would run out of time as well: it is told so, not waited for."""
+    for other in slow:
+        # Ladders go from coarse to fine: an earlier place of the same case, solver and route is coarser.
+        if other.call[:3] == task.call[:3] and other.place < task.place:
+            return Answer("timed_out", reason=f"not tried: {other.call[3]} had run out of time", lasting=False)
+    return None
+
+
+def _within(key: Key | None, limit: float) -> Key | None:
+    return key and {**key, "limit": limit}
 
 
 def _planned(
@@ -175,19 +191,6 @@ def _planned(
     return runs, tasks
 
 
-def hopeless(arguments: list[tuple], answers: dict[int, Answer], index: int) -> Answer | None:
-    """A rung finer than one that ran out of time would run out of time as well: it is told so, not waited for."""
-    for earlier, answer in answers.items():
-        # Ladders go from coarse to fine: earlier in the list of the same case, solver and route is coarser.
-        if answer.outcome == "timed_out" and earlier < index and arguments[earlier][:3] == arguments[index][:3]:
-            return Answer("timed_out", reason=f"not tried: {arguments[earlier][3]} had run out of time", lasting=False)
-    return None
-
-
-def _within(key: Key | None, limit: float) -> Key | None:
-    return key and {**key, "limit": limit}
-
-
 def _offers(answer: Answer) -> tuple[Offer, ...]:
     if answer.outcome == "done":
         return answer.value
@@ -204,8 +207,8 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
 
 
 def _run(task: _Task, answer: Answer) -> Run:
-    if isinstance(answer.value, Run):
-        return answer.value if answer.value.when else replace(answer.value, when=now())
+    if answer.outcome == "done":
+        return replace(answer.value, when=now())
     _, name, route, setting, rung, _ = task.call
     reason = f"{answer.reason}; it last printed: {answer.output[-200:]}" if answer.output else answer.reason
     return Run(task.label, name, route, str(setting), rung, _outcome(answer), reason, when=now())

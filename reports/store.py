@@ -17,6 +17,7 @@ import time
 import zipfile
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
@@ -51,7 +52,7 @@ class Store:
         self._oldest = ""
         self._unreadable: list[str] = []
         self._unwritten: list[str] = []
-        self._opened = time.time()
+        self._used: set[Path] = set()
 
     def get(self, kind: str, key: Key | None, record: type[T]) -> T | None:
         """The record of a kind ("run", "truth", "timing") kept under a key; None if there is none to be had."""
@@ -65,13 +66,15 @@ class Store:
             if told["key"] != key:
                 raise ValueError("it is another's")
             found, when = unpack(record, told["record"], arrays), str(told["when"])
-            os.utime(path)  # what is used is not what is removed first
+            with suppress(OSError):
+                os.utime(path)  # what is used is not what is removed first
         except (FileNotFoundError, NotADirectoryError):
             return None
         except Exception as problem:  # damage can raise anything; it is counted and told, and the result made again
             self._unreadable.append(f"{path.name} ({_sentence(problem)})")
             return None
         self._taken[kind] += 1
+        self._used.add(path)
         self._oldest = min(filter(None, (self._oldest, when)))
         return found
 
@@ -91,23 +94,23 @@ class Store:
             finally:
                 Path(unfinished).unlink(missing_ok=True)
             self._put[kind] += 1
+            self._used.add(self._path(kind, key))
         except (OSError, TypeError, ValueError) as problem:  # also what an adapter gave that no file can hold
             self._unwritten.append(_sentence(problem))
 
-    def trim(self, bound: int = BOUND_BYTES) -> int:
-        """Remove the results longest unused, but none of this build's, until the others fit in `bound` bytes; returns
-        the bytes left."""
+    def trim(self, bound: int = BOUND_BYTES) -> None:
+        """Remove the results longest unused, but none of this build's, until the others fit in `bound` bytes."""
         files = sorted(self._listed(_FILE), key=lambda found: found[1].st_mtime)
-        left = sum(stat.st_size for _, stat in files)
+        size = sum(stat.st_size for _, stat in files)
         for path, stat in files:
-            if left <= bound or stat.st_mtime >= self._opened:
-                break
-            path.unlink(missing_ok=True)
-            left -= stat.st_size
+            if size > bound and path not in self._used:
+                with suppress(OSError):  # what cannot be removed stays, and the size that is told says so
+                    path.unlink()
+                    size -= stat.st_size
         for path, stat in self._listed(_UNFINISHED):
-            if stat.st_mtime < self._opened - _LEFT_BEHIND:
-                path.unlink(missing_ok=True)
-        return left
+            if stat.st_mtime < time.time() - _LEFT_BEHIND:
+                with suppress(OSError):
+                    path.unlink()
 
     def told(self) -> dict[str, Any]:
         """What a manifest says of it."""
@@ -139,14 +142,14 @@ class Store:
         return f"{self.folder} holds {size / 1e6:.0f} MB; delete it to forget them, or run with --fresh"
 
     def trouble(self) -> list[str]:
-        """A sentence for each kind of thing that went wrong, or lies in the folder and is none of the store's."""
+        """A line for each kind of thing that went wrong, or lies in the folder and is none of the store's."""
         foreign = [path.name for path, _ in self._listed(re.compile(rf"(?!({_OWN})$).*"))]
-        told = (
-            (self._unreadable, "could not be read and were made again"),
-            (self._unwritten, "could not be kept"),
-            (foreign, "are not its own and were left alone"),
-        )
-        return [f"{len(what)} of its files {fate}: {what[0]}{', …' * (len(what) > 1)}" for what, fate in told if what]
+        told = {
+            "could not be read, and made again": self._unreadable,
+            "could not be kept": self._unwritten,
+            "not its own, and left alone": foreign,
+        }
+        return [f"{fate}: {len(what)}, such as {what[0]}" for fate, what in told.items() if what]
 
     def _listed(self, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
         found = []

@@ -1,7 +1,12 @@
 """The command as a user meets it: what it refuses, what it writes."""
 
 import json
+import os
 import re
+import signal
+import threading
+import time
+from html import escape
 from pathlib import Path
 
 import pytest
@@ -9,6 +14,8 @@ import pytest
 import cases
 from adapters import Setting
 from reports import build, plan, tables
+
+from . import fake_adapter
 
 
 @pytest.fixture
@@ -187,3 +194,75 @@ def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):
     assert build.main(argv) == 0
     assert "disc_on_line" not in (out / "tables" / "truth.csv").read_text()
     assert [p.name for p in tmp_path.iterdir()] == ["report"]
+
+
+# --- engines that fail ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def failing(tmp_path_factory):
+    """A report of an engine that fails in every way, one run killed from outside, and of one that is not installed."""
+    folder = tmp_path_factory.mktemp("packages")
+    out = folder / "report"
+    settings = ["wait 1", "nan", "never rolls", "gives up", "segfault", "until killed", "hang", "wait 2"]
+    fake_adapter.install(folder, settings)
+    fake_adapter.install(folder, settings, name="ghost", works=False)
+    killer = threading.Thread(target=kill_when_told, args=(folder / "pid",))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)
+        patch.setattr(plan, "_LIMITS", {"default": 5.0})
+        killer.start()
+        argv = ["--out", str(out), "--case", fake_adapter.CASE, "--solver", "fake", "ghost", "--jobs", "1"]
+        assert build.main([*argv, "--store", str(folder / "store")]) == 0
+        killer.join()
+    return out
+
+
+def kill_when_told(pid: Path) -> None:
+    deadline = time.monotonic() + 120.0
+    while not pid.exists() or not pid.read_text():
+        assert time.monotonic() < deadline, "no worker came as far as being killed"
+        time.sleep(0.02)
+    os.kill(int(pid.read_text()), signal.SIGKILL)
+
+
+FATES = {
+    "how=wait 1": ("right", ""),
+    "how=nan": ("crashed", "not finite"),
+    "how=never rolls": ("wrong", "missed (slip_forward to roll)"),
+    "how=gives up": ("crashed", "Newton gave up"),
+    "how=segfault": ("crashed", "SIGSEGV"),
+    "how=until killed": ("crashed", "SIGKILL, from outside"),
+    "how=hang": ("timed_out", "still running after 5 s"),
+    "how=wait 2": ("timed_out", "not tried: how=hang had run out of time"),
+}
+
+
+def test_every_failure_is_a_row_told_as_what_it_was(failing):
+    import pandas as pd
+
+    rows = pd.read_csv(failing / "tables" / "trajectories.csv", keep_default_na=False)
+    fake = {
+        row["setting"]: (row["outcome"], row["reason"]) for row in rows[rows["solver"] == "fake"].to_dict("records")
+    }
+    assert fake.keys() == FATES.keys()
+    for setting, (outcome, reason) in FATES.items():
+        assert fake[setting][0] == outcome and reason in fake[setting][1], fake[setting]
+    (ghost,) = rows[rows["solver"] == "ghost"].to_dict("records")
+    assert ghost["outcome"] == "refused" and "not installed" in ghost["reason"] and "no_such_engine" in ghost["reason"]
+
+
+def test_a_report_of_failures_is_complete(failing):
+    told = json.loads((failing / "manifest.json").read_text())
+    assert {p.relative_to(failing).as_posix() for p in failing.rglob("*") if p.is_file()} == set(told["files"])
+    assert told["solvers"] == {"fake": "1.0", "ghost": "not installed"}
+    page = (failing / "index.html").read_text()
+    for _, reason in FATES.values():
+        assert escape(reason) in page
+    assert "no_such_engine" in page
+
+
+def test_what_came_from_outside_is_not_kept(failing):
+    told = json.loads((failing / "manifest.json").read_text())
+    # Six settings came to an end of their own or to that of their time; one was killed, one not tried.
+    assert told["store"]["kept"]["run"] == 6 and told["store"]["taken"] == {}

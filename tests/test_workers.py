@@ -83,10 +83,10 @@ def test_an_answer_may_be_given_instead_of_a_call():
 
 
 def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
-    arguments = [("c", "s", "r", f"h={h}", i, None) for i, h in enumerate((1, 2, 3))] + [
-        ("c", "s", "q", "h=1", 0, None)
-    ]
-    answers = {1: workers.Answer("timed_out"), 0: workers.Answer("done")}
-    assert experiment.hopeless(arguments, answers, 0) is None and experiment.hopeless(arguments, answers, 3) is None
-    told = experiment.hopeless(arguments, answers, 2)
+    ladder = [experiment._Task(i, "c", ("c", "s", "r", f"h={h}", i, None), None) for i, h in enumerate((1, 2, 3))]
+    elsewhere = experiment._Task(3, "c", ("c", "s", "q", "h=1", 0, None), None)
+    slow = [ladder[1]]
+    assert experiment.hopeless(ladder[0], slow) is None and experiment.hopeless(elsewhere, slow) is None
+    told = experiment.hopeless(ladder[2], slow)
     assert told is not None and told.outcome == "timed_out" and "h=2 had run out of time" in told.reason
+    assert not told.lasting
