@@ -12,7 +12,9 @@ import shlex
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
     from .precision import Measured
     from .records import Experiment
     from .store import Store
+
+# A report is written in a minute or two: a part of one that is a day old (s) was left by a build that was killed.
+_LEFT_BEHIND = 86400.0
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -39,6 +44,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except CaseError as problem:
         print(f"reports.build: {problem}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("reports.build: stopped before anything was run", file=sys.stderr)
+        return 130
     from .store import Store
 
     store = Store(plan.store, plan.fresh)
@@ -64,6 +72,7 @@ def _build(plan: Plan, store: Store) -> None:
     found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress, store)
     measured = _measure(plan, found, store)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
+    _sweep(plan.out)
     partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
     try:
         _write(plan, found, measured, store, partial)
@@ -139,6 +148,14 @@ def _options(plan: Plan) -> str:
     if set(plan.solvers) != set(solvers()):
         words += ["--solver", *plan.solvers]
     return " ".join(words)
+
+
+def _sweep(out: Path) -> None:
+    """Remove what a build that was killed left beside the report."""
+    for left in out.parent.glob(f".{out.name}.*.partial"):
+        with suppress(OSError):  # another build may be at it, or it is somebody else's: it harms nobody
+            if time.time() - left.stat().st_mtime > _LEFT_BEHIND:
+                shutil.rmtree(left)
 
 
 def _move(partial: Path, out: Path) -> None:

@@ -59,11 +59,11 @@ class Keys:
         what = {"solver": solver, "route": route, "setting": _plain(setting), "truth": truth}
         return self._key({**what, "judge": sources("reports.trial", _TRUTHS_OWN)}, solver)
 
-    def timing(self, contestants: Iterable[tuple[str, str, str]], full: bool) -> Key | None:
-        """Of the timings of (solver, route, setting) taken in turns, in the time a full report has or in another's."""
-        contestants = sorted(contestants)
-        what = {"contestants": [" ".join(one) for one in contestants], "full": full}
-        return self._key({**what, "clock": sources("reports.clock", _TRUTHS_OWN)}, *(one[0] for one in contestants))
+    def timing(self, contestants: Iterable[tuple[str, str, str]], budget: float) -> Key | None:
+        """Of the timings of (solver, route, setting) taken in turns within about so many seconds."""
+        who = sorted(contestants)
+        what = {"contestants": [" ".join(one) for one in who], "budget": budget}
+        return self._key({**what, "clock": sources("reports.clock", _TRUTHS_OWN)}, *(one[0] for one in who))
 
     def _key(self, what: Key, *solvers: str) -> Key | None:
         engines = {name: self._versions.get(name) for name in solvers}

@@ -33,7 +33,8 @@ def unpack(kind: Any, data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
         kinds = (arguments[0],) * len(data) if arguments[-1] is ... else arguments
         return tuple(unpack(k, d, arrays) for k, d in zip(kinds, data, strict=True))
     if origin is dict:
-        return {key: unpack(arguments[1], d, arrays) for key, d in data.items()}
+        pairs = data.items() if arguments[0] is str else data
+        return {unpack(arguments[0], k, arrays): unpack(arguments[1], d, arrays) for k, d in pairs}
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind(data)
     if _is_record(kind):
@@ -74,6 +75,8 @@ def _packed(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:
         return {n: _packed(getattr(value, n), f"{path}.{n}", arrays) for n in _fields(type(value))}
     if isinstance(value, Mapping) and all(type(key) is str for key in value):
         return {key: _packed(v, f"{path}.{key}", arrays) for key, v in value.items()}
+    if isinstance(value, Mapping):
+        value = list(value.items())
     if isinstance(value, tuple | list):
         return [_packed(v, f"{path}.{i}", arrays) for i, v in enumerate(value)]
     raise TypeError(f"{path} is a {type(value).__name__}, which cannot be kept in a file")

@@ -19,6 +19,7 @@ from cases import Case, CaseError, CoulombFriction
 
 from . import clock, tables, workers
 from .clock import Contestant, Timing
+from .fingerprint import Key as Kept
 from .fingerprint import Keys
 from .records import REFERENCE, CaseKey, Experiment, Run, Truth
 from .store import Store
@@ -75,22 +76,10 @@ def _right_routes(experiment: Experiment, label: str) -> list[tuple[str, str]]:
     return [(run.solver, run.route) for run in experiment.runs if run.case == label and run.outcome == "right"]
 
 
-class Timed(NamedTuple):
-    """A contestant's timing, as it is kept."""
-
-    solver: str
-    route: str
-    setting: str
-    timing: Timing
-
-
 def measure(
     experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell, store: Store | None = None
 ) -> Measured:
-    """Time the chosen cases one after the other, each in one process with nothing beside it.
-
-    A case's timings are kept in the `store` together, as they were taken in turns; a disturbed machine's are not.
-    """
+    """Time the chosen cases one after the other, each in one process with nothing beside it, or take what is kept."""
     store = store or Store(None)
     cases = chosen(experiment, full)
     timings: dict[Key, Timing] = {}
@@ -104,18 +93,13 @@ def measure(
             budget = FULL_BUDGET_A_CASE if full else left
             label, key = case.label, CaseKey.of(case, files)
             who = contestants(experiment, label)
-            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in who], full)
-            found = store.get("timing", kept_under, tuple[Timed, ...])
-            if found is None:
-                (_, answer), *_ = workers.run(clock.time_case, [(key, who, budget)], 1, limit=budget + _PATIENCE)
-                if answer.outcome != "done":
-                    failures[label] = answer.reason
-                    yield label
-                    continue
-                found = tuple(Timed(s, r, rung, timing) for (s, r, rung), timing in answer.value.items())
-                if not any(one.timing.disturbed for one in found):
-                    store.put("timing", kept_under, found)
-            timings.update({(label, *one[:3]): one.timing for one in found})
+            share = FULL_BUDGET_A_CASE if full else BUDGET / len(cases)
+            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in who], share)
+            answer = _timed(store, kept_under, (key, who, budget), budget + _PATIENCE)
+            if answer.outcome == "done":
+                timings.update({(label, *one): timing for one, timing in answer.value.items()})
+            else:
+                failures[label] = answer.reason
             yield label
 
     list(tell("timings", len(cases), one_by_one()))
@@ -124,6 +108,17 @@ def measure(
         told = answer.value if answer.outcome == "done" else [_null(cases[index].label, "any", nan, nan, answer.reason)]
         nulls.extend(told)
     return Measured(tuple(case.label for case in cases), timings, tuple(nulls), failures)
+
+
+def _timed(store: Store, kept_under: Kept | None, call: tuple, limit: float) -> workers.Answer:
+    """A case's timings, together as they were taken in turns: those kept, or new ones, kept if none is disturbed."""
+    kept = store.get("timing", kept_under, dict[tuple[str, str, str], Timing])
+    if kept is not None:
+        return workers.Answer("done", value=kept)
+    (_, answer), *_ = workers.run(clock.time_case, [call], jobs=1, limit=limit)
+    if answer.outcome == "done" and not any(timing.disturbed for timing in answer.value.values()):
+        store.put("timing", kept_under, answer.value)
+    return answer
 
 
 def contestants(experiment: Experiment, label: str) -> list[Contestant]:

@@ -43,6 +43,8 @@ def case_file(tmp_path, monkeypatch):
         (["--case-file", "nowhere.py"], "nowhere.py"),
         (["--case"], "expected at least one"),
         (["--out", "."], "inside it"),
+        (["--store", "a/b", "--out", "a"], "not inside each other"),
+        (["--store", __file__], "which is a file"),
     ],
 )
 def test_nonsense_is_told_in_one_line_and_nothing_is_written(argv, hint, tmp_path, monkeypatch, capsys):
@@ -183,6 +185,15 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
     assert "no space left" in capsys.readouterr().err
     assert (report / "index.html").read_bytes() == before
     assert [p.name for p in report.parent.iterdir()] == ["report"]
+
+
+def test_what_a_killed_build_left_is_removed_and_what_another_writes_now_is_not(tmp_path):
+    old, young = tmp_path / ".report.killed.partial", tmp_path / ".report.now.partial"
+    for folder in (old, young):
+        (folder / "figures").mkdir(parents=True)
+    os.utime(old, (1e9, 1e9))
+    build._sweep(tmp_path / "report")
+    assert not old.exists() and young.exists()
 
 
 def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):

@@ -19,7 +19,8 @@ import pytest
 import cases
 from adapters import Setting
 from cases import Cost, Mode, Transition
-from reports import experiment, fingerprint, workers
+from reports import experiment, fingerprint, precision, workers
+from reports.clock import Timing
 from reports.fingerprint import Keys
 from reports.metrics import Distance, LedgerRow
 from reports.records import Run, Truth
@@ -412,6 +413,28 @@ def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
     killed, own = workers._death(-signal.SIGKILL), workers._death(-signal.SIGSEGV)
     assert "SIGKILL, from outside" in killed.reason and not killed.lasting
     assert own.lasting and workers._death(7).lasting and workers._death(-40).reason.endswith("40, from outside")
+
+
+@pytest.mark.parametrize("disturbed, runs", [(False, 1), (True, 2)])
+def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, runs, tmp_path, monkeypatch):
+    told = {("pymunk", "native", "h=0.1"): Timing(1 / 3, 0.1, 0.4, 0.2, 5, disturbed)}
+    calls = []
+
+    def measured(function, arguments, *_, **__):
+        calls.append(arguments)
+        yield 0, workers.Answer("done", value=told)
+
+    monkeypatch.setattr(workers, "run", measured)
+    key = Keys(cases.load("disc_on_line"), VERSIONS).timing(told, budget=10.0)
+    answers = [precision._timed(Store(tmp_path), key, ("call",), 60.0) for _ in range(2)]
+    assert [answer.value for answer in answers] == [told, told] and len(calls) == runs
+
+
+def test_timings_made_within_another_budget_or_beside_others_are_not_taken():
+    keys, one, two = Keys(cases.load("disc_on_line"), VERSIONS), ("pymunk", "native", "a"), ("pymunk", "native", "b")
+    assert keys.timing([one, two], 10.0) == keys.timing([two, one], 10.0)
+    assert keys.timing([one], 10.0) != keys.timing([one, two], 10.0)
+    assert keys.timing([one], 10.0) != keys.timing([one], 60.0)
 
 
 # --- a build that is stopped ------------------------------------------------------------------------------------------
