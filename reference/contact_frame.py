@@ -1,247 +1,370 @@
 """The second formulation, which certifies the first: the same physics in the moving frame of the contact.
 
-State (ξ₁, ξ₂, ω, v): contact parameters, spin and slip velocity. Only curvatures occur, no third derivatives:
-
-    ṡ_track = (ω − κ_outline v) / (κ_track − κ_outline),      ṡ_outline = ṡ_track − v,
-
-and Newton–Euler is written along tangent and normal for the plate's material point at the contact, whose acceleration
-is v̇ t + v κ_track ṡ_track n. It shares no code with `eliminated`, `augmented`, `transitions` or their integrators:
-numbers instead of symbols, SciPy's `solve_ivp` with its own events, Coulomb's inequality instead of one-sided
-derivatives. Slow and simple on purpose.
+It shares no code with `eliminated`, `augmented`, `transitions` or their integrators: numbers instead of symbols,
+SciPy's `solve_ivp` with its own events, Coulomb's inequality instead of one-sided derivatives. Slow and simple on
+purpose. `second_equations` has its forces, `second_flight` its flight and landing, `second_impact` its impacts; here
+they follow each other.
 """
 
 from __future__ import annotations
 
-from math import cos, hypot, sin
+from collections.abc import Callable
+from math import inf, pi
 from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cases import Case, CoulombFriction, Gravity, Mode, NotSupported, Transition, Unilateral
+from cases import Case, Flight, Impact, Mode, Transition
+from cases.contact import pose, start_motion
+
+from . import second_bounces, second_flight, second_impact
+from .second_bounces import Bounce
+from .second_equations import Phase, Scene, decide, leaves, rates
+from .second_flight import Landing, Surroundings
 
 STOPS = {"painleve": "paradox", "fit": "no_fit", "track": "track_end", "outline": "outline_end"}
 
-# A slip that has just begun is not watched for this part of the duration: an instant located to 1e-13 may still lie
-# inside the cone, where slip would first go back by far less than anything resolved here.
+# A slip (or rotation) that has just begun is not watched for this part of the duration: an instant located to 1e-13
+# may still lie inside the cone, where it would first go back by far less than anything resolved here.
 BLIND = 1e-6
 
-# Far more than any motion of a few seconds has; a loop without progress is told, not run for ever.
-MOST_TRANSITIONS = 200
+# Friction and normal force that are both below this part of the scene's forces when friction reaches its bound have
+# vanished together: the contact ends, and no slip begins.
+VANISHED = 1e-9
+
+# Far more changes than any motion of a few seconds has; a loop without progress is told, not run for ever.
+MOST_CHANGES = 5000
+
+# The flight after a rebound is listed if it lasts this part of the duration; a shorter one belongs to an accumulation.
+LISTED = 1e-3
+
+# An accumulation's time is taken when known this well (in parts of the duration), or when bounces are this short: then
+# their rounding, 1e-16 m in a height of 1e-12 m, leaves nothing to be gained by following more of them.
+SETTLED = 1e-13
+SHORTEST = 1e-6
+
+# Bounces as short as this, of which no limit was found (each ends otherwise than the one before), are taken as over:
+# they are no higher than rounding.
+OVER = 1e-8
 
 
 class Answer(NamedTuple):
-    """The second formulation's motion: its transitions, how it ended, and its states at the times asked for.
+    """The second formulation's motion: its transitions, how it ended, and what it does at the times asked for.
 
-    `states` has shape (4, n): ξ₁, ξ₂, ω, v; NaN after the motion has ended.
+    `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n): x, y, θ, vx, vy, ω, v. Contact parameters and
+    slip velocity are NaN in flight, everything is after the motion has ended; at an impact: what follows it.
     """
 
     transitions: tuple[Transition, ...]
     status: str
     end: float
     states: np.ndarray
+    motions: np.ndarray
 
 
-class Forces(NamedTuple):
-    """Contact forces (N) and accelerations in one mode: spin rate, slip rate; `division` is Painlevé's number."""
+class Touching(NamedTuple):
+    """The plate on its track: (ξ₁, ξ₂, ω, v), whole turns that θ is ahead of (6), and the phase."""
 
-    normal: float
-    friction: float
-    spin_rate: float
-    slip_rate: float
-    division: float
+    z: list[float]
+    turns: int
+    phase: Phase
 
 
-class Place(NamedTuple):
-    """Geometry at one pair of contact parameters: speeds, curvatures, arm to the contact, gravity, in the frame."""
+class Flying(NamedTuple):
+    """The plate off its track: (x, y, θ, vx, vy, ω), and how long until it is back, roughly (inf: nothing known)."""
 
-    P: float
-    p: float
-    bend_track: float
-    bend_outline: float
-    arm_t: float
-    arm_n: float
-    g_t: float
-    g_n: float
+    body: list[float]
+    hop: float = inf
 
 
-class Scene:
-    """A case's numbers, taken once."""
+class Stopped(NamedTuple):
+    """The end of a motion."""
 
-    def __init__(self, case: Case):
-        if case.effect(Unilateral) is None and case.effect(CoulombFriction) is not None:
-            raise NotSupported("the second formulation knows no two-sided guide with friction; add Unilateral")
-        self.track, self.outline = case.track, case.plate.outline
-        self.m, self.J = case.plate.mass, case.plate.inertia
-        gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
-        self.g = (gravity.g * cos(gravity.direction), gravity.g * sin(gravity.direction)) if gravity else (0.0, 0.0)
-        self.friction = friction
-        self.mu = friction.mu if friction else 0.0
-        self.stick = friction.stick if friction else 0.0
-        self.one_sided = case.effect(Unilateral) is not None
-
-    def place(self, xi1: float, xi2: float) -> Place:
-        _, _, Xp, Yp, Xs, Ys, _, _ = self.track.jet(xi1)
-        x, y, xp, yp, xs, ys, _, _ = self.outline.jet(xi2)
-        P, p = hypot(Xp, Yp), hypot(xp, yp)
-        tx, ty = Xp / P, Yp / P
-        return Place(
-            P, p, (Xp * Ys - Yp * Xs) / P**3, (xp * ys - yp * xs) / p**3,
-            (x * xp + y * yp) / p, (y * xp - x * yp) / p,
-            self.g[0] * tx + self.g[1] * ty, self.g[1] * tx - self.g[0] * ty,
-        )  # fmt: skip
-
-    def sliding(self, z, direction: int) -> Forces:
-        """Friction mu·N against slip in that direction (0: no friction)."""
-        q, (_, _, w, v) = self.place(z[0], z[1]), z
-        along_track, along_outline = speeds(q, w, v)
-        ratio = -direction * self.mu
-        division = 1 + self.m / self.J * q.arm_t * (q.arm_t - ratio * q.arm_n)
-        N = self.m * (v * q.bend_track * along_track - w * along_outline + w * w * q.arm_n - q.g_n) / division
-        spin_rate = N * (q.arm_t - ratio * q.arm_n) / self.J
-        slip_rate = q.g_t + ratio * N / self.m - spin_rate * q.arm_n - w * w * q.arm_t
-        return Forces(N, ratio * N, spin_rate, slip_rate, division)
-
-    def rolling(self, z) -> Forces:
-        """Friction as large as it takes to keep v = 0."""
-        q, w = self.place(z[0], z[1]), z[2]
-        _, along_outline = speeds(q, w, 0.0)
-        down = w * w * q.arm_n - w * along_outline - q.g_n  # normal force per mass without spin rate
-        back = w * w * q.arm_t - q.g_t
-        spin_rate = (q.arm_t * down - q.arm_n * back) / (self.J / self.m + q.arm_t**2 + q.arm_n**2)
-        N, T = self.m * (down - spin_rate * q.arm_t), self.m * (back + spin_rate * q.arm_n)
-        return Forces(N, T, spin_rate, 0.0, 1.0)
-
-
-def speeds(q: Place, w: float, v: float) -> tuple[float, float]:
-    """Speeds of the contact point along track and outline."""
-    along_track = (w - q.bend_outline * v) / (q.bend_track - q.bend_outline)
-    return along_track, along_track - v
+    status: str
 
 
 def solve(case: Case, rtol: float = 1e-10, times=(), looks: int = 60) -> Answer:
     """The case's motion by the second formulation.
 
     `looks` is how many steps the duration is divided into at least: events are found by their signs at steps' ends.
-    Raises NotSupported for a case whose effects it does not know.
     """
-    scene, t = Scene(case), 0.0
-    z = start(case, scene)
-    states = np.full((4, len(times)), np.nan)
-    transitions: list[Transition] = []
-    mode = _first_mode(case, scene, z)
-    while mode is not Mode.FLIGHT:
-        if len(transitions) > MOST_TRANSITIONS:
-            return Answer(tuple(transitions), "accumulation", t, states)
-        phase = _integrate(case, scene, mode, t, z, case.duration, rtol, looks, times, states)
-        t, z = float(phase.t[-1]), [float(value) for value in phase.y[:, -1]]
-        fired = [name for name, hits in zip(_guards(case, scene, mode), phase.t_events, strict=True) if len(hits)]
+    return _March(case, rtol, np.asarray(times, dtype=float), looks).run()
+
+
+class _March:
+    """One motion on its way: what has happened so far, and the time."""
+
+    def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int):
+        self.case, self.scene = case, Scene(case)
+        self.rtol, self.longest = max(rtol, 1e-13), case.duration / looks
+        self.times = times
+        self.states, self.motions = np.full((4, len(times)), np.nan), np.full((7, len(times)), np.nan)
+        self.t = 0.0
+        self.transitions: list[Transition] = []
+        self.bounces: list[Bounce] = []
+        self.rebound: Transition | None = None  # the last impact, until its flight is long enough to be listed
+        self.around: Surroundings | None = None  # sampled when the first flight begins
+        self.last_xi1 = case.start.xi1
+
+    def run(self) -> Answer:
+        now: Touching | Flying | Stopped = self._start()
+        for _ in range(MOST_CHANGES):
+            if isinstance(now, Stopped):
+                return Answer(tuple(self.transitions), now.status, self.t, self.states, self.motions)
+            now = self._contact(now) if isinstance(now, Touching) else self._flight(now)
+        return Answer(tuple(self.transitions), "accumulation", self.t, self.states, self.motions)
+
+    def _start(self) -> Touching | Flying | Stopped:
+        begin = start_motion(self.case)
+        body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
+        z = [begin.xi1, begin.xi2, begin.omega, begin.slip]
+        if self.case.start.in_contact:
+            return self._touching(z, 0) or self._without_mode(z, 0)
+        if self.case.start.gap == 0.0 and self.case.start.lift < 0.0:
+            return self._landing(Landing(0.0, body, begin.xi1, begin.xi2))
+        return Flying(body, self._hop(z, 0, self.case.start.lift))
+
+    # --- in contact -------------------------------------------------------------------------------------------------
+
+    def _touching(self, z, turns: int, **known) -> Touching | None:
+        """Contact at the present instant, if a phase of it is consistent; `known`: what has just been let go."""
+        phase = decide(self.scene, self.t, z, turns, **known)
+        return Touching(z, turns, phase) if phase else None
+
+    def _without_mode(self, z, turns: int) -> Flying | Stopped:
+        """No phase of contact is consistent: the plate leaves, or rigid contact has no answer (Painlevé)."""
+        return self._off(z, turns) if leaves(self.scene, self.t, z, turns) else Stopped("paradox")
+
+    def _off(self, z, turns: int) -> Flying | Stopped:
+        if self.case.effect(Flight) is None:
+            return Stopped("lift_off")
+        self.last_xi1 = z[0]
+        return Flying(self.scene.body(z, turns))
+
+    def _contact(self, now: Touching) -> Touching | Flying | Stopped:
+        phase, turns = now.phase, now.turns
+        guards = self._guards(phase, turns)
+        solution = self._integrate(now, guards)
+        self.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
+        fired = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
         if not fired:
-            return Answer(tuple(transitions), "completed", t, states)
+            return Stopped("completed")
         stop = next((STOPS[name] for name in fired if name in STOPS), None)
         if stop:
-            return Answer(tuple(transitions), stop, t, states)
-        if fired[0] == "slip":
+            return Stopped(stop)
+        after: Touching | Flying | Stopped
+        if self._vanishes(phase, fired, z, turns):
+            after = self._off(z, turns)
+            # A perfectly rough contact may end while friction still acts; freed of it, the plate must not be pressed
+            # onto its track, or it can neither stay nor leave.
+            if isinstance(after, Flying) and self.scene.laws.stick == inf and not leaves(self.scene, self.t, z, turns):
+                return Stopped("paradox")
+        else:
+            after = self._after(phase, fired, z, turns) or self._without_mode(z, turns)
+        mode = after.phase.mode if isinstance(after, Touching) else Mode.FLIGHT
+        if mode is not phase.mode and after != Stopped("paradox"):
+            self.transitions.append(Transition(self.t, phase.mode, mode, z[0], z[1]))
+        return after
+
+    def _vanishes(self, phase: Phase, fired: list[str], z, turns: int) -> bool:
+        """Whether the normal force has vanished: by itself, or together with the friction that it bounds."""
+        if "normal_force" in fired:
+            return True
+        if not self.scene.one_sided or not any(name.startswith("cone") for name in fired):
+            return False
+        held, scale = self.scene.forces(self.t, z, phase, turns), self.scene.scale(self.t, z, turns)
+        return max(abs(held.friction), abs(held.normal)) <= VANISHED * scale
+
+    def _after(self, phase: Phase, fired: list[str], z, turns: int) -> Touching | None:
+        """What follows when a guard has fired; sets velocities that have vanished to zero. None: no phase does."""
+        if "side" in fired:
+            return Touching(z, turns, phase._replace(side=-phase.side))
+        if "slip" in fired:
             z[3] = 0.0
-        after = _following(scene, mode, fired[0], z)
-        transitions.append(Transition(t, mode, after, z[0], z[1]))
-        mode = after
-    return Answer(tuple(transitions), "lift_off", t, states)
+        if "turn" in fired:
+            z[2] = 0.0
+        cone = any(name.startswith("cone") for name in fired)
+        couple = any(name.startswith("couple") for name in fired)
+        return self._touching(z, turns, may_stick=not cone, may_hold=not couple)
 
+    def _guards(self, phase: Phase, turns: int) -> dict[str, Callable]:
+        """Functions of (t, z) that are positive while the phase lasts."""
+        scene, laws = self.scene, self.scene.laws
 
-def start(case: Case, scene: Scene) -> list[float]:
-    """The case's start as (ξ₁, ξ₂, ω, v)."""
-    from cases.contact import level_parameter
+        def forces(t, z):
+            return scene.forces(t, z, phase, turns)
 
-    s = case.start
-    return [s.xi1, level_parameter(case) if s.xi2 is None else s.xi2, s.omega, s.slip]
+        guards: dict[str, Callable] = {}
+        if phase.slip == 0 and laws.stick < inf:
+            guards["cone+"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal + f.friction
+            guards["cone-"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal - f.friction
+        if phase.turn == 0 and laws.arm is not None:
+            arm = laws.arm
+            guards["couple+"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal + f.couple
+            guards["couple-"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal - f.couple
+        if phase.slip:
+            guards["slip"] = lambda t, z: phase.slip * z[3]
+        if phase.turn:
+            guards["turn"] = lambda t, z: phase.turn * z[2]
+        if phase.slip or phase.turn:
+            guards["painleve"] = lambda t, z: forces(t, z).division
+        if scene.one_sided and not (phase.slip == 0 and laws.stick < inf):
+            # Where friction holds, its cone closes before the normal force vanishes.
+            guards["normal_force"] = lambda t, z: forces(t, z).normal
+        if not scene.one_sided and (phase.slip is not None or phase.turn is not None):
+            guards["side"] = lambda t, z: phase.side * forces(t, z).push
+        guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
+        for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
+            if curve.domain and not curve.period:
+                guards[name] = _inside(i, *curve.domain)
+        return guards
 
+    def _integrate(self, now: Touching, guards: dict[str, Callable]):
+        scene, phase, turns, start = self.scene, now.phase, now.turns, self.t
+        just_begun = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
+        events = []
+        for name, guard in guards.items():
+            watched = start + BLIND * self.case.duration if just_begun.get(name) else start
 
-def _first_mode(case: Case, scene: Scene, z) -> Mode:
-    if scene.friction is None:
-        return Mode.SLIDE if not scene.one_sided or scene.sliding(z, 0).normal >= 0 else Mode.FLIGHT
-    if z[3] != 0.0:
-        direction = 1 if z[3] > 0 else -1
-        return _slip(direction) if scene.sliding(z, direction).normal >= 0 else Mode.FLIGHT
-    return _without_slip(scene, z)
+            def event(t, z, guard=guard, watched=watched):
+                return 1.0 if t < watched else guard(t, z)
 
+            event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+            events.append(event)
+        solution = solve_ivp(
+            lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, self.case.duration), now.z,
+            method="DOP853", rtol=self.rtol, atol=1e-2 * self.rtol, events=events,
+            max_step=self.longest, dense_output=bool(len(self.times)),
+        )  # fmt: skip
+        if not solution.success:
+            raise FloatingPointError(
+                f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}"
+            )
+        self._sample_contact(solution, turns)
+        return solution
 
-def _slip(direction: float) -> Mode:
-    return Mode.SLIP_FORWARD if direction > 0 else Mode.SLIP_BACKWARD
+    # --- off the track ----------------------------------------------------------------------------------------------
 
+    def _flight(self, now: Flying) -> Touching | Flying | Stopped:
+        if self.around is None:
+            self.around = Surroundings(self.scene, self.last_xi1)
+        began, end = self.t, self.case.duration
+        flown = second_flight.fly(self.scene, self.around, began, now.body, end, self.rtol, self.longest, now.hop)
+        self.t = flown.end
+        self._sample_flight(flown.pieces)
+        if self.t - began >= LISTED * self.case.duration:
+            self.bounces.clear()  # no bounce of an accumulation yet
+            if self.rebound:
+                self.transitions.append(self.rebound)
+        self.rebound = None
+        return self._landing(flown.landing) if flown.landing else Stopped("completed")
 
-def _without_slip(scene: Scene, z) -> Mode:
-    """Coulomb's inequality: rolling needs no more friction than the normal force allows, else it slips against it."""
-    roll = scene.rolling(z)
-    if abs(roll.friction) <= scene.stick * roll.normal:
-        return Mode.ROLL
-    direction = -roll.friction
-    slip = scene.sliding(z, 1 if direction > 0 else -1)
-    # A normal force of a rounding below zero is a release at N = 0, as in the paper's own start.
-    scale = scene.m * (hypot(*scene.g) + abs(roll.friction) / scene.m)
-    return _slip(direction) if slip.normal >= -1e-12 * scale else Mode.FLIGHT
+    def _landing(self, landing: Landing) -> Touching | Flying | Stopped:
+        """What follows when the outline meets the track."""
+        scene, effect = self.scene, self.case.effect(Impact)
+        xi1, xi2, turns = self._wound(landing)
+        q = scene.place(xi1, xi2)
+        if q.bend_outline <= q.bend_track:
+            return Stopped("no_fit")
+        if effect is None:
+            return Stopped("landing")
+        seen = second_flight.frame(scene, landing.body, xi1, xi2)
+        try:
+            result = second_impact.hit(scene, effect, q, seen.slip, min(seen.lift, 0.0), landing.body[5])
+        except second_impact.Jammed:
+            return Stopped("paradox")
+        if second_impact.creates_energy(result):
+            return Stopped("energy_gain")
+        z = [xi1, xi2, result.spin, result.slip]
+        self.last_xi1 = xi1
+        if result.lift == 0.0:
+            return self._settled(z, turns)
+        self.bounces.append(Bounce(self.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
+        limit = self._accumulation(turns)
+        if limit is not None:
+            self.t = limit.time
+            return self._settled(limit.z, turns)
+        if self._hop(z, turns, result.lift) < OVER * self.case.duration:
+            return self._settled(z, turns)
+        return self._rebounds(z, turns, result.lift)
 
+    def _rebounds(self, z, turns: int, lift: float) -> Flying:
+        self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, z[0], z[1])
+        q, body = self.scene.place(z[0], z[1]), self.scene.body(z, turns)
+        body[3] -= lift * q.ty
+        body[4] += lift * q.tx
+        return Flying(body, self._hop(z, turns, lift))
 
-def _following(scene: Scene, mode: Mode, guard: str, z) -> Mode:
-    if guard == "normal_force":
-        return Mode.FLIGHT
-    if guard.startswith("cone"):
-        return _slip(-scene.rolling(z).friction)
-    return _without_slip(scene, z)
+    def _settled(self, z, turns: int) -> Touching | Flying | Stopped:
+        """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
+        self.bounces.clear()
+        after = self._touching(z, turns)
+        if after is None:
+            if not leaves(self.scene, self.t, z, turns):
+                return Stopped("paradox")
+            self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, z[0], z[1])
+            return Flying(self.scene.body(z, turns))
+        self.transitions.append(Transition(self.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
+        return after
 
+    def _hop(self, z, turns: int, lift: float) -> float:
+        """How long a small hop with that normal velocity lasts, s; infinite where nothing brings the plate back."""
+        press = self.scene.forces(self.t, z, Phase(None, None), turns).push
+        return 2.0 * lift / press if press > 0.0 and lift > 0.0 else inf
 
-def _guards(case: Case, scene: Scene, mode: Mode) -> dict:
-    """Functions of (t, z) that are positive while the mode lasts."""
-    direction = {Mode.SLIP_FORWARD: 1, Mode.SLIP_BACKWARD: -1}.get(mode, 0)
-    if mode is Mode.ROLL:
-        guards = {
-            "cone+": lambda t, z: scene.stick * (f := scene.rolling(z)).normal + f.friction,
-            "cone-": lambda t, z: scene.stick * (f := scene.rolling(z)).normal - f.friction,
-        }
-    else:
-        guards = {}
-        if direction:
-            guards["slip"] = lambda t, z: direction * z[3]
-            guards["painleve"] = lambda t, z: scene.sliding(z, direction).division
-        if scene.one_sided:
-            guards["normal_force"] = lambda t, z: scene.sliding(z, direction).normal
-    guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
-    for name, curve, i in (("track", case.track, 0), ("outline", case.plate.outline, 1)):
-        if curve.domain and not curve.period:
-            guards[name] = _inside(i, *curve.domain)
-    return guards
+    def _accumulation(self, turns: int) -> second_bounces.Limit | None:
+        """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
+        found = second_bounces.limit(self.bounces)
+        if found is None or not self.t < found.time < self.case.duration:
+            return None
+        last = self.t - self.bounces[-2].time
+        if last > SHORTEST * self.case.duration:
+            asked = np.any((self.times > self.t) & (self.times < found.time))
+            if asked or found.error > SETTLED * self.case.duration:
+                return None
+        between = (self.times > self.t) & (self.times < found.time)
+        self._sample_still(between, found.z, turns)
+        return found
+
+    def _wound(self, landing: Landing) -> tuple[float, float, int]:
+        """Contact parameters of a landing on closed curves: the track's nearest to the last, the outline's such that
+        (6) gives the plate's angle; and the whole turns that remain where the outline is open."""
+        track, outline, xi1, xi2 = self.scene.track, self.scene.outline, landing.xi1, landing.xi2
+        if track.period:
+            xi1 += track.period * round((self.last_xi1 - xi1) / track.period)
+        turns = round((landing.body[2] - float(pose(self.case, xi1, xi2)[2])) / (2 * pi))
+        return (xi1, xi2 - turns * outline.period, 0) if outline.period else (xi1, xi2, turns)
+
+    # --- what was asked for -----------------------------------------------------------------------------------------
+
+    def _sample_contact(self, solution, turns: int) -> None:
+        inside = (self.times >= solution.t[0]) & (self.times <= solution.t[-1])
+        if inside.any():
+            self._note(inside, solution.sol(self.times[inside]), turns)
+
+    def _sample_still(self, inside: np.ndarray, z, turns: int) -> None:
+        """Between the last bounce followed and their limit, closer to it than anything resolved."""
+        if inside.any():
+            self._note(inside, np.repeat(np.array(z)[:, None], int(inside.sum()), axis=1), turns)
+
+    def _note(self, inside: np.ndarray, z: np.ndarray, turns: int) -> None:
+        self.states[:, inside] = z
+        xi1, xi2, w, v = z
+        x, y, theta = pose(self.case, xi1, xi2)
+        tangent, contact = self.scene.track.tangent(xi1), self.scene.track.point(xi1)
+        vx = v * tangent[0] + w * (contact[1] - y)
+        vy = v * tangent[1] - w * (contact[0] - x)
+        self.motions[:, inside] = [x, y, theta + 2 * pi * turns, vx, vy, w, v]
+
+    def _sample_flight(self, pieces) -> None:
+        for start, end, interpolant in pieces:
+            inside = (self.times >= start) & (self.times <= end)
+            if inside.any():
+                body = interpolant(self.times[inside])
+                self.motions[:6, inside], self.motions[6, inside] = body, np.nan
+                self.states[:, inside], self.states[2, inside] = np.nan, body[5]
 
 
 def _inside(i: int, low: float, high: float):
     return lambda t, z: min(z[i] - low, high - z[i])
-
-
-def _integrate(case: Case, scene: Scene, mode: Mode, t, z, end, rtol, looks, times, states):
-    direction = {Mode.SLIP_FORWARD: 1, Mode.SLIP_BACKWARD: -1}.get(mode, 0)
-
-    def rates(_, z):
-        z = z.tolist()
-        q = scene.place(z[0], z[1])
-        forces = scene.rolling(z) if mode is Mode.ROLL else scene.sliding(z, direction)
-        along_track, along_outline = speeds(q, z[2], z[3])
-        return [along_track / q.P, along_outline / q.p, forces.spin_rate, forces.slip_rate]
-
-    events = []
-    for name, guard in _guards(case, scene, mode).items():
-
-        def event(now, z, guard=guard, blind=BLIND * case.duration if name == "slip" else 0.0):
-            return 1.0 if now < t + blind else guard(now, z)
-
-        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
-        events.append(event)
-    solution = solve_ivp(
-        rates, (t, end), z, method="DOP853", rtol=max(rtol, 1e-13), atol=1e-2 * max(rtol, 1e-13), events=events,
-        max_step=case.duration / looks, dense_output=bool(len(times)),
-    )  # fmt: skip
-    if not solution.success:
-        raise FloatingPointError(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    if len(times):
-        inside = (times >= t) & (times <= solution.t[-1])
-        if inside.any():
-            states[:, inside] = solution.sol(times[inside])
-    return solution

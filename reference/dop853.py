@@ -80,9 +80,13 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
     """Sizes of the components: the plate's own size for the parameters, and the speed at which it is covered."""
     rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
     # A motion from rest covers its own size in √(size/acceleration); without force and motion any speed would do.
+    p = phase.system.positions
     frequency = max(
-        max(abs(u) / size, sqrt(abs(u_dot) / size))
-        for u, u_dot, size in zip(y[2:], rates[2:], phase.lengths, strict=False)
+        (
+            max(abs(u) / size, sqrt(abs(u_dot) / size))
+            for u, u_dot, size in zip(y[p:], rates[p:], phase.lengths, strict=False)
+        ),
+        default=0.0,
     )
     speeds = [size * (frequency or 1.0) for size in phase.lengths]
     return np.array([*phase.lengths, *speeds][: len(y)])

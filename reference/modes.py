@@ -1,76 +1,119 @@
 """What a contact can do, and the numbers that go with it.
 
-A `Regime` is a mode and the sign of the normal force (−1 only in a two-sided guide). It fixes the runtime parameters
-of the mode's equations: friction per normal force, sign of the slip, bound of friction in roll.
+A `Regime` is a mode, the side of the track that presses (−1 only in a two-sided guide) and, where something resists
+the rotation, its sense. It fixes the runtime parameters of the mode's equations.
+
+The full state in contact is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), with θ behind it where a load asks for the angle; in flight it is
+(x, y, θ, vx, vy, ω).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from math import sqrt
 from typing import NamedTuple
 
-from cases import Case, CoulombFriction, Mode, Unilateral
-from cases.contact import start_motion
+from cases import Case, Mode
+from cases.contact import pose, start_motion, velocity
 
-from .eliminated import RATIO, SIDE, SIGMA, STICK, System, parameter_values, system
+from .effects import SLIP_SIGN, laws
+from .eliminated import U1, U2, X1, X2
+from .system import THETA, Kind, System, contact_system, flight_system, parameter_values
 
-SLIP_SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
+_PLACES = {X1: 0, X2: 1, U1: 2, U2: 3, THETA: 4}
 
 
 class Regime(NamedTuple):
-    """A mode of contact and the side of the track that presses."""
+    """A mode of contact (or flight), the side of the track that presses, and the sense of the rotation.
+
+    `turn` is None where nothing resists the rotation, 0 where it is held.
+    """
 
     mode: Mode
     side: int = 1
+    turn: int | None = None
+
+    @property
+    def kind(self) -> Kind:
+        """The rows of its equations."""
+        return Kind(self.mode not in (Mode.ROLL, Mode.STICK), self.turn == 0)
+
+
+FLIGHT = Regime(Mode.FLIGHT)
 
 
 class Phase(NamedTuple):
     """A regime with its equations and their parameters: all an integrator needs.
 
-    `lengths` are the plate's size (radius of gyration) in units of ξ₁ and ξ₂: what counts as a change of order one.
+    `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: what counts as a
+    change of order one.
     """
 
     regime: Regime
     system: System
     parameters: tuple[float, ...]
-    lengths: tuple[float, float]
+    size: float
+    lengths: tuple[float, ...]
 
 
+@lru_cache(maxsize=1024)
 def candidates(case: Case) -> tuple[Regime, ...]:
-    """The regimes the case's effects allow; where two are possible (static friction) the earlier one is taken."""
-    sides = (1,) if case.effect(Unilateral) else (1, -1)
-    if case.effect(CoulombFriction) is None:
-        return (Regime(Mode.SLIDE),)
-    return tuple(Regime(mode, side) for mode in (Mode.ROLL, Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD) for side in sides)
+    """The contacts the case's effects allow; where two are possible (static friction) the earlier one is taken."""
+    law = laws(case)
+    sides = (1, -1) if law.sided else (1,)
+    return tuple(
+        Regime(Mode.STICK if mode is Mode.ROLL and turn == 0 else mode, side, turn)
+        for mode in law.friction.modes
+        for turn in law.resistance.turns
+        for side in sides
+    )
+
+
+def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
+    """The regimes that go with a slip and a rotation of those signs; without one (0) it may begin either way."""
+    return tuple(
+        r
+        for r in candidates(case)
+        if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.STICK))
+        and (not turn or r.turn is None or r.turn == turn)
+    )
 
 
 @lru_cache(maxsize=1024)
 def phase(case: Case, regime: Regime) -> Phase:
     """The equations of that regime with the case's parameters."""
-    equations = system(case, regime.mode)
-    values = {SIDE: float(regime.side)}
-    friction = case.effect(CoulombFriction)
-    if friction:
-        sign = SLIP_SIGN.get(regime.mode, 0.0)
-        # (28), (30): against the slip, in proportion to the magnitude of the normal force.
-        values |= {RATIO: -sign * regime.side * friction.mu, SIGMA: sign, STICK: friction.stick}
-    start, size = start_motion(case), sqrt(case.plate.inertia / case.plate.mass)
-    lengths = size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2))
-    return Phase(regime, equations, parameter_values(case, values, equations.parameters), lengths)
+    size = sqrt(case.plate.inertia / case.plate.mass)
+    if regime.mode is Mode.FLIGHT:
+        equations = flight_system(case)
+        return Phase(regime, equations, parameter_values(case, {}, equations.parameters), size, (size, size, 1.0))
+    equations = contact_system(case, regime.kind)
+    law = laws(case)
+    values = {"nu": float(regime.side)}
+    values |= law.friction.values(case, regime.mode, regime.side)
+    values |= law.resistance.values(case, regime.turn, regime.side)
+    start = start_motion(case)
+    lengths = (size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0)
+    parameters = parameter_values(case, values, equations.parameters)
+    return Phase(regime, equations, parameters, size, lengths[: equations.positions])
 
 
-def state_in(phase: Phase, y) -> tuple[float, ...]:
-    """The full state (ξ₁, ξ₂, ξ̇₁, ξ̇₂) in the mode's own variables."""
-    return tuple(y[: len(phase.system.variables)])
+def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
+    """The full state in the mode's own variables."""
+    if phase.regime.mode is Mode.FLIGHT:
+        return tuple(y)
+    return tuple(y[_PLACES[v]] for v in phase.system.variables)
 
 
-def full_state(case: Case, phase: Phase, y) -> tuple[float, ...]:
-    """A mode's own variables as (ξ₁, ξ₂, ξ̇₁, ξ̇₂)."""
-    if len(y) == 4:
+def full_state(case: Case, phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
+    """A mode's own variables as the full state."""
+    if phase.regime.mode is Mode.FLIGHT:
         return tuple(float(v) for v in y)
-    xi1, xi2, u1 = (float(v) for v in y)
-    return xi1, xi2, u1, without_slip(case, xi1, xi2, u1)
+    known = {v: float(value) for v, value in zip(phase.system.variables, y, strict=True)}
+    known.setdefault(U1, 0.0)
+    if U2 not in known:
+        known[U2] = without_slip(case, known[X1], known[X2], known[U1])
+    return tuple(known[v] for v in _PLACES if v in known)
 
 
 def without_slip(case: Case, xi1: float, xi2: float, u1: float) -> float:
@@ -78,7 +121,31 @@ def without_slip(case: Case, xi1: float, xi2: float, u1: float) -> float:
     return u1 * float(case.track.speed(xi1)) / float(case.plate.outline.speed(xi2))
 
 
+def without_turning(case: Case, y: Sequence[float]) -> tuple[float, ...]:
+    """The full state in contact with the same slip and no rotation: ω = 0 in (9)."""
+    slip = y[2] * float(case.track.speed(y[0])) - y[3] * float(case.plate.outline.speed(y[1]))
+    still = velocity(case, y[0], y[1], slip, 0.0)
+    return (y[0], y[1], still.xi1_dot, still.xi2_dot, *y[4:])
+
+
 def start_state(case: Case) -> tuple[float, ...]:
-    """The case's start as (ξ₁, ξ₂, ξ̇₁, ξ̇₂)."""
+    """The case's start as a full state, of contact or of flight."""
     start = start_motion(case)
-    return start.xi1, start.xi2, start.xi1_dot, start.xi2_dot
+    if not case.start.in_contact:
+        return start.x, start.y, start.theta, start.vx, start.vy, start.omega
+    return in_contact(case, start.xi1, start.xi2, start.slip, start.omega, start.theta)
+
+
+def in_contact(case: Case, xi1: float, xi2: float, slip: float, omega: float, theta: float) -> tuple[float, ...]:
+    """The full state of a contact with that slip and spin."""
+    motion = velocity(case, xi1, xi2, slip, omega)
+    return (xi1, xi2, motion.xi1_dot, motion.xi2_dot, *((theta,) if laws(case).needs_angle else ()))
+
+
+def in_flight(case: Case, y: Sequence[float], slip: float, omega: float, lift: float) -> tuple[float, ...]:
+    """The full state of flight that begins at a contact's place with its slip and spin; `lift` as in `cases.Start`."""
+    x, y0, theta = (float(v) for v in pose(case, y[0], y[1]))
+    (tx, ty), (X, Y) = case.track.tangent(y[0]), case.track.point(y[0])
+    vx = slip * tx - lift * ty + omega * (Y - y0)
+    vy = slip * ty + lift * tx - omega * (X - x)
+    return x, y0, y[4] if len(y) > 4 else theta, float(vx), float(vy), omega

@@ -1,25 +1,25 @@
-"""Integrate, locate, switch: the loop that turns a case into a trajectory."""
+"""A case in, a trajectory out."""
 
 from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Cost, Mode, State, Trajectory, Transition
+from cases import BadValue, Case, Cost, Flight, State, Trajectory
 from cases.contact import pose
 from cases.errors import unknown
 
 from . import dop853, taylor
-from .arc import BREAKDOWN, Arc
-from .modes import SLIP_SIGN, Phase, Regime, candidates, full_state, phase, start_state, state_in, without_slip
+from .arc import Arc
+from .course import run
+from .modes import FLIGHT, Phase, Regime, able, candidates, phase, start_state
 from .second_contact import first_meeting, fits_everywhere
-from .transitions import decide, slip_of_sign
+from .transitions import decide
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
@@ -29,38 +29,6 @@ INTEGRATORS = {
     "dop853": (dop853.prepare, dop853.integrate),
     "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
 }
-
-# More phases than this in one motion are taken as an accumulation and told as such.
-MOST_PHASES = 100_000
-
-# Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
-LOCATED = 1e-12
-
-# Guards whose zero ends the motion: status and sentence.
-ENDS = {
-    "painleve": (
-        "paradox",
-        "The normal equation's coefficient of λ vanished (Painlevé): rigid Coulomb contact has no unique force here.",
-    ),
-    "fit": ("no_fit", "The curvatures of outline and track became equal: the plate no longer fits its track here."),
-    "track_start": ("track_end", "The contact reached the start of the track's domain."),
-    "track_end": ("track_end", "The contact reached the end of the track's domain."),
-    "outline_start": ("outline_end", "The contact reached the start of the outline's domain."),
-    "outline_end": ("outline_end", "The contact reached the end of the outline's domain."),
-}
-LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
-NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
-TOO_MANY = ("accumulation", f"More than {MOST_PHASES} changes of regime: they accumulate.")
-
-
-# Guards whose zero changes the mode: the phrase a transition carries.
-CAUSES = {
-    "slip": "the slip velocity vanished",
-    "cone_forward": "friction reached its cone",
-    "cone_backward": "friction reached its cone",
-    "normal_force": "the normal force vanished",
-}
-
 
 _FREE = Cost()
 
@@ -98,13 +66,15 @@ def sampled(case: Case, arcs: list[Arc], transitions, ending: tuple[str, str], c
 
 
 def first_regime(case: Case, y) -> Regime | None:
-    """The regime at time zero: the start says which way it slips; a start without slip is decided like any instant."""
+    """The regime at time zero: the start says which way it slips and turns; what it leaves open is decided like at any
+    instant. None if no contact is consistent."""
+    if not case.start.in_contact:
+        return FLIGHT
     slip = case.start.slip
     along = max(abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1])))
     # The state holds slip as the difference of the contact point's two speeds; what is below their rounding is none.
-    sign = 0.0 if abs(slip) <= 8 * np.finfo(float).eps * along else (1.0 if slip > 0 else -1.0)
-    able = [r for r in candidates(case) if not sign or SLIP_SIGN.get(r.mode, sign) == sign and r.mode is not Mode.ROLL]
-    return decide(case, 0.0, y, np.finfo(float).eps, able)
+    sign = 0.0 if abs(slip) <= 8 * np.finfo(float).eps * along else float(np.sign(slip))
+    return decide(case, 0.0, y, np.finfo(float).eps, able(case, sign, float(np.sign(case.start.omega))))
 
 
 @lru_cache(maxsize=1)
@@ -126,86 +96,8 @@ def _known(method: str | None) -> str:
 def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
     """Derive and compile what a run of the case may need, so that no run pays for it."""
     prepare_phase, _ = INTEGRATORS[_known(method)]
-    for regime in candidates(case):
+    for regime in (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ())):
         prepare_phase(phase(case, regime), rtol)
-
-
-def run(case: Case, regime: Regime | None, start, rtol: float, integrate):
-    """Phase after phase until the end of time or a status."""
-    t, y = 0.0, start
-    arcs: list[Arc] = []
-    transitions: list[Transition] = []
-    if regime is None:
-        return arcs, transitions, _nothing_follows(case, y)
-    while len(arcs) < MOST_PHASES:
-        now = phase(case, regime)
-        arc = integrate(now, t, y[: len(now.system.variables)], case.duration, rtol)
-        arcs.append(arc)
-        guard, t = arc.stop.guard, arc.stop.time
-        y = full_state(case, now, arc.stop.state)
-        if guard is None:
-            return arcs, transitions, (Trajectory.status, Trajectory.reason)
-        if guard in ENDS:
-            return arcs, transitions, ENDS[guard]
-        if guard == BREAKDOWN:
-            return arcs, transitions, _breakdown(now, arc)
-        if guard == "slip":
-            y = (*y[:3], without_slip(case, *y[:3]))
-        following = _after(case, now, guard, t, y)
-        if following is None:
-            ending = _nothing_follows(case, y)
-            if ending is LIFT_OFF:
-                transitions.append(Transition(t, regime.mode, Mode.FLIGHT, y[0], y[1], CAUSES[guard]))
-            return arcs, transitions, ending
-        if following.mode is not regime.mode:
-            transitions.append(Transition(t, regime.mode, following.mode, y[0], y[1], CAUSES[guard]))
-        regime = following
-    return arcs, transitions, TOO_MANY
-
-
-def _after(case: Case, now: Phase, guard: str, t: float, y: Sequence[float]) -> Regime | None:
-    """The regime that follows a guard's zero."""
-    side = now.regime.side
-    if guard in ("cone_forward", "cone_backward"):
-        # Friction has reached its bound from inside; the slip that begins is against it.
-        return slip_of_sign(case, 1.0 if guard == "cone_forward" else -1.0, side)
-    if guard == "normal_force":
-        others = [Regime(now.regime.mode, -side)] if _two_sided(case) else []
-        return decide(case, t, y, LOCATED, others)
-    return decide(case, t, y, LOCATED)
-
-
-def _breakdown(now: Phase, arc: Arc) -> tuple[str, str]:
-    """The limit of the formulation at which the equations became singular."""
-    names = list(now.system.guards)
-    first, last = (
-        now.system.guards_of_numbers(float(t), arc.states(np.array([t]))[:, 0].tolist(), now.parameters)
-        for t in (arc.times[0], arc.times[-1])
-    )
-    for limit in ("fit", "painleve"):
-        # Steps vanish where a divisor does; a hundredth of its first value is well on the way there.
-        if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
-            return ENDS[limit]
-    return BREAKDOWN, f"The equations became singular at t = {arc.times[-1]:.9g} s, and no step was small enough."
-
-
-def _two_sided(case: Case) -> bool:
-    return any(regime.side < 0 for regime in candidates(case))
-
-
-def _nothing_follows(case: Case, y) -> tuple[str, str]:
-    """Why no regime follows: the plate flies off, unless contact itself has no consistent force."""
-    if _two_sided(case):
-        return NO_MODE
-    for regime in candidates(case):
-        now = phase(case, regime)
-        names = list(now.system.guards)
-        if "painleve" in names:
-            values = now.system.guards_of_numbers(0.0, state_in(now, y), now.parameters)
-            # Without contact the plate would move into its track, and with it the force has the wrong sign.
-            if values[names.index("painleve")] <= 0.0 and values[names.index("slip")] >= 0.0:
-                return NO_MODE
-    return LIFT_OFF
 
 
 def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
@@ -238,6 +130,8 @@ def _until_second_contact(case: Case, motion: Trajectory) -> Trajectory:
     looks = np.unique(
         np.concatenate([motion.t[:-1] + part * np.diff(motion.t) for part in (0.0, 0.25, 0.5, 0.75, 1.0)])
     )
+    if case.effect(Flight):
+        looks = looks[np.isfinite(motion(looks).slip)]  # in flight there is no first contact; landings end it
 
     def pose_at(t: float) -> tuple[float, float, float]:
         state = motion(t)
@@ -263,6 +157,9 @@ def _until_second_contact(case: Case, motion: Trajectory) -> Trajectory:
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     """Pose by (5) and (6), velocities by (8), forces from (27)."""
+    if now.regime == FLIGHT:
+        none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
+        return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
     observed = now.system.observed_of_arrays(times, y, now.parameters)
     m = type(now.system.observed)(*(np.broadcast_to(row, times.shape) for row in observed))
     xi1, xi2 = y[0], y[1]

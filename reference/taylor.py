@@ -8,10 +8,12 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import sympy as sp
 
 from .arc import BREAKDOWN, Arc, Stop
-from .eliminated import System, T
+from .eliminated import T
 from .modes import Phase
+from .system import System
 
 try:
     import heyoka as hy
@@ -24,6 +26,8 @@ else:
 FINEST = 1e-16
 # Far below double precision's rounding, far above quadruple's.
 QUADRUPLE_TOLERANCE = 1e-24
+# A step of so few units in the last place of time no longer moves it: towards a singularity steps shrink without end.
+SHORTEST = 16
 
 
 def _expressions(system: System) -> dict:
@@ -32,13 +36,33 @@ def _expressions(system: System) -> dict:
     return known | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
 
 
+def _converted(expression: sp.Expr, known: dict):
+    """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero."""
+    known = dict(known)
+    products: dict[sp.Expr, sp.Symbol] = {}
+    powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
+    for power in sorted(powers, key=sp.count_ops):  # what a power contains comes before it
+        base = hy.from_sympy(power.base.xreplace(products), known)
+        products[power] = sp.Dummy()
+        known[products[power]] = _power(base, int(power.exp))
+    return hy.from_sympy(expression.xreplace(products), known)
+
+
+def _power(base, exponent: int):
+    """Repeated squaring."""
+    half = base if exponent < 4 else _power(base, exponent // 2)
+    if exponent in (2, 3):
+        return base * base if exponent == 2 else base * (base * base)
+    return half * half if exponent % 2 == 0 else base * (half * half)
+
+
 @lru_cache(maxsize=128)
 def compiled(system: System, tolerance: float, real: type = float):
     """The compiled integrator of a system, with one terminal event for each guard."""
     known = _expressions(system)
-    equations = [(known[v], hy.from_sympy(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
+    equations = [(known[v], _converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
-    events = [hy.t_event(hy.from_sympy(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
+    events = [hy.t_event(_converted(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
     return hy.taylor_adaptive(
         equations, [real(0.0)] * len(equations), t_events=events, tol=real(tolerance), fp_type=real, compact_mode=False
     )
@@ -82,6 +106,8 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type) ->
             if not 0 <= number < len(phase.system.guards):
                 return _broken(phase, times, coefficients, y)
             guard = list(phase.system.guards)[number]
+        elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * np.spacing(times[-1]):
+            return _broken(phase, times, coefficients, y)
     stop = Stop(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
     return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
 
@@ -103,6 +129,8 @@ def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coeffic
     _set(integrator, t, y, real)
     integrator.step(real(0.0), True)
     series = integrator.tc.astype(float)
+    if not np.all(np.isfinite(series)):
+        return BREAKDOWN
     order = series.shape[1] - 1
     # How far the polynomial carries: where its last term has grown to the size of the plate.
     last = [abs(float(series[i, order])) / size for i, size in enumerate(phase.lengths)]

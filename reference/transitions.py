@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cases import Case, Mode
+from cases import Case
 
 from . import series
 from .modes import Phase, Regime, candidates, phase, state_in
@@ -41,20 +41,23 @@ def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: f
 
 def _by_value(candidate: Phase, t, y, error) -> bool | None:
     """The answer from values alone where they are far from zero; None where a derivative must be asked."""
-    y, names = state_in(candidate, y), list(candidate.system.conditions)
-    values = candidate.system.conditions_of_numbers(t, y, candidate.parameters)
-    if "slip" in names:
-        # Slip that has just vanished: its rate says which way it goes on. (All conditions but the slip itself are
-        # forces per mass, and so is this rate.)
-        at = names.index("slip")
-        fastest = max(abs(v) for v in y[2:])
-        if abs(values[at]) <= 1e3 * max(error, series.EPS) * fastest:
-            values[at] = candidate.system.slip_rate_of_numbers(t, y, candidate.parameters)[0]
-    scale = max((abs(v) for v in values), default=0.0)
+    system = candidate.system
+    y = state_in(candidate, y)
+    values = dict(zip(system.conditions, system.conditions_of_numbers(t, y, candidate.parameters), strict=True))
+    if system.condition_rates:
+        # A velocity that has just vanished: its rate says which way it goes on. (All other conditions are forces per
+        # mass, and so is this rate.)
+        rates = system.condition_rates_of_numbers(t, y, candidate.parameters)
+        fastest = max(abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False))
+        for name, rate in zip(system.condition_rates, rates, strict=True):
+            # At an event a thousand times its error; at a start the rounding of a difference of two speeds.
+            if abs(values[name]) <= (1e3 * error if error > series.EPS else 8 * series.EPS) * candidate.size * fastest:
+                values[name] = rate
+    scale = max((abs(v) for v in values.values()), default=0.0)
     # A million times the state's error: anything closer to zero is left to the series, which know their own bounds.
-    if any(abs(v) <= 1e6 * max(error, series.EPS) * scale for v in values):
+    if any(abs(v) <= 1e6 * max(error, series.EPS) * scale for v in values.values()):
         return None
-    return all(v > 0 for v in values)
+    return all(v > 0 for v in values.values())
 
 
 def _by_series(candidate: Phase, t, y, error) -> bool:
@@ -63,8 +66,9 @@ def _by_series(candidate: Phase, t, y, error) -> bool:
         undecided = any(sign == 0 for sign in signs.values())
         if not undecided or any(sign < 0 for sign in signs.values()):
             break
-    # A slip that stays zero is no slip; any other condition may stay at its bound (weightless, level, at rest).
-    return all(sign > 0 if name == "slip" else sign >= 0 for name, sign in signs.items())
+    # A velocity that stays zero is none; any other condition may stay at its bound (weightless, level, at rest).
+    velocities = candidate.system.condition_rates
+    return all(sign > 0 if name in velocities else sign >= 0 for name, sign in signs.items())
 
 
 def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
@@ -73,14 +77,10 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
 
     y = state_in(candidate, y)
     # Velocities are known to `error` of the largest of them, so that a small one is not taken for exact.
-    fastest = max(abs(v) for v in y[2:])
-    bounds = [error * abs(v) for v in y[:2]] + [error * fastest for _ in y[2:]]
+    positions = candidate.system.positions
+    fastest = max((abs(v) for v in y[positions:]), default=0.0)
+    bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
     state = series.along(rates, y, bounds, order)
     time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
     values = candidate.system.conditions_of_series(time, state, candidate.parameters)
     return {name: series.sign(value) for name, value in zip(candidate.system.conditions, values, strict=True)}
-
-
-def slip_of_sign(case: Case, sign: float, side: int) -> Regime:
-    """The slipping regime in that direction."""
-    return Regime(Mode.SLIP_FORWARD if sign > 0 else Mode.SLIP_BACKWARD, side)

@@ -8,7 +8,7 @@ from cases.errors import positive
 from cases.library import catenary_hill, hill, line, logarithmic_spiral, rounded_polygon, superellipse
 
 
-def _eccentric(radius: float, eccentricity: float) -> Curve:
+def eccentric(radius: float, eccentricity: float) -> Curve:
     """A circle whose centre lies at −eccentricity on the plate's own x axis."""
     r, e = positive("radius of the wheel", radius), positive("eccentricity of the wheel", eccentricity)
     return Curve(lambda s: (r * c.cos(s) - e, r * c.sin(s)))
@@ -25,7 +25,7 @@ def eccentric_disc_on_line(mu=0.1, e=0.03, omega=-6.0, r=0.1, m=1.0, g=9.81, dur
     """
     return Case(
         track=line(),
-        plate=Plate(_eccentric(r, e), m, 0.5 * m * r**2),
+        plate=Plate(eccentric(r, e), m, 0.5 * m * r**2),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0, xi2=-pi / 2, omega=omega),
         duration=duration,
@@ -46,7 +46,7 @@ def littlewood_hoop(mu=0.2, share=0.8, angle=0.4, r=0.5, m=1.0, g=9.81, duration
     e = share * r
     return Case(
         track=line(),
-        plate=Plate(_eccentric(r, e), m, m * (r**2 - e**2)),
+        plate=Plate(eccentric(r, e), m, m * (r**2 - e**2)),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0, xi2=angle - pi, omega=-spin),
         duration=duration,
@@ -136,7 +136,7 @@ def sliding_rod(mu=0.5, angle=1.2, v0=2.0, length=1.0, tip=0.001, m=1.0, g=9.81,
     half, tip = positive("length of sliding_rod", length) / 2, positive("tip of sliding_rod", tip)
     return Case(
         track=line(),
-        plate=Plate(_eccentric(tip, half), m, m * half**2 / 3),
+        plate=Plate(eccentric(tip, half), m, m * half**2 / 3),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=0.0, xi2=-pi / 2 - angle, slip=-v0),
         duration=duration,

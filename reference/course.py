@@ -1,0 +1,253 @@
+"""Phase after phase: what ends one, what follows, until the end of time or a status."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Flight, Impact, Mode, Trajectory, Transition, Unilateral
+
+from .arc import BREAKDOWN, Arc
+from .bounces import Bounces
+from .flight import Landing, first_landing
+from .impact import Touch, collide, energy, law_of
+from .modes import (
+    FLIGHT,
+    SLIP_SIGN,
+    Phase,
+    Regime,
+    able,
+    candidates,
+    full_state,
+    in_contact,
+    in_flight,
+    phase,
+    state_in,
+    without_slip,
+    without_turning,
+)
+from .transitions import decide
+
+# More phases than this in one motion are taken as an accumulation and told as such.
+MOST_PHASES = 100_000
+
+# Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
+LOCATED = 1e-12
+
+Ending = tuple[str, str]  # status and sentence
+COMPLETED: Ending = (Trajectory.status, Trajectory.reason)
+
+# Guards whose zero ends the motion.
+ENDS = {
+    "painleve": (
+        "paradox",
+        "The normal equation's coefficient of λ vanished (Painlevé): rigid Coulomb contact has no unique force here.",
+    ),
+    "fit": ("no_fit", "The curvatures of outline and track became equal: the plate no longer fits its track here."),
+    "track_start": ("track_end", "The contact reached the start of the track's domain."),
+    "track_end": ("track_end", "The contact reached the end of the track's domain."),
+    "outline_start": ("outline_end", "The contact reached the start of the outline's domain."),
+    "outline_end": ("outline_end", "The contact reached the end of the outline's domain."),
+}
+LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
+LANDED = ("landing", "The plate meets its track again, and the case names no Impact.")
+ENERGY = ("energy_gain", "Newton's law of restitution would create energy in this impact; give law='poisson'.")
+NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
+TOO_MANY = ("accumulation", f"More than {MOST_PHASES} changes of regime: they accumulate.")
+
+# Guards whose zero changes the mode: the phrase a transition carries.
+CAUSES = {
+    "slip": "the slip velocity vanished",
+    "turn": "the rotation vanished",
+    "cone_forward": "friction reached its cone",
+    "cone_backward": "friction reached its cone",
+    "couple_forward": "rolling resistance reached its bound",
+    "couple_backward": "rolling resistance reached its bound",
+    "normal_force": "the normal force vanished",
+    "landing": "impact",
+    "rest": "bouncing came to rest",
+}
+
+# A rebound whose flight is shorter than this part of the duration belongs to bouncing that comes to rest and is not
+# listed among the transitions: how many of those are stepped through before the limit is found is nobody's concern.
+LISTED = 1e-3
+
+
+class Step(NamedTuple):
+    """What came of a phase: its arcs, when and where it ended (ξ₁, ξ₂) and why, the full state and regime that follow,
+    or the ending."""
+
+    arcs: tuple[Arc, ...]
+    time: float
+    place: tuple[float, float] = (np.nan, np.nan)
+    cause: str = ""
+    state: tuple[float, ...] = ()
+    regime: Regime | None = None
+    ending: Ending = COMPLETED
+
+
+def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Arc]):
+    """Phase after phase until the end of time or a status: (arcs, transitions, (status, sentence))."""
+    t, y = 0.0, start
+    arcs: list[Arc] = []
+    transitions: list[Transition] = []
+    if regime is None:
+        step = _leave(case, (), t, y, "")
+        if step.regime is None:
+            return arcs, transitions, step.ending
+        regime, y = step.regime, step.state
+    bounces = Bounces(case)
+    while len(arcs) < MOST_PHASES:
+        now = phase(case, regime)
+        arc = integrate(now, t, state_in(now, y), case.duration, rtol)
+        step = _after_flight(case, arc, bounces) if regime == FLIGHT else _after_contact(case, arc)
+        arcs.extend(step.arcs)
+        following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
+        if following is not regime.mode or (step.regime == FLIGHT == regime):
+            transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
+        if step.regime is None:
+            return arcs, _listed(case, transitions, step.time), step.ending
+        t, y, regime = step.time, step.state, step.regime
+    return arcs, _listed(case, transitions, t), TOO_MANY
+
+
+def _listed(case: Case, transitions: list[Transition], end: float) -> list[Transition]:
+    """The transitions without the rebounds of bouncing that comes to rest."""
+    ends = [*(t.time for t in transitions[1:]), end]
+    return [
+        t
+        for t, until in zip(transitions, ends, strict=False)
+        if not t.before is t.after is Mode.FLIGHT or until - t.time >= LISTED * case.duration
+    ]
+
+
+# --- after contact ----------------------------------------------------------------------------------------------------
+
+
+def _after_contact(case: Case, arc: Arc) -> Step:
+    """What follows where a guard reached zero."""
+    now, guard, t = arc.phase, arc.stop.guard, arc.stop.time
+    if guard is None:
+        return Step((arc,), t)
+    y = full_state(case, now, arc.stop.state)
+    if guard in ENDS:
+        return Step((arc,), t, ending=ENDS[guard])
+    if guard == BREAKDOWN:
+        return Step((arc,), t, ending=_breakdown(now, arc))
+    if guard == "slip":
+        y = (*y[:3], without_slip(case, *y[:3]), *y[4:])
+        if now.regime.turn == 0:
+            y = (*y[:2], 0.0, 0.0, *y[4:])
+    if guard == "turn":
+        y = without_turning(case, y)
+    following = _following(case, now.regime, guard, t, y)
+    if following is None:
+        return _leave(case, (arc,), t, y, guard)
+    return Step((arc,), t, (y[0], y[1]), guard, y, following)
+
+
+def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[float]) -> Regime | None:
+    """The contact that follows a guard's zero, or None."""
+    slip, turn = SLIP_SIGN.get(regime.mode, 0.0), regime.turn or 0
+    if guard == "normal_force":
+        other = regime._replace(side=-regime.side)
+        return decide(case, t, y, LOCATED, [other] if other in candidates(case) else [])
+    if guard in _BEGINS:
+        # Friction or its like has reached its bound from inside; the motion that begins is against it.
+        slip, turn = (_BEGINS[guard], turn) if guard.startswith("cone") else (slip, _BEGINS[guard])
+        begun = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
+        return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
+    return decide(case, t, y, LOCATED, able(case, 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn))
+
+
+_BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
+
+
+def _leave(case: Case, arcs: tuple[Arc, ...], t: float, y: Sequence[float], guard: str) -> Step:
+    """No contact follows: the plate flies, or that is the end."""
+    ending = _nothing_follows(case, y)
+    if ending is LIFT_OFF and case.effect(Flight) is not None:
+        slip, omega = _moves(case, y)
+        return Step(arcs, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
+    return Step(arcs, t, (y[0], y[1]), guard, ending=ending)
+
+
+def _moves(case: Case, y: Sequence[float]) -> tuple[float, float]:
+    """Slip velocity (12) and spin (9) of a full state in contact."""
+    along_track = y[2] * float(case.track.speed(y[0]))
+    along_outline = y[3] * float(case.plate.outline.speed(y[1]))
+    bends = float(case.track.curvature(y[0])), float(case.plate.outline.curvature(y[1]))
+    return along_track - along_outline, bends[0] * along_track - bends[1] * along_outline
+
+
+def _breakdown(now: Phase, arc: Arc) -> Ending:
+    """The limit of the formulation at which the equations became singular."""
+    names = list(now.system.guards)
+    first, last = (
+        now.system.guards_of_numbers(float(t), arc.states(np.array([t]))[:, 0].tolist(), now.parameters)
+        for t in (arc.times[0], arc.times[-1])
+    )
+    for limit in ("fit", "painleve"):
+        # Steps vanish where a divisor does; a hundredth of its first value is well on the way there.
+        if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
+            return ENDS[limit]
+    return BREAKDOWN, f"The equations became singular at t = {arc.times[-1]:.9g} s, and no step was small enough."
+
+
+def _nothing_follows(case: Case, y) -> Ending:
+    """Why no regime follows: the plate flies off, unless contact itself has no consistent force."""
+    if case.effect(Unilateral) is None:
+        return NO_MODE
+    for regime in candidates(case):
+        now = phase(case, regime)
+        names = list(now.system.guards)
+        if "painleve" in names and "slip" in names:
+            values = now.system.guards_of_numbers(0.0, state_in(now, y), now.parameters)
+            # Without contact the plate would move into its track, and with it the force has the wrong sign.
+            if values[names.index("painleve")] <= 0.0 and values[names.index("slip")] >= 0.0:
+                return NO_MODE
+    return LIFT_OFF
+
+
+# --- after flight -----------------------------------------------------------------------------------------------------
+
+
+def _after_flight(case: Case, arc: Arc, bounces: Bounces) -> Step:
+    """Where the flight lands, and what the impact makes of it."""
+    landing = first_landing(case, arc, case.duration)
+    if landing is None:
+        return Step((arc,), arc.stop.time)
+    flown = _until(arc, landing)
+    place = landing.xi1, landing.xi2
+    if case.effect(Impact) is None:
+        return Step((flown,), landing.time, place, "landing", ending=LANDED)
+    law = law_of(case, landing.arm_t, landing.arm_n)
+    after = collide(law, landing.touch)
+    if not law.poisson and energy(law, after) > (1.0 + 1e-12) * energy(law, landing.touch):  # more than by rounding
+        return Step((flown,), landing.time, place, "landing", ending=ENERGY)
+    if after.lift <= 0.0:
+        return _rest(case, (flown,), landing.time, place, landing.theta, after, "landing")
+    bounces.add(landing, after)
+    limit = bounces.limit()
+    if limit and landing.time < limit.time < case.duration:
+        arcs, place = (flown, bounces.settling(arc.phase, limit)), (limit.xi1, limit.xi2)
+        return _rest(case, arcs, limit.time, place, limit.theta, limit.touch, "rest")
+    y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
+    return Step(
+        (flown,), landing.time, place, "landing", in_flight(case, y, after.slip, after.omega, after.lift), FLIGHT
+    )
+
+
+def _rest(case: Case, arcs, t: float, place, theta: float, touch: Touch, cause: str) -> Step:
+    """Contact that neither opens nor closes: the mode that follows, or flight where none does."""
+    y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
+    following = decide(case, t, y, LOCATED, able(case, float(np.sign(touch.slip)), float(np.sign(touch.omega))))
+    return Step(arcs, t, place, cause, y, following) if following else _leave(case, arcs, t, y, cause)
+
+
+def _until(arc: Arc, landing: Landing) -> Arc:
+    """The arc up to its landing."""
+    times = np.append(arc.times[arc.times < landing.time], landing.time)
+    return Arc(arc.phase, times, arc.states, arc.stop._replace(time=landing.time), arc.evaluations)

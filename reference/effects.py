@@ -1,0 +1,193 @@
+"""What each effect brings to the equations: its force, its columns and rows, its conditions, its numbers.
+
+The equations are assembled from what is present. An absent effect stands here as the thing that brings nothing (no
+symbol, no condition), so that no equation asks which effects there are, and none costs a case that does not name it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+from typing import ClassVar, NamedTuple
+
+import sympy as sp
+
+from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
+from cases.effects import MOTION
+from cases.expressions import constants, lifted
+
+from .eliminated import GYRATION, ONE, ZERO, Motion
+
+GX, GY = sp.symbols("gx gy", real=True)
+MASS = sp.Symbol("m", positive=True)
+# Friction force per normal force (the paper's μ of (30) with its sign), sign of the slip, sign of the normal force,
+# and the coefficient that bounds friction without slip.
+RATIO, SIGMA, SIDE, STICK = sp.symbols("k sigma nu mu_stick", real=True)
+# The same of the resistance to rotation: couple per normal force, sign of the rotation, lever arm.
+RESISTANCE, TURN, ARM = sp.symbols("rho tau arm", real=True)
+
+SLIP_SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
+Conditions = dict[str, sp.Expr]
+
+
+# --- forces -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Gravity: a constant force per mass."""
+
+    torsor = GX, GY, ZERO
+
+    def values(self, case: Case) -> dict[str, float]:
+        gravity = case.effect(Gravity)
+        assert gravity is not None
+        return {"gx": gravity.g * cos(gravity.direction), "gy": gravity.g * sin(gravity.direction)}
+
+
+@dataclass(frozen=True)
+class Applied:
+    """A load: its formulas with their constants lifted, so that loads that differ in numbers share one system."""
+
+    formulas: tuple[sp.Expr, ...]
+    sizes: tuple[sp.Symbol, ...]
+
+    @property
+    def torsor(self):
+        named = {s: sp.Symbol(f"load_{s.name}", positive=True) for s in self.sizes}
+        return tuple(e.xreplace(named) / MASS for e in self.formulas)
+
+    def values(self, case: Case) -> dict[str, float]:
+        load = case.effect(Load)
+        assert load is not None
+        return {f"load_c{i}": value for i, value in enumerate(constants(load.expression))}
+
+
+# --- friction ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Frictionless:
+    """One mode, no force, nothing to bound."""
+
+    modes: ClassVar[tuple[Mode, ...]] = (Mode.SLIDE,)
+    ratio = ZERO
+    by_magnitude = False  # whether the law needs the sign of the normal force
+
+    def conditions(self, slips: bool, motion: Motion, side) -> Conditions:
+        return {}
+
+    def values(self, case: Case, mode: Mode, side: int) -> dict[str, float]:
+        return {}
+
+
+@dataclass(frozen=True)
+class Rough(Frictionless):
+    """The rolling row, and a tangential multiplier without bound."""
+
+    modes: ClassVar[tuple[Mode, ...]] = (Mode.ROLL,)
+
+
+@dataclass(frozen=True)
+class Coulomb(Frictionless):
+    """The rolling row within the cone; outside, a force per normal force against the slip: (28), (30)."""
+
+    modes: ClassVar[tuple[Mode, ...]] = (Mode.ROLL, Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
+    ratio = RATIO
+    by_magnitude = True
+
+    def conditions(self, slips: bool, motion: Motion, side) -> Conditions:
+        if slips:
+            return {"slip": SIGMA * motion.slip}
+        bound = side * STICK * motion.normal
+        return {"cone_forward": bound + motion.friction, "cone_backward": bound - motion.friction}
+
+    def values(self, case: Case, mode: Mode, side: int) -> dict[str, float]:
+        friction = case.effect(CoulombFriction)
+        assert friction is not None
+        sign = SLIP_SIGN.get(mode, 0.0)
+        return {"k": -sign * side * friction.mu, "sigma": sign, "mu_stick": friction.stick}
+
+
+# --- resistance to rotation -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class NoResistance:
+    """Nothing resists the rotation, and nothing asks for its sign."""
+
+    turns: ClassVar[tuple[int | None, ...]] = (None,)
+    couple = ZERO
+    by_magnitude = False
+
+    def conditions(self, held: bool, motion: Motion, side) -> Conditions:
+        return {}
+
+    def values(self, case: Case, turn: int | None, side: int) -> dict[str, float]:
+        return {}
+
+
+@dataclass(frozen=True)
+class LeverArm(NoResistance):
+    """The row ω̇ = 0 while the couple it takes is within its bound; beyond, a couple per normal force against ω.
+
+    Conditions in units of a force per mass, by the radius of gyration.
+    """
+
+    turns: ClassVar[tuple[int | None, ...]] = (0, 1, -1)
+    couple = RESISTANCE
+    by_magnitude = True
+
+    def conditions(self, held: bool, motion: Motion, side) -> Conditions:
+        size = sp.sqrt(GYRATION)
+        if not held:
+            return {"turn": TURN * motion.omega * size}
+        bound = side * ARM * motion.normal
+        # Forward is the way the plate begins to turn when the couple that holds it, against that, is not enough.
+        return {"couple_forward": (bound + motion.couple) / size, "couple_backward": (bound - motion.couple) / size}
+
+    def values(self, case: Case, turn: int | None, side: int) -> dict[str, float]:
+        resistance = case.effect(RollingResistance)
+        assert resistance is not None and turn is not None
+        return {"rho": -turn * side * resistance.arm, "tau": float(turn), "arm": resistance.arm}
+
+
+class Laws(NamedTuple):
+    """All that a case's effects bring; hashable, the same for cases that differ in numbers alone."""
+
+    loads: tuple[Weight | Applied, ...]
+    friction: Frictionless
+    resistance: NoResistance
+    one_sided: bool
+
+    @property
+    def sided(self) -> bool:
+        """Whether the law of the contact depends on which side of the track presses."""
+        return not self.one_sided and (self.friction.by_magnitude or self.resistance.by_magnitude)
+
+    @property
+    def side(self) -> sp.Expr:
+        """Sign of the normal force in the equations."""
+        return SIDE if self.sided else ONE
+
+    @property
+    def torsor(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """The applied force in the fixed frame and its moment, per mass: F of (19)."""
+        fx, fy, moment = (sum((load.torsor[i] for load in self.loads), ZERO) for i in range(3))
+        return fx, fy, moment
+
+    @property
+    def needs_angle(self) -> bool:
+        """Whether θ itself occurs, which is then integrated along: (6) gives it only up to whole turns."""
+        return any(MOTION[3] in e.free_symbols for e in self.torsor)
+
+
+def laws(case: Case) -> Laws:
+    """What the case's effects bring."""
+    load = case.effect(Load)
+    loads: list[Weight | Applied] = [Weight()] if case.effect(Gravity) else []
+    if load:
+        loads.append(Applied(*lifted(load.expression)))
+    friction = Coulomb() if case.effect(CoulombFriction) else Rough() if case.effect(PerfectlyRough) else Frictionless()
+    resistance = LeverArm() if case.effect(RollingResistance) else NoResistance()
+    return Laws(tuple(loads), friction, resistance, case.effect(Unilateral) is not None)

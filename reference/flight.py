@@ -1,0 +1,172 @@
+"""Where a flight ends: the first instant at which the outline meets the track again, wherever that is.
+
+The flight itself is integrated like any phase, without asking where the track is; then its gap is followed from look
+to look. Looks are so close that the plate moves by a small part of its size, or of its gap where that is larger, and a
+gap that turns around between two of them is looked at where it turns.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from cases import Case
+from cases.contact import Contact, find, pose
+from cases.nearest import nearest
+
+from .arc import Arc
+from .impact import Touch
+
+# Between two looks the plate moves by this part of its size, at most, while it is near its track.
+CLOSE = 1 / 16
+# Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
+# Sooner than this part of the step, positions do not resolve it: there is no flight.
+SOONEST = 1e-9
+
+
+class Landing(NamedTuple):
+    """When (s) and where the outline meets the track, θ there, how the contact closes, and the arm to it (m)."""
+
+    time: float
+    xi1: float
+    xi2: float
+    theta: float
+    touch: Touch
+    arm_t: float
+    arm_n: float
+
+
+class _Look(NamedTuple):
+    time: float
+    contact: Contact | None
+    rate: float  # of the gap, m/s
+
+    @property
+    def gap(self) -> float:
+        return self.contact.gap if self.contact else np.inf
+
+
+def first_landing(case: Case, arc: Arc, end: float) -> Landing | None:
+    """The first landing of a flight's arc before `end`; None if it flies on."""
+    size = _reach(case)
+    start = float(arc.times[0])
+    before = _look(case, arc, start)
+    leaves = before.gap <= 1e-12 * size  # on the track, to the rounding of positions
+    if before.contact and leaves:
+        first = _first_look(case, arc, start, end, size)
+        if first is None:
+            return _landing(case, arc, start, before.contact)
+        before = first
+    while before.time < end:
+        step = max(CLOSE * size, 0.5 * min(before.gap, 1e6 * size)) / _speed(arc, before.time, size)
+        if leaves:
+            step = min(step, before.time - start)  # what has just begun may end as soon
+        now = _look(case, arc, min(before.time + step, end))
+        turned = _turning(case, arc, before, now) if before.rate < 0.0 < now.rate and now.gap > 0.0 else None
+        for look in (turned, now):
+            if look is not None and look.gap <= 0.0:
+                return _locate(case, arc, before, look)
+        before = now
+    return None
+
+
+def _first_look(case: Case, arc: Arc, start: float, end: float, size: float) -> _Look | None:
+    """A look soon after the start at which the gap is positive and grows; None if it closes from the start."""
+    lift = _look(case, arc, start).rate
+    part = min(CLOSE * size / _speed(arc, start, size), end - start)
+    soonest = SOONEST * part
+    while part > soonest:
+        look = _look(case, arc, start + part)
+        if look.rate > 0.0 and look.gap > 0.0:
+            return look
+        # Half the time in which the rate falls to zero, as it has fallen until now; a fourth where it began at zero.
+        part *= min(0.5 * lift / (lift - look.rate), 0.5) if lift > 0.0 > look.rate else 0.25
+    return None
+
+
+def _reach(case: Case) -> float:
+    """The farthest point of the outline from the centre of mass, m."""
+    return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
+
+
+def _speed(arc: Arc, t: float, size: float) -> float:
+    """A bound on the speed of the plate's points at that time; what it gains until the next look is small beside it."""
+    _, _, _, vx, vy, omega = _state(arc, t)
+    # A plate that is let go has no speed yet: it takes the time to fall through its own size as a start.
+    return hypot(vx, vy) + abs(omega) * size or size / max(float(arc.times[-1]) - t, 1e-300)
+
+
+def _state(arc: Arc, t: float) -> list[float]:
+    """(x, y, θ, vx, vy, ω)."""
+    return arc.states(np.array([t]))[:, 0].tolist()
+
+
+def _look(case: Case, arc: Arc, t: float) -> _Look:
+    state = _state(arc, t)
+    contact = nearest(case, *state[:3])
+    return _Look(t, contact, _touch(case, state, contact)[0].lift if contact else 0.0)
+
+
+def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:
+    """Velocity of the plate's nearest point along tangent and normal of the track's, the spin, and the arm."""
+    x, y, _, vx, vy, omega = state
+    (tx, ty), (X, Y) = case.track.tangent(contact.xi1), case.track.point(contact.xi1)
+    # The outline's point lies off the track's by the gap along the normal.
+    rx, ry = X - contact.gap * ty - x, Y + contact.gap * tx - y
+    px, py = vx - omega * ry, vy + omega * rx
+    touch = Touch(float(px * tx + py * ty), float(py * tx - px * ty), omega)
+    return touch, float(rx * tx + ry * ty), float(ry * tx - rx * ty)
+
+
+def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look | None:
+    """The look at which the gap stops closing between two looks; None if the nearest pair cannot be followed there."""
+    followed = _Followed(case, arc, before.contact)
+    if before.contact is None or followed.rate(now.time) <= 0.0:
+        return None  # another pair has become the nearest
+    t = brentq(followed.rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16)
+    return _Look(t, followed(t), 0.0)
+
+
+def _locate(case: Case, arc: Arc, before: _Look, now: _Look) -> Landing:
+    """The zero of the gap between a look above and one below the track, along the pair that is below."""
+    followed = _Followed(case, arc, now.contact)
+    low, high = before.time, now.time
+    if now.gap < 0.0 < followed(low).gap:
+        high = brentq(lambda t: followed(t).gap, low, high, xtol=1e-16, rtol=8.9e-16)
+    return _landing(case, arc, high, followed(high))
+
+
+class _Followed:
+    """A pair of nearest points followed in time by Newton's method, from where it was last."""
+
+    def __init__(self, case: Case, arc: Arc, contact: Contact | None):
+        assert contact is not None
+        self.case, self.arc, self.near = case, arc, (contact.xi1, contact.xi2)
+
+    def __call__(self, t: float) -> Contact:
+        x, y, theta = _state(self.arc, t)[:3]
+        contact = find(self.case, x, y, theta, self.near)
+        self.near = contact.xi1, contact.xi2
+        return contact
+
+    def rate(self, t: float) -> float:
+        """Of the gap, m/s."""
+        return _touch(self.case, _state(self.arc, t), self(t))[0].lift
+
+
+def _landing(case: Case, arc: Arc, t: float, contact: Contact) -> Landing:
+    state = _state(arc, t)
+    touch, arm_t, arm_n = _touch(case, state, contact)
+    return Landing(t, *_turned_back(case, contact, state[2]), state[2], touch, arm_t, arm_n)
+
+
+def _turned_back(case: Case, contact: Contact, theta: float) -> tuple[float, float]:
+    """The contact's parameters counted on by whole turns, so that (6) gives θ itself."""
+    xi1, xi2 = contact.xi1, contact.xi2
+    turns = round((float(pose(case, xi1, xi2)[2]) - theta) / (2 * np.pi))
+    if case.plate.outline.period:
+        return xi1, xi2 + turns * case.plate.outline.period
+    return xi1 - turns * (case.track.period or 0.0), xi2

@@ -1,0 +1,75 @@
+"""A curve seen from its tangent: what (27) needs of track and outline, as expressions in their sizes."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import sympy as sp
+
+from cases.curves import PARAMETER
+
+
+class Frame(NamedTuple):
+    """A curve at one parameter: position in its own axes, and in the frame of its tangent the speed P, the second and
+    third derivatives (a, b), c, the position (ht, hn); its unit tangent (tx, ty)."""
+
+    x: sp.Expr
+    y: sp.Expr
+    P: sp.Expr
+    a: sp.Expr
+    b: sp.Expr
+    c: sp.Expr
+    ht: sp.Expr
+    hn: sp.Expr
+    tx: sp.Expr
+    ty: sp.Expr
+
+    @property
+    def curvature(self) -> sp.Expr:
+        return short(self.b / self.P**2)
+
+
+def frame(structure, parameter: sp.Symbol, prefix: str) -> Frame:
+    """The frame of a curve of that structure in the given parameter; its sizes are named with the prefix."""
+    (x, y), symbols = structure
+    sizes = tuple(sp.Symbol(prefix + s.name, positive=True) for s in symbols)
+    rename = {PARAMETER: parameter, **dict(zip(symbols, sizes, strict=True))}
+    quantities = [q.subs(rename, simultaneous=True) for q in _frame(x, y)]
+    return Frame(*quantities)
+
+
+@lru_cache(maxsize=256)
+def _frame(x: sp.Expr, y: sp.Expr) -> Frame:
+    (xp, yp), (xs, ys), (xt, yt) = ((sp.diff(x, PARAMETER, order), sp.diff(y, PARAMETER, order)) for order in (1, 2, 3))
+    P = sp.sqrt(_tidy(xp**2 + yp**2))
+    return Frame(
+        x=x,
+        y=y,
+        P=P,
+        a=_tidy(xp * xs + yp * ys) / P,
+        b=_tidy(xp * ys - yp * xs) / P,
+        c=_tidy(xp * yt - yp * xt) / P,
+        ht=_tidy(x * xp + y * yp) / P,
+        hn=_tidy(xp * y - yp * x) / P,
+        tx=xp / P,
+        ty=yp / P,
+    )
+
+
+def _tidy(expression: sp.Expr) -> sp.Expr:
+    """A curve's expression or its trigonometric simplification, the shorter; long ones stay as they are."""
+    # Simplification pays for lines, circles and ellipses; beyond forty operations it takes seconds and gains little.
+    if sp.count_ops(expression) > 40:
+        return expression
+    flat = sp.expand(expression)
+    return min((expression, flat, sp.trigsimp(flat)), key=sp.count_ops)
+
+
+def short(expression: sp.Expr) -> sp.Expr:
+    """The shortest of the expression, multiplied out and factored; long ones and ones with roots stay as they are."""
+    # With a root among the generators, or with more terms than circles and lines bring, factoring takes seconds.
+    if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
+        return expression
+    flat = sp.expand(expression)
+    return min((expression, flat, sp.factor(flat)), key=sp.count_ops)

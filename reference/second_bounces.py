@@ -1,0 +1,61 @@
+"""Where ever smaller bounces end: their limit by extrapolation, not by stepping through them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+# Bounces used in one extrapolation; each must be smaller than the one before by this factor, lest rounding grows.
+NODES = 8
+RATIO = 1.6
+
+
+class Bounce(NamedTuple):
+    """One impact: time, contact state (ξ₁, ξ₂, ω, v) and normal velocity after it, and how it ended."""
+
+    time: float
+    z: tuple[float, float, float, float]
+    lift: float
+    kind: object
+
+
+class Limit(NamedTuple):
+    """The limit of a sequence of bounces: time and state, and how well the time is known (s)."""
+
+    time: float
+    z: list[float]
+    error: float
+
+
+def limit(bounces: list[Bounce]) -> Limit | None:
+    """The limit of the latest bounces that ended alike; None if there are too few of them or they do not shrink.
+
+    Along such a sequence time and state are smooth functions of the velocity with which the plate leaves its track
+    (that velocity shrinks by a factor which is itself a smooth function of the state). The polynomial through some of
+    them is taken at velocity zero: Neville's scheme, that is Richardson's extrapolation with the ratios as they are.
+    """
+    alike = [bounces[-1]]
+    for earlier in reversed(bounces[:-1]):
+        if earlier.kind != bounces[-1].kind or earlier.lift <= alike[-1].lift:
+            break
+        alike.append(earlier)
+    nodes = alike[:1]
+    for earlier in alike[1:]:
+        if earlier.lift >= RATIO * nodes[-1].lift and len(nodes) < NODES:
+            nodes.append(earlier)
+    if len(nodes) < 4:
+        return None
+    lifts = np.array([node.lift for node in nodes])
+    # Times from the latest bounce on, so that their rounding is that of the small times still to come.
+    rows = np.array([[node.time - nodes[0].time, *(np.array(node.z) - nodes[0].z)] for node in nodes])
+    diagonal = [rows[0]]
+    for order in range(1, len(nodes)):
+        far, near = lifts[order:, None], lifts[:-order, None]
+        rows = (far * rows[:-1] - near * rows[1:]) / (far - near)
+        diagonal.append(rows[0])
+    # Higher orders are better until rounding takes over; the smallest step from one order to the next tells where.
+    steps = [abs(float(b[0] - a[0])) for a, b in zip(diagonal[:-1], diagonal[1:], strict=True)]
+    best = int(np.argmin(steps[1:])) + 1
+    chosen = diagonal[best + 1]
+    return Limit(nodes[0].time + float(chosen[0]), (np.array(nodes[0].z) + chosen[1:]).tolist(), steps[best])

@@ -1,0 +1,271 @@
+"""Equations of the second formulation: forces in the contact's own frame, and which phase Coulomb's inequalities allow.
+
+State (ξ₁, ξ₂, ω, v): contact parameters, spin and slip velocity. Only curvatures occur, no third derivatives:
+
+    ṡ_track = (ω − κ_outline v) / (κ_track − κ_outline),      ṡ_outline = ṡ_track − v,
+
+and Newton–Euler is written along tangent and normal for the plate's material point at the contact, whose acceleration
+is v̇ t + (v κ_track ṡ_track − ω ṡ_outline) n.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import cos, hypot, inf, pi, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
+from cases.contact import pose
+
+# A normal force of a rounding below zero is a release at N = 0, as in the paper's own start.
+RELEASE = 1e-12
+
+# How far ahead, in parts of the duration, a normal force of zero is looked at: to tell a release from a departure.
+SOON = 1e-5
+
+
+class Phase(NamedTuple):
+    """What the contact does, finer than a mode: within one phase all forces are smooth.
+
+    `slip`, `turn`: direction of slip and of rotation (±1), 0 where it is held at zero, None where nothing opposes it;
+    `side`: sign of the normal force.
+    """
+
+    slip: int | None
+    turn: int | None
+    side: int = 1
+
+    @property
+    def mode(self) -> Mode:
+        if self.slip is None:
+            return Mode.SLIDE
+        if self.slip:
+            return Mode.SLIP_FORWARD if self.slip > 0 else Mode.SLIP_BACKWARD
+        return Mode.STICK if self.turn == 0 else Mode.ROLL
+
+
+class Forces(NamedTuple):
+    """Contact forces (N) and couple (N m), rates of spin and slip.
+
+    `push` (N/kg) has the normal force's sign wherever `division` is positive; `division` is Painlevé's number.
+    """
+
+    normal: float
+    friction: float
+    couple: float
+    spin_rate: float
+    slip_rate: float
+    push: float
+    division: float
+
+
+class Place(NamedTuple):
+    """Geometry at one pair of contact parameters, in the frame: speeds, curvatures, arm from the centre of mass."""
+
+    P: float
+    p: float
+    tx: float
+    ty: float
+    bend_track: float
+    bend_outline: float
+    arm_t: float
+    arm_n: float
+
+
+class Laws(NamedTuple):
+    """What friction and rolling resistance can do; None: the case has no such effect."""
+
+    slip: float | None  # coefficient against slip
+    stick: float  # coefficient that holds
+    arm: float | None
+
+
+class Scene:
+    """A case's numbers, taken once."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        self.track, self.outline = case.track, case.plate.outline
+        self.m, self.J = case.plate.mass, case.plate.inertia
+        gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
+        self.g = (gravity.g * cos(gravity.direction), gravity.g * sin(gravity.direction)) if gravity else (0.0, 0.0)
+        load, resistance = case.effect(Load), case.effect(RollingResistance)
+        self.load = load.at if load else None
+        arm = resistance.arm if resistance else None
+        if case.effect(PerfectlyRough):
+            self.laws = Laws(inf, inf, arm)
+        else:
+            self.laws = Laws(friction.mu, friction.stick, arm) if friction else Laws(None, 0.0, arm)
+        self.one_sided = case.effect(Unilateral) is not None
+
+    def place(self, xi1: float, xi2: float) -> Place:
+        _, _, Xp, Yp, Xs, Ys, _, _ = self.track.jet(xi1)
+        x, y, xp, yp, xs, ys, _, _ = self.outline.jet(xi2)
+        P, p = hypot(Xp, Yp), hypot(xp, yp)
+        return Place(
+            P, p, Xp / P, Yp / P, (Xp * Ys - Yp * Xs) / P**3, (xp * ys - yp * xs) / p**3,
+            (x * xp + y * yp) / p, (y * xp - x * yp) / p,
+        )  # fmt: skip
+
+    def pull(self, t: float, body) -> tuple[float, float, float]:
+        """What acts at a distance, per mass: acceleration in the fixed frame and M/m, for (x, y, θ, vx, vy, ω)."""
+        if self.load is None:
+            return self.g[0], self.g[1], 0.0
+        fx, fy, moment = self.load(t, *body)
+        return self.g[0] + fx / self.m, self.g[1] + fy / self.m, moment / self.m
+
+    def body(self, z, turns: int) -> list[float]:
+        """(x, y, θ, vx, vy, ω) of the plate in contact; `turns` whole turns are added to the angle that (6) gives."""
+        xi1, xi2, w, v = z
+        q = self.place(xi1, xi2)
+        x, y, theta = (float(value) for value in pose(self.case, xi1, xi2))
+        # (11): the centre of mass moves as the contact's material point less ω U arm.
+        along, across = v + w * q.arm_n, -w * q.arm_t
+        vx, vy = along * q.tx - across * q.ty, along * q.ty + across * q.tx
+        return [x, y, theta + 2 * pi * turns, vx, vy, w]
+
+    def forces(self, t: float, z, phase: Phase, turns: int) -> Forces:
+        """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""
+        q, (_, _, w, v) = self.place(z[0], z[1]), z
+        ax, ay, spin_pull = self.pull(t, self.body(z, turns) if self.load else None)
+        along_track, along_outline = speeds(q, w, v)
+        J, at, an = self.J / self.m, q.arm_t, q.arm_n
+        down = v * q.bend_track * along_track - w * along_outline + w * w * an - (ay * q.tx - ax * q.ty)
+        back = w * w * at - (ax * q.tx + ay * q.ty)
+        # Per mass N = down − ω̇ arm_t for every phase; v̇ = −back + T − ω̇ arm_n; J ω̇ = arm_t N − arm_n T + couple.
+        friction, couple = ratios(self.laws, phase)
+        if phase.turn == 0:
+            N, spin_rate, push, division = down, 0.0, down, 1.0
+            T = back if phase.slip == 0 else friction * N
+            couple_now = an * T - at * N - spin_pull
+        elif phase.slip == 0:
+            free = J + an * an
+            division = 1.0 + at * (at + couple) / free
+            push = down + at * (an * back - spin_pull) / free
+            spin_rate = ((at + couple) * down - an * back + spin_pull) / (free * division)
+            N, T = down - spin_rate * at, back + spin_rate * an
+            couple_now = couple * N
+        else:
+            lever = at - friction * an + couple
+            division = 1.0 + at * lever / J
+            push = down - at * spin_pull / J
+            N = push / division
+            T, spin_rate = friction * N, (lever * N + spin_pull) / J
+            couple_now = couple * N
+        slip_rate = 0.0 if phase.slip == 0 else T - back - spin_rate * an
+        return Forces(self.m * N, self.m * T, self.m * couple_now, spin_rate, slip_rate, push, division)
+
+    def scale(self, t: float, z, turns: int) -> float:
+        """A force of the scene's size, N: what rounding of its forces is measured by."""
+        ax, ay, spin_pull = self.pull(t, self.body(z, turns) if self.load else None)
+        q = self.place(z[0], z[1])
+        arm = hypot(q.arm_t, q.arm_n)
+        return self.m * (hypot(ax, ay) + abs(spin_pull) * arm * self.m / self.J + z[2] ** 2 * arm)
+
+
+def speeds(q: Place, w: float, v: float) -> tuple[float, float]:
+    """Speeds of the contact point along track and outline."""
+    along_track = (w - q.bend_outline * v) / (q.bend_track - q.bend_outline)
+    return along_track, along_track - v
+
+
+def ratios(laws: Laws, phase: Phase) -> tuple[float, float]:
+    """Friction and couple per normal force where they oppose a motion; 0 where they are absent or hold."""
+    friction = -phase.side * phase.slip * laws.slip if phase.slip and laws.slip is not None else 0.0
+    couple = -phase.side * phase.turn * laws.arm if phase.turn and laws.arm is not None else 0.0
+    return friction, couple
+
+
+class Held(NamedTuple):
+    """Normal force, friction and couple in a phase, whatever they are measured in (forces or parts of an impulse)."""
+
+    normal: float
+    friction: float
+    couple: float
+
+
+def admissible(
+    laws: Laws, v: float, w: float, needed: Callable[[Phase], Held], may_stick: bool = True, may_hold: bool = True
+) -> Iterator[Phase]:
+    """Phases that Coulomb's inequalities allow at slip v and spin w, those that hold most first.
+
+    What is at rest is held as long as that takes no more than the normal force allows, and else begins to move against
+    what would have held it. `needed` gives the forces in a phase; `may_stick`, `may_hold`: false where slip or turning
+    is known to begin, because the bound has just been reached from inside. The sign of N is left to the caller.
+    """
+    slips, turns = _options(laws.slip, v, may_stick), _options(laws.arm, w, may_hold)
+
+    def slip_is_right(slip, turn) -> bool:
+        if v != 0.0 or slip is None:
+            return True
+        held = needed(Phase(0, turn))
+        too_much = not may_stick or abs(held.friction) > laws.stick * abs(held.normal)
+        return not too_much if slip == 0 else too_much and slip * held.friction <= 0.0
+
+    def turn_is_right(slip, turn) -> bool:
+        if w != 0.0 or turn is None:
+            return True
+        held = needed(Phase(slip, 0))
+        too_much = not may_hold or abs(held.couple) > laws.arm * abs(held.normal)  # type: ignore[operator]
+        return not too_much if turn == 0 else too_much and turn * held.couple <= 0.0
+
+    for slip in slips:
+        for turn in turns:
+            if slip_is_right(slip, turn) and turn_is_right(slip, turn):
+                yield Phase(slip, turn)
+
+
+def _options(law: float | None, velocity: float, may_rest: bool) -> tuple[int | None, ...]:
+    if law is None:
+        return (None,)
+    if law == inf:
+        return (0,)
+    if velocity != 0.0:
+        return (1,) if velocity > 0 else (-1,)
+    return (0, 1, -1) if may_rest else (1, -1)
+
+
+def decide(scene: Scene, t: float, z, turns: int, may_stick: bool = True, may_hold: bool = True) -> Phase | None:
+    """The phase at an instant; None if none is consistent with the sign of its normal force."""
+    tolerance = RELEASE * scene.scale(t, z, turns)
+
+    def needed(phase: Phase) -> Held:
+        f = scene.forces(t, z, sided(phase), turns)
+        # A one-sided contact holds nothing by a pull.
+        return Held(max(f.normal, 0.0) if scene.one_sided else f.normal, f.friction, f.couple)
+
+    def sided(phase: Phase) -> Phase:
+        if scene.one_sided or scene.forces(t, z, phase, turns).push >= 0.0:
+            return phase
+        return phase._replace(side=-1)
+
+    for phase in map(sided, admissible(scene.laws, z[3], z[2], needed, may_stick, may_hold)):
+        f = scene.forces(t, z, phase, turns)
+        if f.division > 0.0 and (abs(f.normal) > tolerance or _soon(scene, t, z, phase, turns) >= -tolerance):
+            if phase.side * f.normal >= -tolerance:
+                return phase
+    return None
+
+
+def _soon(scene: Scene, t: float, z, phase: Phase, turns: int) -> float:
+    """The normal force on its side a moment later (N), for an instant at which it is zero: by a midpoint step."""
+    moment = SOON * scene.case.duration
+    middle = np.array(z) + 0.5 * moment * rates(scene, t, z, phase, turns)
+    after = np.array(z) + moment * rates(scene, t + 0.5 * moment, middle.tolist(), phase, turns)
+    return phase.side * scene.forces(t + moment, after.tolist(), phase, turns).normal
+
+
+def leaves(scene: Scene, t: float, z, turns: int) -> bool:
+    """Whether the plate left to itself would leave its track (and not move into it)."""
+    free = Phase(None, None)
+    return scene.forces(t, z, free, turns).push <= RELEASE * scene.scale(t, z, turns) / scene.m
+
+
+def rates(scene: Scene, t: float, z, phase: Phase, turns: int) -> np.ndarray:
+    """Time derivatives of (ξ₁, ξ₂, ω, v)."""
+    q = scene.place(z[0], z[1])
+    forces = scene.forces(t, z, phase, turns)
+    along_track, along_outline = speeds(q, z[2], z[3])
+    return np.array([along_track / q.P, along_outline / q.p, forces.spin_rate, forces.slip_rate])

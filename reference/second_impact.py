@@ -1,0 +1,148 @@
+"""Impacts of the second formulation: the impulse equations integrated along the normal impulse, piece by piece.
+
+At an impact only impulses count, and the contact does not move. Velocity of the contact point (v_t, v_n) and spin ω
+obey, per normal impulse P (Routh, Dynamics of a System of Rigid Bodies, 1905, art. 180 ff.; Wang & Mason, J. Appl.
+Mech. 59, 1992):
+
+    m dv_Ct = dT,   m dv_Cn = dP,   J dω = arm_t dP − arm_n dT + dC,   v_t = v_Ct − ω arm_n,   v_n = v_Cn + ω arm_t.
+
+Their right-hand sides are constant as long as slip and rotation keep their signs, so an integration in straight pieces
+is exact.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import NamedTuple
+
+from cases import Impact, PerfectlyRough
+
+from .second_equations import Held, Phase, Place, Scene, admissible, ratios
+
+# Far more than Coulomb's law allows: slip and rotation stop, reverse or stay, each at most once in compression and
+# once in restitution.
+MOST_PIECES = 20
+
+# Newton's restitution is refused where kinetic energy grows by more than rounding.
+ENERGY_ROUNDING = 1e-12
+
+
+class Rates(NamedTuple):
+    """What one unit of normal impulse changes: slip, normal velocity, spin."""
+
+    slip: float
+    lift: float
+    spin: float
+
+
+class Hit(NamedTuple):
+    """After an impact: slip, normal velocity, spin, the last phase, and the relative change of kinetic energy."""
+
+    slip: float
+    lift: float
+    spin: float
+    phase: Phase
+    energy: float
+
+
+class Jammed(Exception):
+    """An impact that no normal impulse ends: Coulomb's law has no consistent one here."""
+
+
+def hit(scene: Scene, effect: Impact, q: Place, slip: float, lift: float, spin: float) -> Hit:
+    """The impact at a place with contact velocity (slip, lift < 0) and spin; raises Jammed if it has no end."""
+    impulse = _Impulse(scene, q, slip, lift, spin)
+    before = impulse.energy()
+    if scene.case.effect(PerfectlyRough):
+        impulse.stop_slip_at_once()
+    compression = impulse.push(until_lift=0.0)
+    if effect.restitution > 0.0 and effect.law == "newton":
+        impulse.push(until_lift=-effect.restitution * lift)
+    elif effect.restitution > 0.0:
+        impulse.push(amount=effect.restitution * compression)
+    if impulse.lift < 0.0:
+        raise Jammed
+    change = (impulse.energy() - before) / before
+    return Hit(impulse.slip, impulse.lift, impulse.spin, impulse.phase, change)
+
+
+def creates_energy(result: Hit) -> bool:
+    return result.energy > ENERGY_ROUNDING
+
+
+class _Impulse:
+    """The velocities at a contact as they change with the normal impulse."""
+
+    def __init__(self, scene: Scene, q: Place, slip: float, lift: float, spin: float):
+        self.laws, self.m, self.J = scene.laws, scene.m, scene.J
+        self.at, self.an = q.arm_t, q.arm_n
+        self.slip, self.lift, self.spin = slip, lift, spin
+        self.phase = self._phase()
+
+    def energy(self) -> float:
+        """Kinetic energy, J."""
+        along, across = self.slip + self.spin * self.an, self.lift - self.spin * self.at
+        return 0.5 * self.m * (along**2 + across**2) + 0.5 * self.J * self.spin**2
+
+    def push(self, amount: float = inf, until_lift: float = inf) -> float:
+        """Adds normal impulse, at most `amount`, until the normal velocity has risen to `until_lift`; what it took."""
+        total = 0.0
+        if self.lift >= until_lift:
+            return total
+        for _ in range(MOST_PIECES):
+            self.phase = self._phase()
+            rates = self._rates(self.phase)
+            pieces = {
+                "amount": amount - total,
+                "lift": (until_lift - self.lift) / rates.lift if rates.lift > 0.0 else inf,
+                "slip": -self.slip / rates.slip if self.phase.slip and self.slip * rates.slip < 0.0 else inf,
+                "spin": -self.spin / rates.spin if self.phase.turn and self.spin * rates.spin < 0.0 else inf,
+            }
+            first = min(pieces, key=pieces.__getitem__)
+            piece = pieces[first]
+            if piece == inf:
+                raise Jammed
+            total += piece
+            self.slip += piece * rates.slip
+            self.lift += piece * rates.lift
+            self.spin += piece * rates.spin
+            if first == "amount":
+                return total
+            if first == "lift":
+                self.lift = until_lift
+                return total
+            setattr(self, first, 0.0)
+        raise Jammed
+
+    def stop_slip_at_once(self) -> None:
+        """A perfectly rough contact: a tangential impulse takes the slip away before any normal impulse acts."""
+        by_friction = Rates(1 / self.m + self.an**2 / self.J, -self.an * self.at / self.J, -self.an / self.J)
+        impulse = -self.slip / by_friction.slip
+        self.slip = 0.0
+        self.lift += impulse * by_friction.lift
+        self.spin += impulse * by_friction.spin
+
+    def _phase(self) -> Phase:
+        """The phase in which the next bit of impulse acts: Coulomb's inequalities for impulses."""
+        found = next(admissible(self.laws, self.slip, self.spin, self._needed), None)
+        if found is None:
+            raise Jammed
+        return found
+
+    def _needed(self, phase: Phase) -> Held:
+        """Friction and couple per normal impulse."""
+        friction, couple = ratios(self.laws, phase)
+        at, an, inertia = self.at, self.an, self.J / self.m
+        if phase.turn == 0:
+            # Without rotation friction alone keeps the slip, and no couple is spared.
+            friction = 0.0 if phase.slip == 0 else friction
+            couple = an * friction - at
+        elif phase.slip == 0:
+            friction = an * (at + couple) / (inertia + an * an)
+        return Held(1.0, friction, couple)
+
+    def _rates(self, phase: Phase) -> Rates:
+        _, friction, couple = self._needed(phase)
+        spin = 0.0 if phase.turn == 0 else (self.at - self.an * friction + couple) / self.J
+        slip = 0.0 if phase.slip == 0 else friction / self.m - self.an * spin
+        return Rates(slip, 1.0 / self.m + self.at * spin, spin)

@@ -1,0 +1,204 @@
+"""One mode's equations as data: assembled from a case's curves and what its effects bring, once per structure.
+
+One symbolic source serves every integrator: sizes, friction, loads and start are runtime parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import sympy as sp
+
+from cases import Case, Curve
+from cases.effects import MOTION
+
+from . import series
+from .effects import SIGMA, TURN, Laws, laws
+from .eliminated import GYRATION, U1, U2, X1, X2, ZERO, Motion, T, Torsor, resting, rolling, sliding, spin, translating
+from .frames import Frame, frame
+
+THETA = MOTION[3]
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """One mode's equations, symbolic: y' = rates(t, y; parameters), what can be observed, what ends the mode.
+
+    The first `positions` variables are positions, the others velocities. `conditions` are what a decision for this
+    mode asks for, `condition_rates` the rates of those that are velocities; `guards` are positive while the mode
+    lasts: the conditions and the geometry's limits, less those that the state cannot change.
+    """
+
+    variables: tuple[sp.Symbol, ...]
+    positions: int
+    rates: tuple[sp.Expr, ...]
+    observed: Motion
+    conditions: dict[str, sp.Expr] = field(default_factory=dict)
+    condition_rates: dict[str, sp.Expr] = field(default_factory=dict)
+    guards: dict[str, sp.Expr] = field(default_factory=dict)
+
+    @cached_property
+    def parameters(self) -> tuple[sp.Symbol, ...]:
+        """The symbols that are neither time nor variables: sizes, friction, loads, signs."""
+        used = [*self.rates, *self.observed, *self.conditions.values(), *self.condition_rates.values()]
+        found = set().union(*(e.free_symbols for e in (*used, *self.guards.values())))
+        return tuple(sorted(found - {*self.variables, T}, key=lambda symbol: symbol.name))
+
+    def _compile(self, expressions, library):
+        return sp.lambdify([T, self.variables, self.parameters], list(expressions), modules=library, cse=True)
+
+    @cached_property
+    def rates_of_numbers(self):
+        """(t, y, parameters) -> list of rates, on floats."""
+        return self._compile(self.rates, "math")
+
+    @cached_property
+    def rates_of_series(self):
+        """The same on `series.Series`."""
+        return self._compile(self.rates, [series.FUNCTIONS])
+
+    @cached_property
+    def guards_of_numbers(self):
+        """(t, y, parameters) -> list of guard values, on floats."""
+        return self._compile(self.guards.values(), "math")
+
+    @cached_property
+    def guards_of_arrays(self):
+        """The same on arrays of shape (n,); a constant guard stays a number."""
+        return self._compile(self.guards.values(), "numpy")
+
+    @cached_property
+    def conditions_of_numbers(self):
+        """(t, y, parameters) -> list of the conditions' values, on floats."""
+        return self._compile(self.conditions.values(), "math")
+
+    @cached_property
+    def condition_rates_of_numbers(self):
+        """(t, y, parameters) -> list of the rates in `condition_rates`, on floats."""
+        return self._compile(self.condition_rates.values(), "math")
+
+    @cached_property
+    def conditions_of_series(self):
+        """The same as `conditions_of_numbers` on `series.Series`; a constant condition stays a number."""
+        return self._compile(self.conditions.values(), [series.FUNCTIONS])
+
+    @cached_property
+    def observed_of_arrays(self):
+        """(t, y, parameters) -> list in the order of `Motion`, on arrays."""
+        return self._compile(self.observed, "numpy")
+
+    @cached_property
+    def observed_of_numbers(self):
+        """The same on floats."""
+        return self._compile(self.observed, "math")
+
+
+class Kind(NamedTuple):
+    """Which rows a mode of contact has: none against slip, or rolling; one against rotation, or none."""
+
+    slips: bool
+    held: bool
+
+
+_STATES = {
+    Kind(slips=True, held=False): (U1, U2),
+    Kind(slips=True, held=True): (U1, U2),
+    Kind(slips=False, held=False): (U1,),
+    Kind(slips=False, held=True): (),
+}
+
+
+def contact_system(case: Case, kind: Kind) -> System:
+    """The equations of one kind of contact of a case, derived once per structure."""
+    track, outline = case.track, case.plate.outline
+    return _in_contact(track.structure, outline.structure, (_has_ends(track), _has_ends(outline)), laws(case), kind)
+
+
+def flight_system(case: Case) -> System:
+    """The equations of free flight: M q̈₁ = F, (16) and (19) without a multiplier."""
+    return _in_flight(laws(case))
+
+
+@lru_cache(maxsize=256)
+def _in_contact(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kind) -> System:
+    f = frame(track, X1, "track_")
+    h = frame(outline, X2, "outline_")
+    force = _force(f, h, law, kind)
+    if kind.held:
+        motion = translating(f, h, force, law.friction.ratio) if kind.slips else resting(h, force)
+    elif kind.slips:
+        motion = sliding(f, h, force, law.friction.ratio, law.resistance.couple)
+    else:
+        motion = rolling(f, h, force, law.resistance.couple)
+    conditions = law.friction.conditions(kind.slips, motion, law.side)
+    conditions |= law.resistance.conditions(kind.held, motion, law.side)
+    if (law.one_sided or law.sided) and "cone_forward" not in conditions:  # inside the cone the force is not negative
+        conditions["normal_force"] = law.side * motion.normal
+    velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sp.sqrt(GYRATION)}
+    positions = (X1, X2, *([THETA] if law.needs_angle else []))
+    variables = (*positions, *_STATES[kind])
+    u2 = U2 if kind.slips else U1 * f.P / h.P
+    known = {X1: U1, X2: u2, THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
+    rests = not _STATES[kind]
+    rates = tuple(ZERO if rests else known[v] for v in variables)
+    moving = {T} if rests else {*variables, T}
+    limits = {"fit": h.curvature - f.curvature, "painleve": motion.division, **_ends(bounded)}
+    guards = {name: g for name, g in (conditions | limits).items() if g.free_symbols & moving}
+    rates_of = {name: velocities[name] for name in conditions if name in velocities}
+    return System(variables, len(positions), rates, motion, conditions, rates_of, guards)
+
+
+def _force(f: Frame, h: Frame, law: Laws, kind: Kind) -> Torsor:
+    """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
+    u1, u2 = (U1, U2) if kind.slips else (U1, U1 * f.P / h.P)
+    rests = not _STATES[kind]
+    omega = ZERO if kind.held else spin(f, h, u1, u2)
+    slip = U1 * f.P - U2 * h.P if kind.slips else ZERO
+    along, across = (ZERO, ZERO) if rests else (slip + omega * h.hn, -omega * h.ht)
+    t, x, y, theta, vx, vy, w = MOTION
+    state = {
+        x: f.x - h.ht * f.tx + h.hn * f.ty,  # the centre lies off the contact by the arm (5)
+        y: f.y - h.ht * f.ty - h.hn * f.tx,
+        vx: along * f.tx - across * f.ty,
+        vy: along * f.ty + across * f.tx,
+        w: omega,
+    }
+    fx, fy, moment = (sp.sympify(e).subs(state, simultaneous=True) for e in law.torsor)
+    return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
+
+
+@lru_cache(maxsize=64)
+def _in_flight(law: Laws) -> System:
+    _, x, y, theta, vx, vy, omega = MOTION
+    fx, fy, moment = law.torsor
+    nothing = Motion(*(ZERO for _ in Motion._fields))
+    return System((x, y, theta, vx, vy, omega), 3, (vx, vy, omega, fx, fy, moment / GYRATION), nothing)
+
+
+def _ends(bounded: tuple[bool, bool]) -> dict[str, sp.Expr]:
+    """Where a curve ends, the contact ends."""
+    guards = {}
+    for name, bound, variable in zip(("track", "outline"), bounded, (X1, X2), strict=True):
+        if bound:
+            low, high = sp.symbols(f"{name}_low {name}_high", real=True)
+            guards[f"{name}_start"], guards[f"{name}_end"] = variable - low, high - variable
+    return guards
+
+
+def _has_ends(curve: Curve) -> bool:
+    return curve.domain is not None and curve.period is None
+
+
+def parameter_values(case: Case, values: dict[str, float], names: tuple[sp.Symbol, ...]) -> tuple[float, ...]:
+    """The runtime parameters in the system's order: the case's own and the mode's `values`, by name."""
+    plate = case.plate
+    known: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass, **values}
+    for prefix, curve in (("track", case.track), ("outline", plate.outline)):
+        known |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}
+        if curve.domain:
+            known |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
+    for load in laws(case).loads:
+        known |= load.values(case)
+    return tuple(known[symbol.name] for symbol in names)

@@ -1,0 +1,316 @@
+"""Impacts and bounces of the second formulation: Routh's closed forms, flight times, limits, energy."""
+
+from math import cos, pi, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Mode,
+    PerfectlyRough,
+    Plate,
+    RollingResistance,
+    Start,
+    Unilateral,
+    disc,
+)
+from cases.library import circle, ellipse, line
+from reference import contact_frame, second_bounces
+from tests.scenes import numbers
+
+G = 9.81
+FLYING = (Gravity(G), Unilateral(), Flight())
+# Closed forms of a handful of operations on numbers of the order of ten.
+ROUNDING = 1e-13
+
+
+def solve(case: Case, times=()):
+    return contact_frame.solve(case, rtol=1e-13, times=times)
+
+
+def modes(answer) -> list[tuple[Mode, Mode]]:
+    return [(t.before, t.after) for t in answer.transitions]
+
+
+# --- one impact -------------------------------------------------------------------------------------------------------
+
+
+class Velocities(NamedTuple):
+    slip: float
+    lift: float
+    spin: float
+
+
+def hit(plate: Plate, xi2: float, before: Velocities, *effects) -> Velocities:
+    """The velocities of the contact point right after an impact at time zero on a level line."""
+    start = Start(0.0, xi2, slip=before.slip, omega=before.spin, lift=before.lift)
+    x, y, _, vx, vy, omega, _ = solve(Case(line(), plate, (*FLYING, *effects), start, 1e-3), [0.0]).motions[:, 0]
+    return Velocities(vx + omega * y, vy - omega * x, omega)
+
+
+def arms(plate: Plate, xi2: float) -> tuple[float, float]:
+    """The contact point from the centre of mass, along the line and its normal."""
+    tangent, point = plate.outline.tangent(xi2), plate.outline.point(xi2)
+    return float(tangent @ point), float(tangent[0] * point[1] - tangent[1] * point[0])
+
+
+def routh(plate: Plate, xi2: float, before: Velocities, mu: float, e: float) -> tuple[str, Velocities]:
+    """Routh's construction with Poisson's restitution, branch by branch, and the branch's name.
+
+    Per impulse (dT, dP): dv_t = A dT − C dP, dv_n = B dP − C dT. Slip in the direction σ has dT = −σ μ dP and ends at
+    P_s = |v_t|/(μ A + σ C); from there it sticks (dT = C/A dP, if that is within ±μ) or slips the other way.
+    """
+    m, J, (a, b) = plate.mass, plate.inertia, arms(plate, xi2)
+    A, B, C = 1 / m + b * b / J, 1 / m + a * a / J, a * b / J
+    slip, lift, spin = before
+    sigma = np.sign(slip)
+    ends = abs(slip) / (mu * A + sigma * C) if mu * A + sigma * C > 0 else np.inf
+    held = abs(C) <= mu * A
+    first, then = -sigma * mu, C / A if held else np.sign(C) * mu
+    if slip == 0.0:
+        ends, first = 0.0, then
+    compressed = -lift / (B - C * first)
+    if compressed > ends:
+        compressed = ends - (lift + (B - C * first) * ends) / (B - C * then)
+    P = (1 + e) * compressed
+    T = first * min(P, ends) + then * max(P - ends, 0.0)
+    if slip == 0.0:
+        name = "stick from the start" if held else "slip from rest"
+    elif P <= ends:
+        name = "slip throughout"
+    else:
+        name = ("slip, stick" if held else "slip, reversed") + (" in restitution" if compressed < ends else "")
+    return name, Velocities(slip + A * T - C * P, lift + B * P - C * T, spin + (a * P - b * T) / J)
+
+
+DISC, PLATE = disc(0.1, 2.0), Plate(ellipse(0.3, 0.05), 1.0, (0.3**2 + 0.05**2) / 4)
+
+
+@pytest.mark.parametrize(
+    "branch, plate, xi2, before, mu, e",
+    [
+        ("slip throughout", DISC, -pi / 2, (3.0, -1.0, 0.0), 0.2, 0.5),
+        ("slip throughout", DISC, -pi / 2, (-3.0, -1.0, 20.0), 0.2, 0.9),
+        ("slip, stick", DISC, -pi / 2, (0.5, -2.0, 10.0), 0.3, 0.5),
+        ("slip, stick in restitution", DISC, -pi / 2, (1.5, -2.0, 10.0), 0.2, 0.8),
+        ("stick from the start", DISC, -pi / 2, (0.0, -2.0, 10.0), 0.2, 0.8),
+        ("slip throughout", PLATE, -1.2, (2.0, -1.0, 3.0), 0.2, 0.5),
+        ("slip, stick", PLATE, -1.2, (0.3, -1.0, 3.0), 0.8, 0.5),
+        ("slip, stick", PLATE, -1.9, (-0.3, -1.0, 3.0), 0.8, 0.5),
+        ("slip, reversed", PLATE, -2.4, (0.2, -1.0, 0.0), 0.2, 0.5),
+        ("slip, reversed", PLATE, -1.2, (-0.2, -1.0, -3.0), 0.2, 0.5),
+        ("slip, reversed in restitution", PLATE, -0.9, (-0.9, -1.0, -3.0), 0.3, 0.9),
+        ("slip, stick in restitution", PLATE, -1.2, (-0.6, -1.0, -3.0), 0.4, 0.9),
+        ("stick from the start", PLATE, -1.2, (0.0, -1.0, 2.0), 0.9, 0.5),
+        ("slip from rest", PLATE, -0.9, (0.0, -1.0, 2.0), 0.3, 0.5),
+    ],
+)
+def test_an_oblique_impact_is_rouths_in_each_of_its_branches(branch, plate, xi2, before, mu, e, accuracy):
+    before = Velocities(*before)
+    name, exact = routh(plate, xi2, before, mu, e)
+    assert name == branch
+    found = hit(plate, xi2, before, CoulombFriction(mu), Impact(e))
+    shape = "disc" if plate is DISC else "plate"
+    accuracy(
+        case=f"{shape}: {branch}, mu={mu:g}", solver="reference", route="contact_frame",
+        quantity="velocities after impact", error=np.max(np.abs(np.subtract(found, exact))), tolerance=ROUNDING * 10,
+    )  # fmt: skip
+
+
+def test_a_frictionless_impact_turns_the_normal_velocity_alone():
+    before = Velocities(0.7, -1.5, 4.0)
+    (a, b), e = arms(PLATE, -1.2), 0.6
+    P = (1 + e) * 1.5 / (1 + a * a / PLATE.inertia)
+    exact = (0.7 - a * b / PLATE.inertia * P, 0.9, 4.0 + a * P / PLATE.inertia)
+    for law in ("poisson", "newton"):
+        assert hit(PLATE, -1.2, before, Impact(e, law)) == pytest.approx(exact, abs=ROUNDING)
+
+
+def test_both_laws_agree_where_the_slip_does_not_change_its_kind():
+    before = Velocities(2.0, -1.0, 3.0)
+    one = hit(PLATE, -1.2, before, CoulombFriction(0.2), Impact(0.5))
+    assert hit(PLATE, -1.2, before, CoulombFriction(0.2), Impact(0.5, "newton")) == pytest.approx(one, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("law", ["poisson", "newton"])
+def test_a_perfectly_rough_impact_leaves_no_slip(law):
+    # Angular momentum about the contact is kept; the normal velocity turns to −e times what it is when the slip stops.
+    before, e, (a, b), J = Velocities(1.0, -2.0, 3.0), 0.5, arms(PLATE, -1.2), PLATE.inertia
+    A, B, C = 1 + b * b / J, 1 + a * a / J, a * b / J
+    stopped = before.lift + C / A * before.slip
+    lift = -e * (stopped if law == "poisson" else before.lift)
+    P = (lift - stopped) / (B - C * C / A)
+    T = (C * P - before.slip) / A
+    exact = (0.0, lift, before.spin + (a * P - b * T) / J)
+    assert hit(PLATE, -1.2, before, PerfectlyRough(), Impact(e, law)) == pytest.approx(exact, abs=ROUNDING)
+
+
+def test_rolling_resistance_takes_spin_from_an_impact_and_can_stop_it():
+    # A disc that falls without slip: dT keeps r ω + v = 0 against the couple arm dP, so dω = −arm P/(J + m r²).
+    r, m, arm, e, fall = 0.1, 2.0, 0.01, 0.5, 1.0
+    P, about_contact = (1 + e) * m * fall, 1.5 * m * r * r
+    for spin, after in ((12.0, 12.0 - arm * P / about_contact), (0.5, 0.0)):
+        before = Velocities(0.0, -fall, spin)
+        found = hit(DISC, -pi / 2, before, CoulombFriction(0.9), RollingResistance(arm), Impact(e))
+        assert found == pytest.approx((0.0, e * fall, after), abs=ROUNDING)
+
+
+def kinetic(plate: Plate, xi2: float, v: Velocities) -> float:
+    a, b = arms(plate, xi2)
+    return (
+        0.5 * plate.mass * ((v.slip + v.spin * b) ** 2 + (v.lift - v.spin * a) ** 2) + 0.5 * plate.inertia * v.spin**2
+    )
+
+
+impacts = dict(
+    xi2=numbers(-3.1, 3.1),
+    before=st.builds(Velocities, numbers(-3, 3), numbers(-3, -0.01), numbers(-10, 10)),
+    mu=numbers(0.01, 1.5),
+    e=numbers(0.0, 1.0),
+    arm=st.none() | numbers(1e-3, 0.1),
+)
+
+
+@given(**impacts)
+@settings(max_examples=150, deadline=None)
+def test_poissons_law_never_creates_energy(xi2, before, mu, e, arm):
+    resistance = (RollingResistance(arm),) if arm else ()
+    after = hit(PLATE, xi2, before, CoulombFriction(mu), *resistance, Impact(e))
+    lost = kinetic(PLATE, xi2, before) - kinetic(PLATE, xi2, after)
+    assert lost >= -1e-12 * kinetic(PLATE, xi2, before)
+    assert after.lift >= -ROUNDING
+
+
+def test_newtons_law_that_creates_energy_ends_the_motion():
+    # Kane & Levinson (Dynamics, 1985) met it in a double pendulum; a slender plate that sticks on the way does as well.
+    start = Start(0.0, -2.9, slip=0.96, omega=-0.14, lift=-2.7)
+    make = lambda law: Case(  # noqa: E731
+        line(), PLATE, (*FLYING, CoulombFriction(0.76), Impact(0.94, law)), start, 0.1
+    )
+    ended = solve(make("newton"))
+    assert (ended.status, ended.end, ended.transitions) == ("energy_gain", 0.0, ())
+    assert solve(make("poisson")).status == "completed"
+
+
+# --- many impacts -----------------------------------------------------------------------------------------------------
+
+
+def falling(e: float, *effects, height=0.3, slope=0.0, duration=6.0, **start) -> Case:
+    return Case(line(slope), DISC, (*FLYING, *effects, Impact(e)), Start(0.0, gap=height, **start), duration)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize(
+    "rests, effects, start",
+    [
+        ((Mode.SLIDE,), (), dict(slip=0.3)),
+        ((Mode.SLIP_FORWARD, Mode.ROLL), (CoulombFriction(0.1),), dict(omega=-30.0, slip=1.0)),
+        ((Mode.ROLL,), (PerfectlyRough(),), dict(omega=-30.0, slip=1.0)),
+    ],
+    ids=["frictionless", "spinning on a rough line", "perfectly rough"],
+)
+def test_bounces_on_a_line_follow_a_geometric_series_to_its_limit(e, rests, effects, start, accuracy):
+    # Falls t₀ = √(2h/g), then flights 2 t₀ eⁿ; they end at t₀ (1 + e)/(1 − e).
+    case = falling(e, *effects, **start)
+    answer = solve(case)
+    fall = sqrt(2 * 0.3 / G)
+    lasting = [2 * fall * e**n for n in range(1, 200) if 2 * fall * e**n >= contact_frame.LISTED * case.duration]
+    hits = fall + np.concatenate([[0.0], np.cumsum(lasting)])[: len(lasting)]
+    landed = answer.transitions[len(lasting)]
+    assert modes(answer)[: len(lasting)] == [(Mode.FLIGHT, Mode.FLIGHT)] * len(lasting)
+    assert landed.before is Mode.FLIGHT and landed.after in rests
+    assert answer.transitions[-1].after is rests[-1]
+    kind = type(effects[0]).__name__ if effects else "frictionless"
+    # The disc comes to turn by a hundred radians and to travel ten metres, which round at 1e-14; sixty impacts add up.
+    common = dict(case=f"bouncing disc, e={e:g}, {kind}", solver="reference", route="contact_frame", tolerance=1e-11)
+    if lasting:
+        times = [t.time for t in answer.transitions[: len(lasting)]]
+        accuracy(**common, quantity="impacts / s", error=np.max(np.abs(times - hits)))
+    accuracy(**common, quantity="limit / s", error=landed.time - fall * (1 + e) / (1 - e))
+
+
+def test_after_its_last_bounce_a_spinning_disc_has_the_speed_of_a_disc_that_never_left(accuracy):
+    # About the contact point angular momentum is kept through flight, impacts and rolling on a level line.
+    case = falling(0.8, CoulombFriction(0.05), omega=-30.0, slip=2.0, duration=4.0)
+    begin = solve(case, [0.0]).motions[:, 0]
+    end = solve(case, [4.0]).motions[:, 0]
+    # m r v − J ω about a point of the line, with v = −r ω at the end.
+    speed = (begin[3] - 0.05 * begin[5]) / 1.5
+    accuracy(
+        case="bouncing and spinning, e=0.8", solver="reference", route="contact_frame",
+        quantity="final speed / m/s", error=end[3] - speed, tolerance=1e-11,
+    )  # fmt: skip
+
+
+def test_bounces_down_an_incline_keep_the_fall_line_s_acceleration(accuracy):
+    e, slope = 0.6, 0.3
+    case = falling(e, slope=slope, duration=4.0)
+    answer = solve(case, [3.9])
+    fall = sqrt(2 * 0.3 / (G * cos(slope)))
+    assert answer.transitions[-1].time == pytest.approx(fall * (1 + e) / (1 - e), abs=1e-12)
+    speed = float(np.hypot(*answer.motions[3:5, 0]))
+    accuracy(
+        case="bouncing down an incline", solver="reference", route="contact_frame",
+        quantity="speed / m/s", error=speed - G * sin(slope) * 3.9, tolerance=1e-11,
+    )  # fmt: skip
+
+
+def test_perfect_restitution_bounces_for_ever():
+    case = falling(1.0, height=0.05, duration=3.0)
+    answer = solve(case)
+    fall = sqrt(2 * 0.05 / G)
+    hits = np.arange(fall, 3.0, 2 * fall)
+    assert answer.status == "completed"
+    assert [t.time for t in answer.transitions] == pytest.approx(hits, abs=1e-12)
+
+
+def in_a_bowl(e: float) -> Case:
+    """A disc with spin dropped beside the bottom of a rough circle: every bounce has another slope below it."""
+    effects = (*FLYING, CoulombFriction(0.15), Impact(e))
+    return Case(circle(1.0), disc(0.1, 1.0), effects, Start(-pi / 2 + 0.5, gap=0.2, omega=12.0, slip=0.5), 4.0)
+
+
+@pytest.mark.parametrize("e", [0.3, 0.7])
+def test_an_extrapolated_limit_is_the_one_that_stepping_through_approaches(e, monkeypatch, accuracy):
+    case = in_a_bowl(e)
+    limit = next(t for t in solve(case).transitions if t.after is not Mode.FLIGHT)
+    # The bounces themselves, far down: the geometric rest after the last one is all that is left to extrapolate.
+    seen = []
+    monkeypatch.setattr(second_bounces, "limit", lambda bounces: seen.append(bounces[-1]))
+    solve(case)
+    last = next(i for i, bounce in enumerate(seen) if seen[i + 1].time - bounce.time < 1e-5)
+    one, two = seen[last].time, seen[last + 1].time
+    rest = (two - one) / (1 - (two - one) / (one - seen[last - 1].time)) - (two - one)
+    accuracy(
+        case=f"bouncing in a bowl, e={e:g}", solver="reference", route="contact_frame",
+        quantity="limit / s", error=limit.time - (two + rest), tolerance=1e-10,
+    )  # fmt: skip
+    assert limit.xi1 == pytest.approx(seen[last].z[0], abs=1e-4)
+
+
+@given(
+    e=numbers(0.0, 0.95),
+    mu=numbers(0.01, 1.0),
+    omega=numbers(-10, 10),
+    slip=numbers(-2, 2),
+    xi1=numbers(-2.2, -1.0),
+    xi2=numbers(-3, 3),
+)
+@settings(max_examples=10, deadline=None)
+def test_energy_never_grows_while_a_plate_bounces_and_comes_to_rest(e, mu, omega, slip, xi1, xi2):
+    plate = Plate(ellipse(0.25, 0.15), 1.0, 0.02)
+    start = Start(xi1, xi2, slip=slip, omega=omega, gap=0.1)
+    case = Case(circle(1.0), plate, (*FLYING, CoulombFriction(mu), Impact(e)), start, 1.0)
+    answer = solve(case, np.linspace(0, 1, 101))
+    _, y, _, vx, vy, w, _ = answer.motions[:, np.linspace(0, 1, 101) <= answer.end]
+    energy = 0.5 * (vx**2 + vy**2) + 0.5 * 0.02 * w**2 + G * y
+    # A dozen joules; the limit of an accumulation is followed from its last bounce at most a micron above the track.
+    assert np.diff(energy).max() < 1e-9
