@@ -46,24 +46,31 @@ def run(
     kept.
     """
     began = time.perf_counter()
-    bench = _Bench(jobs, limit, tell, store or Store(None))
-    names = {case.label: CaseKey.of(case, files) for case in asked}
-    versions = bench.versions(solvers)
-    keys = {case.label: Keys(case, versions) for case in asked}
-    truths = bench.truths(names, keys)
-    offers = bench.offers(names, solvers)
-    runs, tasks = _planned(offers, names, truths, keys, thin)
+    with workers.Pool(jobs) as pool:
+        bench = _Bench(pool, limit, tell, store or Store(None))
+        names = {case.label: CaseKey.of(case, files) for case in asked}
+        versions = bench.versions(solvers)
+        keys = {case.label: Keys(case, versions) for case in asked}
+        truths = bench.truths(names, keys)
+        runs, tasks = _planned(bench.offers(names, solvers), names, truths, keys, thin)
+        _filled(runs, bench.runs(tasks))
+    return Experiment(asked, truths, tuple(runs), time.perf_counter() - began, versions)
+
+
+def _filled(runs: list[Run], coming: Iterator[tuple[int, Run]]) -> None:
+    """Put the runs that come in their places, without samples but for the finest of each route.
+
+    Samples are for figures, which draw no other: a thousand runs' would take some hundred megabytes.
+    """
     finest: dict[tuple[str, str, str], int] = {}
-    for place, found in bench.runs(tasks):
+    for place, found in coming:
         runs[place] = found
         route = (found.case, found.solver, found.route)
-        # Samples are for figures, which draw a route's finest run: a thousand runs' would take some hundred megabytes.
         undrawn, best = place, finest.get(route)
         if gives_motion(found) and (best is None or place > best):
             finest[route], undrawn = place, place if best is None else best
         if undrawn != finest.get(route):
             runs[undrawn] = replace(runs[undrawn], samples={})
-    return Experiment(asked, truths, tuple(runs), time.perf_counter() - began, versions)
 
 
 class _Task(NamedTuple):
@@ -77,9 +84,9 @@ class _Task(NamedTuple):
 
 @dataclass(frozen=True)
 class _Bench:
-    """Where calls are made: how many beside each other, for how long, who watches, where results are kept."""
+    """Where calls are made: by whom, for how long each, who watches, where results are kept."""
 
-    jobs: int
+    pool: workers.Pool
     limit: float
     tell: Tell
     store: Store
@@ -146,7 +153,7 @@ class _Bench:
         """Index and answer of each call as they come."""
         if not arguments:
             return
-        with closing(workers.run(function, arguments, self.jobs, self.limit, instead)) as coming:
+        with closing(self.pool.run(function, arguments, self.limit, instead)) as coming:
             yield from self.tell(step, len(arguments), coming)
 
 

@@ -158,6 +158,7 @@ def sources(module: str, apart: tuple[str, ...] = ()) -> str:
     return digest({name: _code(path) for name, path in sorted(_reached(module, apart).items())})
 
 
+@lru_cache(maxsize=64)
 def _module(solver: str) -> str:
     """The module a solver is driven by."""
     if solver == REFERENCE:

@@ -125,21 +125,21 @@ class Store:
     def taken_words(self) -> str:
         """How much of the build was taken from here."""
         if not self._taken:
-            return "nothing was taken from the store, all was run now"
-        since = f"the oldest of {self._oldest}"
-        return f"{_counted(self._taken)} taken from the store ({since}), {_counted(self._put)} made now"
+            return "nothing was taken from the store"
+        return f"{_counted(self._taken)} taken from the store (since {self._oldest}), {_counted(self._put)} made now"
 
     def kept_words(self) -> str:
         """What a build that stops now leaves."""
         kept = self._taken + self._put
         if not kept:
             return "nothing was finished that could be kept"
-        return f"{_counted(kept)} are kept in {self.folder}, and the same command goes on from there"
+        command = "the same command" + (" without --fresh" if self.fresh else "")
+        return f"{_counted(kept)} kept in {self.folder}; {command} goes on from there"
 
     def size_words(self) -> str:
         """What it takes, and how to be rid of it."""
         size = sum(stat.st_size for _, stat in self._listed(_FILE))
-        return f"{self.folder} holds {size / 1e6:.0f} MB; delete it to forget them, or run with --fresh"
+        return f"{self.folder} holds {size / 1e6:.0f} MB and may be deleted; --fresh runs all anew"
 
     def trouble(self) -> list[str]:
         """A line for each kind of thing that went wrong, or lies in the folder and is none of the store's."""

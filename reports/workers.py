@@ -58,40 +58,72 @@ def run(
     limit: float = 60.0,
     instead: Callable[[int], Answer | None] = lambda index: None,
 ) -> Generator[tuple[int, Answer]]:
-    """Call `function(*arguments[i])` for every i, `jobs` at a time, each for at most `limit` seconds of wall time.
+    """The calls of `Pool.run` by workers of their own."""
+    with Pool(jobs) as pool:
+        yield from pool.run(function, arguments, limit, instead)
 
-    Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin, may
-    give an answer in its place. The function and its arguments travel by pickle, so the function
-    lives at the top of a module. Workers are killed and scratch directories removed when the iterator ends.
-    """
-    scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
-    waiting = list(reversed(list(enumerate(arguments))))
-    workers: list[_Worker] = []
-    try:
-        while waiting or any(worker.busy for worker in workers):
-            while waiting and len([worker for worker in workers if worker.busy]) < jobs:
-                index, args = waiting.pop()
-                given = instead(index)
-                if given is not None:
-                    yield index, given
-                    continue
-                worker = next((w for w in workers if not w.busy), None)
-                if worker is None:
-                    workers.append(worker := _Worker(scratch))
-                worker.start(index, function, args, limit)
-            busy = [worker for worker in workers if worker.busy]
-            if not busy:
-                break
-            wait([w.pipe for w in busy], timeout=max(0.0, min(w.deadline for w in busy) - time.monotonic()))
-            for worker in busy:
-                answer = worker.answer()
-                if answer is not None:
-                    yield worker.index, answer
-            workers = [worker for worker in workers if worker.alive]
-    finally:
-        for worker in workers:
+
+class Pool:
+    """Workers that make calls, `jobs` at a time. When it is left they are killed and their scratch directories gone."""
+
+    def __init__(self, jobs: int):
+        self._jobs = jobs
+        self._scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
+        self._workers: list[_Worker] = []
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(self, *_) -> None:
+        for worker in self._workers:
             worker.kill()
-        shutil.rmtree(scratch, ignore_errors=True)
+        shutil.rmtree(self._scratch, ignore_errors=True)
+
+    def run(
+        self,
+        function: Callable,
+        arguments: Sequence[tuple],
+        limit: float = 60.0,
+        instead: Callable[[int], Answer | None] = lambda index: None,
+    ) -> Generator[tuple[int, Answer]]:
+        """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
+
+        Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin,
+        may give an answer in its place. The function and its arguments travel by pickle, so the function lives at the
+        top of a module. Calls that are still running when the iterator ends are killed.
+        """
+        waiting = list(reversed(list(enumerate(arguments))))
+        try:
+            while waiting or self._busy():
+                while waiting and len(self._busy()) < self._jobs:
+                    index, args = waiting.pop()
+                    given = instead(index)
+                    if given is not None:
+                        yield index, given
+                        continue
+                    self._idle().start(index, function, args, limit)
+                busy = self._busy()
+                if not busy:
+                    break
+                wait([w.pipe for w in busy], timeout=max(0.0, min(w.deadline for w in busy) - time.monotonic()))
+                for worker in busy:
+                    answer = worker.answer()
+                    if answer is not None:
+                        yield worker.index, answer
+                self._workers = [worker for worker in self._workers if worker.alive]
+        finally:
+            for worker in self._busy():
+                worker.kill()
+            self._workers = [worker for worker in self._workers if worker.alive]
+
+    def _busy(self) -> list[_Worker]:
+        return [worker for worker in self._workers if worker.busy]
+
+    def _idle(self) -> _Worker:
+        worker = next((w for w in self._workers if not w.busy), None)
+        if worker is None:
+            self._workers.append(worker := _Worker(self._scratch))
+        return worker
 
 
 class _Worker:

@@ -74,12 +74,17 @@ def test_the_folder_is_ignored_by_git_and_its_size_told(tmp_path):
     store = Store(tmp_path / "s")
     store.put("run", KEY, replace(RUN, samples={"t": np.random.default_rng(1).random(1_000_000)}))
     assert (tmp_path / "s" / ".gitignore").read_text() == "*\n"
-    assert "holds 8 MB" in store.size_words() and "delete it" in store.size_words()
+    assert "holds 8 MB and may be deleted" in store.size_words()
 
 
 def kept_file(folder: Path) -> Path:
     (file,) = folder.glob("run-*.npz")
     return file
+
+
+def read_record(file: Path) -> dict:
+    with zipfile.ZipFile(file) as archive:
+        return json.loads(archive.read("record.json"))["record"]
 
 
 def with_object_array(path: Path) -> None:
@@ -176,7 +181,13 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     assert store.get("run", KEY, Run) is None
     (told,) = store.trouble()
     assert told.startswith("could not be kept: 1")
-    assert "nothing was finished that could be kept" in store.kept_words()
+    assert store.kept_words() == "nothing was finished that could be kept"
+
+
+def test_who_stops_a_fresh_build_is_told_to_go_on_without_it(tmp_path):
+    store = Store(tmp_path, fresh=True)
+    store.put("run", KEY, RUN)
+    assert store.kept_words() == f"1 run kept in {tmp_path}; the same command without --fresh goes on from there"
 
 
 def test_what_no_file_can_hold_is_told(tmp_path):
@@ -269,6 +280,11 @@ def test_a_case_file_edited_under_the_same_name_is_another_case(changes, tmp_pat
     before = run_key(written(tmp_path, monkeypatch))
     after = run_key(written(tmp_path, monkeypatch, **changes))
     assert before["case"] == after["case"] and before != after
+
+
+def test_every_case_of_the_catalogue_can_be_told_from_every_other():
+    told = [fingerprint.content(case) for name in cases.names() for case in cases.select(name)]
+    assert None not in told and len(set(told)) == len(told)
 
 
 def test_words_in_a_case_file_decide_nothing(tmp_path, monkeypatch):
@@ -392,11 +408,15 @@ def test_fresh_runs_all_again_and_keeps_it(fake):
 
 
 def test_what_ran_out_of_time_is_run_again_only_when_it_has_more(fake):
-    assert fake(["wait 2500", "wait 1"], limit=1.0)["wait 2500"].outcome == "timed_out"
-    again = fake(["wait 2500", "wait 1"], limit=1.0)
-    assert [run.outcome for run in again.values()] == ["timed_out", "timed_out"]
-    assert "not tried" in again["wait 1"].reason and fake_adapter.runs_in(fake.folder) == []
-    longer = fake(["wait 2500", "wait 1"], limit=30.0)
+    # Five seconds: enough for truth and survey on a busy machine, which have the same limit.
+    first = fake(["until told", "wait 1"], limit=5.0)
+    (fake.folder / "told").touch()
+    again = fake(["until told", "wait 1"], limit=5.0)
+    for runs in (first, again):
+        assert [run.outcome for run in runs.values()] == ["timed_out", "timed_out"]
+        assert "still running after 5 s" in runs["until told"].reason and "not tried" in runs["wait 1"].reason
+    assert fake_adapter.runs_in(fake.folder) == []
+    longer = fake(["until told", "wait 1"], limit=30.0)
     assert [run.outcome for run in longer.values()] == ["right", "right"]
 
 
@@ -405,8 +425,8 @@ def test_a_crash_is_kept_and_what_the_machine_lacked_is_not(fake):
     told = {setting: (run.outcome, run.reason) for setting, run in fake(settings).items()}
     assert all(outcome == "crashed" for outcome, _ in told.values())
     assert "SIGSEGV" in told["segfault"][1] and "libfake.so" in told["no library"][1]
-    kept = [json.loads(zipfile.ZipFile(path).read("record.json")) for path in fake.store.glob("run-*")]
-    assert sorted(record["record"]["setting"] for record in kept) == ["how=gives up", "how=segfault"]
+    kept = [read_record(path)["setting"] for path in fake.store.glob("run-*")]
+    assert sorted(kept) == ["how=gives up", "how=segfault"]
 
 
 def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
@@ -472,8 +492,7 @@ class Builds:
 
     def kept(self) -> list[str]:
         """Settings in the store."""
-        files = (self.folder / ".slip-to-roll").glob("run-*.npz")
-        return [json.loads(zipfile.ZipFile(path).read("record.json"))["record"]["setting"] for path in files]
+        return [read_record(path)["setting"] for path in (self.folder / ".slip-to-roll").glob("run-*.npz")]
 
     def table(self, out: str, name: str) -> pd.DataFrame:
         return pd.read_csv(self.folder / out / "tables" / f"{name}.csv", dtype=str).drop(
@@ -492,14 +511,22 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path):
     after_stop = builds.kept()
     assert set(after_kill) < set(after_stop) and len(after_stop) < 4
     assert not (tmp_path / "report").exists() and list(tmp_path.glob("*.partial")) == []
+    damaged = next((tmp_path / ".slip-to-roll").glob("run-*.npz"))
+    spoilt = read_record(damaged)["setting"]
+    damaged.write_bytes(b"garbage")
+    (tmp_path / ".slip-to-roll" / "thesis.tex").write_text("precious")
+
     last = builds.start()
     out, told = last.communicate(timeout=120.0)
     assert last.returncode == 0, told
-    assert f"{len(after_stop)} runs and 1 truth taken from the store" in out
+    assert f"store: {len(after_stop) - 1} run{'s' * (len(after_stop) > 2)} and 1 truth taken from the store" in out
+    assert f"store: could not be read, and made again: 1, such as {damaged.name}" in out
+    assert "store: not its own, and left alone: 1, such as thesis.tex" in out
     ran = fake_adapter.runs_in(tmp_path)
-    assert all(ran.count(setting.partition("=")[2]) == 1 for setting in after_stop)
+    counts = {setting: ran.count(setting.partition("=")[2]) for setting in after_stop}
+    assert counts == {setting: 2 if setting == spoilt else 1 for setting in after_stop}
     manifest = json.loads((tmp_path / "report" / "manifest.json").read_text())
-    assert manifest["store"]["taken"] == {"run": len(after_stop), "truth": 1}
+    assert manifest["store"]["taken"] == {"run": len(after_stop) - 1, "truth": 1}
 
     whole = builds.start("--fresh", "--out", "uninterrupted")
     assert whole.communicate(timeout=120.0)[0] and whole.returncode == 0

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -80,6 +81,47 @@ def test_an_answer_may_be_given_instead_of_a_call():
     given = workers.Answer("done", value="given")
     calls = workers.run(misbehave, [("exit",), ("exit",)], instead=lambda index: given)
     assert list(calls) == [(0, given), (1, given)]
+
+
+def linger(folder: Path) -> None:
+    """Tell where it runs, and stay."""
+    (folder / "pid").write_text(str(os.getpid()))
+    time.sleep(600.0)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker ends with its own time")
+def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
+    asking = f"from tests.test_workers import *; list(workers.run(linger, [(Path({str(tmp_path)!r}),)]))"
+    parent = subprocess.Popen([sys.executable, "-c", asking], cwd=Path(__file__).parent.parent)
+    wait_until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
+    worker = Path("/proc") / (tmp_path / "pid").read_text()
+    assert worker.exists()
+    parent.kill()
+    parent.wait()
+    # An ended process nobody has waited for yet stands in the list as a zombie.
+    wait_until(lambda: not worker.exists() or "(zombie)" in (worker / "status").read_text())
+
+
+def wait_until(holds) -> None:
+    deadline = time.monotonic() + 60.0
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def grow(megabytes: int) -> int:
+    """Keep so much memory, as a cache would; the process it is kept in."""
+    kept.append(b"x" * (megabytes * 2**20))
+    return os.getpid()
+
+
+kept: list[bytes] = []
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory")
+def test_a_worker_that_has_grown_is_replaced():
+    first, second, third = (answer.value for _, answer in workers.run(grow, [(1,), (300,), (1,)]))
+    assert first == second != third
 
 
 def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
