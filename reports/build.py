@@ -69,6 +69,8 @@ def _build(plan: Plan, store: Store) -> None:
     from . import experiment as xp
 
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
+    if store.problem():
+        _say(f"store: {store.problem()}")
     found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress, store)
     measured = _measure(plan, found, store)
     plan.out.parent.mkdir(parents=True, exist_ok=True)

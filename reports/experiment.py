@@ -98,17 +98,15 @@ class _Bench:
 
     def truths(self, names: Mapping[str, CaseKey], keys: Mapping[str, Keys]) -> dict[str, Truth]:
         """The motion each case's runs are judged by, kept or found."""
-        found: dict[str, Truth] = {}
-        for label in names:
-            kept = self.store.get("truth", keys[label].truth(), Truth)
-            if kept:
-                found[label] = kept
+        under = {label: keys[label].truth(kept=not name.files) for label, name in names.items()}
+        kept = {label: self.store.get("truth", key, Truth) for label, key in under.items()}
+        found = {label: truth for label, truth in kept.items() if truth}
         missing = [label for label in names if label not in found]
         calls = [(names[label],) for label in missing]
         for i, answer in self._calls(_title("truth", len(found)), find_truth, calls):
             found[missing[i]] = answer.value if answer.outcome == "done" else Truth(failure=answer.reason)
             if answer.outcome == "done":
-                self.store.put("truth", keys[missing[i]].truth(), answer.value)
+                self.store.put("truth", under[missing[i]], answer.value)
         return {label: found[label] for label in names}
 
     def offers(
@@ -125,6 +123,7 @@ class _Bench:
         left: list[_Task] = []
         slow: list[_Task] = []
         for task in tasks:
+            # A finished run stands whatever the limit is now; one that ran out of time, under the limit it had.
             kept = self.store.get("run", task.key, Run) or self.store.get("run", _within(task.key, self.limit), Run)
             if kept is None:
                 left.append(task)
@@ -138,7 +137,6 @@ class _Bench:
             if found.outcome == "timed_out":
                 slow.append(task)
             if answer.lasting and answer.outcome != "raised":
-                # A larger limit may let it end, so what ran out of time is kept under the limit it had.
                 key = _within(task.key, self.limit) if found.outcome == "timed_out" else task.key
                 self.store.put("run", key, found)
             yield task.place, found

@@ -50,9 +50,9 @@ class Keys:
         self._versions = versions
         self._case = {"case": case.label, "content": content(case)}
 
-    def truth(self) -> Key | None:
-        """Of the motion the case's runs are judged by."""
-        return self._key({"code": sources("reports.trial"), "kept_truth": _kept_truth()})
+    def truth(self, kept: bool) -> Key | None:
+        """Of the motion the case's runs are judged by; `kept`: the suite's own certificate will do if it has one."""
+        return self._key({"code": sources("reports.trial"), "kept_truth": _kept_truth() if kept else ""})
 
     def run(self, solver: str, route: str, setting: Setting, truth: str) -> Key | None:
         """Of one run and its verdict. `truth` is that record's digest: what it says counts, not what found it."""

@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 # Twenty default reports; beyond it the results longest unused are removed.
 BOUND_BYTES = 2 * 2**30
-_FILE = re.compile(r"(run|truth|timing)-[0-9a-f]{64}\.npz")
+_FILE = re.compile(r"[a-z]+-[0-9a-f]{64}\.npz")
 _UNFINISHED = re.compile(r"\.unfinished-\w+")
 _OWN = rf"{_FILE.pattern}|{_UNFINISHED.pattern}|\.gitignore"
 # A file is written in milliseconds: one this old (s) was left by a process that was killed.
@@ -40,7 +40,7 @@ _RECORD = "record.json"
 
 
 class Store:
-    """Results by key in a folder, which is made when the first is put there. Never raises for what is in it.
+    """Results by kind ("run", "truth", "timing") and key in a folder. Never raises for what it finds there.
 
     `fresh`: nothing is taken from it. `folder=None`: nothing is kept.
     """
@@ -54,8 +54,19 @@ class Store:
         self._unwritten: list[str] = []
         self._used: set[Path] = set()
 
+    def problem(self) -> str:
+        """Why nothing can be kept here, in a sentence; "" if all is well. Makes the folder."""
+        try:
+            self._open()
+            handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
+            os.close(handle)
+            os.unlink(unfinished)
+        except OSError as problem:
+            return f"what is finished cannot be kept: {_sentence(problem)}; give --store with another folder"
+        return ""
+
     def get(self, kind: str, key: Key | None, record: type[T]) -> T | None:
-        """The record of a kind ("run", "truth", "timing") kept under a key; None if there is none to be had."""
+        """The record kept under a key; None if there is none to be had."""
         if self.folder is None or key is None or self.fresh:
             return None
         path = self._path(kind, key)
@@ -85,7 +96,7 @@ class Store:
         try:
             plain, arrays = pack(record)
             content = _archive({"key": key, "when": now(), "record": plain}, arrays)
-            self._begin()
+            self._open()
             handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
             try:
                 with open(handle, "wb") as file:
@@ -115,7 +126,6 @@ class Store:
     def told(self) -> dict[str, Any]:
         """What a manifest says of it."""
         return {
-            "folder": str(self.folder or ""),
             "taken": dict(self._taken),
             "oldest_taken": self._oldest,
             "kept": dict(self._put),
@@ -151,6 +161,13 @@ class Store:
         }
         return [f"{fate}: {len(what)}, such as {what[0]}" for fate, what in told.items() if what]
 
+    def _open(self) -> None:
+        if self.folder is not None:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            ignore = self.folder / ".gitignore"
+            if not ignore.exists():
+                ignore.write_text("*\n")
+
     def _listed(self, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
         found = []
         try:
@@ -160,14 +177,6 @@ class Store:
         except OSError:
             pass  # no folder, or another build removes from it now: what is gone takes no room
         return found
-
-    def _begin(self) -> None:
-        assert self.folder is not None
-        if not self.folder.is_dir():
-            self.folder.mkdir(parents=True)
-        ignore = self.folder / ".gitignore"
-        if not ignore.exists():
-            ignore.write_text("*\n")
 
     def _path(self, kind: str, key: Key) -> Path:
         assert self.folder is not None

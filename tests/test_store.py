@@ -181,6 +181,7 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     assert store.get("run", KEY, Run) is None
     (told,) = store.trouble()
     assert told.startswith("could not be kept: 1")
+    assert "cannot be kept: NotADirectoryError" in store.problem() and Store(tmp_path / "good").problem() == ""
     assert store.kept_words() == "nothing was finished that could be kept"
 
 
