@@ -98,18 +98,18 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if step.regime is None:
             return arcs, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces = Bounces(case)
+    bounces, near = Bounces(case), case.start.xi1
     while len(arcs) < MOST_PHASES:
         now = phase(case, regime)
         arc = integrate(now, t, state_in(now, y), case.duration, rtol)
-        step = _after_flight(case, arc, bounces) if regime == FLIGHT else _after_contact(case, arc)
+        step = _after_flight(case, arc, bounces, near) if regime == FLIGHT else _after_contact(case, arc)
         arcs.extend(step.arcs)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime):
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
             return arcs, _listed(case, transitions, step.time), step.ending
-        t, y, regime = step.time, step.state, step.regime
+        t, y, regime, near = step.time, step.state, step.regime, step.place[0]
     return arcs, _listed(case, transitions, t), TOO_MANY
 
 
@@ -214,9 +214,9 @@ def _nothing_follows(case: Case, y) -> Ending:
 # --- after flight -----------------------------------------------------------------------------------------------------
 
 
-def _after_flight(case: Case, arc: Arc, bounces: Bounces) -> Step:
-    """Where the flight lands, and what the impact makes of it."""
-    landing = first_landing(case, arc, case.duration)
+def _after_flight(case: Case, arc: Arc, bounces: Bounces, near: float) -> Step:
+    """Where the flight lands, and what the impact makes of it; `near` is where the track was touched last."""
+    landing = first_landing(case, arc, case.duration, near)
     if landing is None:
         return Step((arc,), arc.stop.time)
     flown = _until(arc, landing)

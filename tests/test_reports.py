@@ -8,9 +8,8 @@ import pytest
 
 import cases
 from adapters import EngineFailure, Setting
-from cases import Cost, Mode, NotSupported, State, Trajectory, Transition
+from cases import Mode, NotSupported, State, Trajectory, Transition
 from reports import tables, trial
-from reports.metrics import LedgerRow
 from reports.records import CaseKey, Run
 
 # --- one run and its verdict ------------------------------------------------------------------------------------------
@@ -156,41 +155,6 @@ def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, li
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
-
-
-def rung(steps: int, error: float, **more) -> Run:
-    row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "matched")
-    told = dict(case="c", solver="s", route="r", setting=f"n={steps}", rung=1, outcome="right", ledger=(row,))
-    return Run(**{**told, "cost": Cost(steps=steps), **more})
-
-
-def fitted(ladder, floor=1e-15) -> tables.Order:
-    return tables.order(ladder, [tables.first_error(run) for run in ladder], floor)
-
-
-def test_order_of_a_clean_ladder_is_its_power():
-    fit = fitted([rung(n, -3.0 / n**2) for n in (100, 200, 400, 800)])
-    assert (fit.order, fit.low, fit.high) == pytest.approx((2.0, 2.0, 2.0))
-    assert len(fit.settings) == 4 and fit.note == ""
-
-
-def test_rungs_at_the_floor_do_not_count_towards_the_order():
-    ladder = [rung(n, 3.0 / n**2) for n in (100, 200, 400, 800)] + [rung(1600, 1e-9), rung(3200, 2e-9)]
-    assert fitted(ladder, floor=1e-9).order == pytest.approx(2.0)
-    unsure = [rung(n, 3.0 / n**2, spreads=(1.0,)) for n in (100, 200, 400)]
-    assert np.isnan(fitted(unsure).order)
-
-
-@pytest.mark.parametrize(
-    "ladder, note",
-    [
-        ([rung(100, 1e-3), rung(200, 1e-4)], "2 of 2 right rungs"),
-        ([rung(n, 1e-3 / n) for n in (100, 110, 120)], "steps differ by less"),
-    ],
-)
-def test_where_no_order_can_be_fitted_the_table_says_why(ladder, note):
-    fit = fitted(ladder)
-    assert np.isnan(fit.order) and note in fit.note
 
 
 def test_no_more_is_claimed_than_the_truth_allows():
