@@ -73,16 +73,26 @@ def _build(plan: Plan, store: Store) -> None:
         _say(f"store: {store.problem()}")
     found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress, store)
     measured = _measure(plan, found, store)
+    shown = _with_trajectories(plan, found)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
     _sweep(plan.out)
     partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
     try:
-        _write(plan, found, measured, store, partial)
+        _write(plan, shown, found, measured, store, partial)
         _move(partial, plan.out)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
     store.trim()
-    print(_told(plan, found, store))
+    print(_told(plan, shown, store))
+
+
+def _with_trajectories(plan: Plan, found: Experiment) -> Experiment:
+    """What was found here, and what others found."""
+    if not plan.trajectories:
+        return found
+    from . import elsewhere
+
+    return elsewhere.joined(found, plan.trajectories)
 
 
 def _measure(plan: Plan, found: Experiment, store: Store) -> Measured:
@@ -107,20 +117,21 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _write(plan: Plan, found: Experiment, measured: Measured, store: Store, folder: Path) -> None:
-    """Tables, figures, page and manifest into the folder."""
-    from . import figures, precision, precision_figures, tables, webpage
+def _write(plan: Plan, found: Experiment, timed: Experiment, measured: Measured, store: Store, folder: Path) -> None:
+    """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
+    from . import elsewhere, figures, precision, precision_figures, tables, webpage
     from .manifest import manifest
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
-    frames = tables.frames(found) | precision.frames(found, measured)
+    frames = tables.frames(found) | precision.frames(timed, measured)
     tables.write(frames, folder / "tables")
     count = 1 + 3 * len(found.cases)
     drawn = list(_progress("figures", count, figures.draw(found, folder / "figures")))
-    drawn += precision_figures.draw(found, measured, folder / "figures")
+    drawn += precision_figures.draw(timed, measured, folder / "figures")
     _say("page")
-    told = manifest(found.versions)
+    told = manifest(timed.versions)
+    told["solvers"] |= elsewhere.sources(plan.trajectories)
     told |= {
         "made_by": MADE_BY,
         "command": _command(plan),

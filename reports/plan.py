@@ -21,6 +21,8 @@ from cases.errors import unknown
 if TYPE_CHECKING:
     from adapters import Setting
 
+    from .elsewhere import Elsewhere
+
 MADE_BY = "slip-to-roll report"
 REFERENCE = "reference"
 # The families every solver runs, whose whole ladders stand in every report; they alone make up a quick one.
@@ -45,6 +47,7 @@ class Plan:
     asked: bool  # whether the cases were named, not taken from the whole catalogue
     store: Path | None = None  # where finished runs are kept
     fresh: bool = False  # whether what is kept there is left out of account
+    trajectories: tuple[Elsewhere, ...] = ()
 
     @property
     def limit(self) -> float:
@@ -105,6 +108,13 @@ def parser() -> argparse.ArgumentParser:
         action="extend",
         help=f"solvers: {', '.join(solvers())} (default: all)",
     )
+    add(
+        "--trajectory",
+        metavar="NAME[@CASE]=FILE",
+        action="append",
+        default=[],
+        help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
+    )
     effort = parser.add_mutually_exclusive_group()
     add = effort.add_argument
     add("--quick", action="store_true", help="three cases, one variant each, fewer settings")
@@ -139,7 +149,16 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     store = _checked_store(options.store, out)
     asked = options.case or own
     found = _cases(asked or (SHARED if effort == "quick" else cases.names()), effort)
-    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked), store, options.fresh)
+    given = _trajectories(options.trajectory, found)
+    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked), store, options.fresh, given)
+
+
+def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[Elsewhere, ...]:
+    if not texts:
+        return ()
+    from . import elsewhere
+
+    return elsewhere.asked(texts, found, solvers())
 
 
 def _jobs(text: str) -> int:
