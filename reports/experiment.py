@@ -58,9 +58,9 @@ def run(
 
 
 def _filled(runs: list[Run], coming: Iterator[tuple[int, Run]]) -> None:
-    """Put the runs that come in their places, without samples but for the finest of each route.
+    """Put the runs that come in their places, without samples and differences but for the finest of each route.
 
-    Samples are for figures, which draw no other: a thousand runs' would take some hundred megabytes.
+    Those are for figures, which draw no other: a thousand runs' would take some hundred megabytes.
     """
     finest: dict[tuple[str, str, str], int] = {}
     for place, found in coming:
@@ -70,7 +70,7 @@ def _filled(runs: list[Run], coming: Iterator[tuple[int, Run]]) -> None:
         if gives_motion(found) and (best is None or place > best):
             finest[route], undrawn = place, place if best is None else best
         if undrawn != finest.get(route):
-            runs[undrawn] = replace(runs[undrawn], samples={})
+            runs[undrawn] = replace(runs[undrawn], samples={}, off={})
 
 
 class _Task(NamedTuple):

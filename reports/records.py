@@ -93,7 +93,7 @@ class Run:
 @dataclass(frozen=True)
 class Experiment:
     """Everything that was found out, in the order asked for: truths by case label, and the runs. Only the finest run
-    of each route still has its `samples`. `versions`: of the solvers, "" where one could not tell."""
+    of each route still has its `samples` and `off`. `versions`: of the solvers, "" where one could not tell."""
 
     cases: tuple[Case, ...]
     truths: dict[str, Truth]
