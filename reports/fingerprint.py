@@ -55,17 +55,23 @@ class Keys:
         return self._key({"code": sources("reports.trial"), "kept_truth": _kept_truth() if kept else ""})
 
     def run(self, solver: str, route: str, setting: Setting, truth: str) -> Key | None:
-        """Of one run and its verdict. `truth` is that record's digest: what it says counts, not what found it."""
-        what = {"solver": solver, "route": route, "setting": _plain(setting), "truth": truth}
-        return self._key({**what, "judge": sources("reports.trial", _TRUTHS_OWN)}, solver)
+        """Of one run and its verdict; `truth` as for `of`."""
+        return self.of("reports.trial", {"route": route, "setting": _plain(setting)}, (solver,), truth)
 
     def timing(self, contestants: Iterable[tuple[str, str, str]], budget: float) -> Key | None:
         """Of the timings of (solver, route, setting) taken in turns within about so many seconds."""
         who = sorted(contestants)
         what = {"contestants": [" ".join(one) for one in who], "budget": budget}
-        return self._key({**what, "clock": sources("reports.clock", _TRUTHS_OWN)}, *(one[0] for one in who))
+        return self.of("reports.clock", what, sorted({one[0] for one in who}))
 
-    def _key(self, what: Key, *solvers: str) -> Key | None:
+    def of(self, module: str, what: Key, solvers: Iterable[str], truth: str = "") -> Key | None:
+        """Of what a module of the suite finds out with these solvers, and `what` else it depends on.
+
+        `truth` is the digest of the record results are compared with: what it says counts, not the code that found it.
+        """
+        return self._key({**what, "code": sources(module, _TRUTHS_OWN), "truth": truth}, solvers)
+
+    def _key(self, what: Key, solvers: Iterable[str] = ()) -> Key | None:
         engines = {name: self._versions.get(name) for name in solvers}
         if self._case["content"] is None or not all(engines.values()):
             return None
