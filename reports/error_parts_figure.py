@@ -14,7 +14,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from .error_parts import QUANTITIES, Cell, Grid, advice, by_route
-from .figures import _STYLE, Drawn, _save, file_name
+from .drawing import STYLE, Drawn, file_name, save
 
 _WORDS = (
     "The parts of an error",
@@ -28,11 +28,11 @@ _SHOWN = ("first_transition_time", "energy_lost")
 
 def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
     """Write a figure for each case of which there is a grid; yields what was written."""
-    with matplotlib.rc_context({**_STYLE, "axes.grid": False}):
+    with matplotlib.rc_context({**STYLE, "axes.grid": False}):
         for case in dict.fromkeys(cell.case for cell in cells if cell.setting.values):
             own = {who: group for who, group in by_route(cells).items() if who[0] == case and group[0].setting.values}
             figure = maps({f"{solver}, {route}": Grid(group) for (_, solver, route), group in own.items()}, case)
-            yield _save(figure, folder, f"error_parts_{file_name(case)}", case, *_WORDS)
+            yield save(figure, folder, f"error_parts_{file_name(case)}", case, *_WORDS)
 
 
 def maps(grids: dict[str, Grid], title: str) -> Figure:
