@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from .error_parts import QUANTITIES, Cell, Grid, advice, by_route
 from .drawing import STYLE, Drawn, file_name, save
+from .error_parts import QUANTITIES, Cell, Grid, advice, by_route
 
 _WORDS = (
     "The parts of an error",
