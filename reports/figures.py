@@ -112,8 +112,8 @@ _SCENE_WORDS = (
 _MOTION_WORDS = (
     "The motion, as the paper draws it",
     "Left: slip velocity, contact parameters, rotation and multiplier λ = N/‖R_p‖ against time, from the finest "
-    "setting of every route. Right: absolute difference from the truth, largest value in each of 400 stretches of "
-    "time. Where a solver gives no usable normal force its λ is missing.",
+    f"setting of every route. Right: absolute difference from the truth, largest value in each of {POINTS} stretches "
+    "of time. Where a solver gives no usable normal force its λ is missing.",
 )
 _ERRORS_WORDS = (
     "Error against steps",
