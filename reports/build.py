@@ -127,7 +127,7 @@ def _write(plan: Plan, found: Experiment, timed: Experiment, measured: Measured,
     frames = tables.frames(found) | precision.frames(timed, measured)
     tables.write(frames, folder / "tables")
     count = 1 + 3 * len(found.cases)
-    drawn = list(_progress("figures", count, figures.draw(found, folder / "figures")))
+    drawn = list(_progress("figures", count, figures.draw(found, folder / "figures", plan.files, plan.jobs)))
     drawn += precision_figures.draw(timed, measured, folder / "figures")
     _say("page")
     told = manifest(timed.versions)

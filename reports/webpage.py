@@ -264,6 +264,8 @@ def _command(label: str, manifest: dict[str, Any]) -> str:
 
 
 def _figure(drawn: Drawn, folder: Path, command: str) -> str:
+    if not drawn.name:
+        return f'<div class="warning"><strong>{escape(drawn.title)}.</strong> {escape(drawn.caption)}</div>'
     title = f"{drawn.title}: {drawn.case}" if drawn.case else drawn.title
     return (
         f'<figure><a href="figures/{drawn.name}.svg"><img loading="lazy" alt="{escape(title)}" '
