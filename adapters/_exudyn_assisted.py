@@ -93,9 +93,10 @@ class PenaltyContact:
     def grip(self, touch: Touch) -> float:
         """The friction (N) of a perfectly rough contact that creeps with vreg.
 
-        It fades out with the last hundredth of the weight, so that friction does not end with a jump at lift-off.
+        Where the plate may leave, it fades out with the last hundredth of the weight, so that friction does not end
+        with a jump.
         """
-        return min(self.rough, 100.0 * abs(touch.normal_force))
+        return min(self.rough, 100.0 * abs(touch.normal_force)) if self.unilateral else self.rough
 
     def force(self, _system, time, _object, pose, velocity) -> list[float]:
         """The engine's call for the generalised forces (F_x, F_y, M): the contact's and the load's."""
@@ -126,7 +127,7 @@ class PenaltyContact:
         except BEYOND:
             return np.zeros((3, 3))
         N, ax, ay, tx, ty = touch.normal_force, touch.ax, touch.ay, touch.tx, touch.ty
-        if N == 0.0:
+        if N == 0.0 and self.unilateral:
             return np.zeros((3, 3))
         tangent = np.array([tx, ty, ax * ty - ay * tx])
         normal = np.array([-ty, tx, ax * tx + ay * ty])

@@ -134,7 +134,9 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
         return Setting.of(**rung, solver="GeneralizedAlpha", newton="full", h=step)
     # Without a bound friction is all stiffness, and the trapezoidal rule would let it ring.
     solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
-    knobs = dict(k=_rounded(k * stiffness), vreg=_rounded(vreg * length / time), **CUT[route])
+    knobs = dict(k=_rounded(k * stiffness), vreg=_rounded(vreg * length / time))
+    if case.effect(CoulombFriction):
+        knobs |= CUT[route]
     return Setting.of(**rung, solver=solver, newton="full", h=step, **knobs)
 
 

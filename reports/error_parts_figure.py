@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from .drawing import STYLE, Drawn, file_name, save
 from .error_parts import QUANTITIES, Cell, Grid, advice, by_route
-from .figures import _STYLE, Drawn, _save, file_name
 
 _WORDS = (
     "The parts of an error",
@@ -28,11 +28,11 @@ _SHOWN = ("first_transition_time", "energy_lost")
 
 def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
     """Write a figure for each case of which there is a grid; yields what was written."""
-    with matplotlib.rc_context({**_STYLE, "axes.grid": False}):
+    with matplotlib.rc_context({**STYLE, "axes.grid": False}):
         for case in dict.fromkeys(cell.case for cell in cells if cell.setting.values):
             own = {who: group for who, group in by_route(cells).items() if who[0] == case and group[0].setting.values}
             figure = maps({f"{solver}, {route}": Grid(group) for (_, solver, route), group in own.items()}, case)
-            yield _save(figure, folder, f"error_parts_{file_name(case)}", case, *_WORDS)
+            yield save(figure, folder, f"error_parts_{file_name(case)}", case, *_WORDS)
 
 
 def maps(grids: dict[str, Grid], title: str) -> Figure:
@@ -73,8 +73,9 @@ def _map(ax: Axes, grid: Grid, quantity: str, norm):
         for column, size in enumerate(line):
             word = advice(grid, (row, *columns[column]), quantity)[0] if isfinite(size) else ""
             dark = norm is not None and isfinite(size) and size > 0.0 and norm(size) > 0.5
-            ax.text(column, row, "–" if word == "none" else word, ha="center", va="center", fontsize=5.5,
-                    color="white" if dark else "black")  # fmt: skip
+            small, colour = 5.5 if len(word) < 7 else 4.5, "white" if dark else "black"
+            word = "–" if word == "none" else word
+            ax.text(column, row, word, ha="center", va="center", fontsize=small, color=colour)
     values = [[levels[at] for levels, at in zip(grid.levels[1:], place, strict=True)] for place in columns]
     ax.set_xticks(range(len(columns)), ["\n".join(map(_short, each)) for each in values], fontsize=6)
     ax.set_yticks(range(len(steps)), [f"{h:.2g}" for h in steps], fontsize=7)
