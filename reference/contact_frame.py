@@ -18,10 +18,14 @@ from scipy.integrate import solve_ivp
 from cases import Case, Flight, Impact, Mode, Transition
 from cases.contact import pose, start_motion
 
-from . import second_bounces, second_flight, second_impact
+from . import second_bounces, second_flight, second_hops, second_impact
 from .second_bounces import Bounce
 from .second_equations import Phase, Scene, decide, leaves, rates
-from .second_flight import Landing, Surroundings
+from .second_flight import Surroundings, Touch
+from .second_record import Record
+
+# The rows of an answer's `motions`.
+MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
 
 STOPS = {"painleve": "paradox", "fit": "no_fit", "track": "track_end", "outline": "outline_end"}
 
@@ -39,21 +43,23 @@ MOST_CHANGES = 5000
 # The flight after a rebound is listed if it lasts this part of the duration; a shorter one belongs to an accumulation.
 LISTED = 1e-3
 
-# An accumulation's time is taken when known this well (in parts of the duration), or when bounces are this short: then
-# their rounding, 1e-16 m in a height of 1e-12 m, leaves nothing to be gained by following more of them.
-SETTLED = 1e-13
-SHORTEST = 1e-6
+# An accumulation's limit is taken when its time is known this well (in parts of the duration), or when bounces are this
+# short: nothing of what is left of them is resolved in the motions asked for.
+SETTLED = 1e-14
+SHORTEST = 1e-10
 
-# Bounces as short as this, of which no limit was found (each ends otherwise than the one before), are taken as over:
-# they are no higher than rounding.
-OVER = 1e-8
+# Bounces as short as this, of which no limit was found (each ends otherwise than the one before), are taken as over.
+OVER = 1e-12
+
+# A gap this far below zero (in plate's sizes) at the end of a hop is one in another place: far above rounding.
+ELSEWHERE = 1e-9
 
 
 class Answer(NamedTuple):
     """The second formulation's motion: its transitions, how it ended, and what it does at the times asked for.
 
-    `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n): x, y, θ, vx, vy, ω, v. Contact parameters and
-    slip velocity are NaN in flight, everything is after the motion has ended; at an impact: what follows it.
+    `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n), rows as named in `MOTION`. Contact parameters
+    and slip velocity are NaN in flight, everything is after the motion has ended; at an impact: what follows it.
     """
 
     transitions: tuple[Transition, ...]
@@ -71,11 +77,28 @@ class Touching(NamedTuple):
     phase: Phase
 
 
+class Leap(NamedTuple):
+    """Where a flight left the track: (ξ₁, ξ₂, ω, v), turns, normal velocity, and how long a small one lasts (s)."""
+
+    z: list[float]
+    turns: int
+    lift: float
+    lasts: float
+
+
 class Flying(NamedTuple):
-    """The plate off its track: (x, y, θ, vx, vy, ω), and how long until it is back, roughly (inf: nothing known)."""
+    """The plate off its track: (x, y, θ, vx, vy, ω), and the leap that began it, if it began with one."""
 
     body: list[float]
-    hop: float = inf
+    leap: Leap | None = None
+
+
+class Landing(NamedTuple):
+    """The plate that has just met its track: (ξ₁, ξ₂, ω, v), turns, and normal velocity."""
+
+    z: list[float]
+    turns: int
+    lift: float
 
 
 class Stopped(NamedTuple):
@@ -98,8 +121,7 @@ class _March:
     def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int):
         self.case, self.scene = case, Scene(case)
         self.rtol, self.longest = max(rtol, 1e-13), case.duration / looks
-        self.times = times
-        self.states, self.motions = np.full((4, len(times)), np.nan), np.full((7, len(times)), np.nan)
+        self.record = Record(case, times)
         self.t = 0.0
         self.transitions: list[Transition] = []
         self.bounces: list[Bounce] = []
@@ -111,9 +133,9 @@ class _March:
         now: Touching | Flying | Stopped = self._start()
         for _ in range(MOST_CHANGES):
             if isinstance(now, Stopped):
-                return Answer(tuple(self.transitions), now.status, self.t, self.states, self.motions)
+                return Answer(tuple(self.transitions), now.status, self.t, self.record.states, self.record.motions)
             now = self._contact(now) if isinstance(now, Touching) else self._flight(now)
-        return Answer(tuple(self.transitions), "accumulation", self.t, self.states, self.motions)
+        return Answer(tuple(self.transitions), "accumulation", self.t, self.record.states, self.record.motions)
 
     def _start(self) -> Touching | Flying | Stopped:
         begin = start_motion(self.case)
@@ -122,8 +144,8 @@ class _March:
         if self.case.start.in_contact:
             return self._touching(z, 0) or self._without_mode(z, 0)
         if self.case.start.gap == 0.0 and self.case.start.lift < 0.0:
-            return self._landing(Landing(0.0, body, begin.xi1, begin.xi2))
-        return Flying(body, self._hop(z, 0, self.case.start.lift))
+            return self._landing(Landing(z, 0, self.case.start.lift))
+        return self._leaps(z, 0, self.case.start.lift) if self.case.start.gap == 0.0 else Flying(body)
 
     # --- in contact -------------------------------------------------------------------------------------------------
 
@@ -235,43 +257,71 @@ class _March:
         solution = solve_ivp(
             lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, self.case.duration), now.z,
             method="DOP853", rtol=self.rtol, atol=1e-2 * self.rtol, events=events,
-            max_step=self.longest, dense_output=bool(len(self.times)),
+            max_step=self.longest, dense_output=bool(self.record),
         )  # fmt: skip
         if not solution.success:
             raise FloatingPointError(
                 f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}"
             )
-        self._sample_contact(solution, turns)
+        self.record.contact(start, float(solution.t[-1]), solution.sol, turns)
         return solution
 
     # --- off the track ----------------------------------------------------------------------------------------------
 
     def _flight(self, now: Flying) -> Touching | Flying | Stopped:
+        began, duration = self.t, self.case.duration
+        after = self._short(now.leap) if now.leap and now.leap.lasts < LISTED * duration else None
+        after = after or self._long(now)
+        self.rebound, rebound = None, self.rebound
+        if self.t - began >= LISTED * duration:
+            self.bounces.clear()  # no bounce of an accumulation yet
+            if rebound:
+                self.transitions.append(rebound)
+        return self._landing(after) if isinstance(after, Landing) else after
+
+    def _short(self, leap: Leap) -> Landing | Stopped | None:
+        """A hop close to the track; None if it is not: it lasts longer, or the plate meets the track elsewhere."""
+        found = second_hops.hop(self.scene, self.t, leap.z, leap.turns, leap.lift, leap.lasts, self.rtol)
+        if found is None or self.t + found.duration > self.case.duration:
+            return None
+        around, middle_and_end = self._surroundings(), np.array([0.5, 1.0]) * found.duration
+        if min(around.closest(body).gap for body in found.bodies(middle_and_end).T) < -ELSEWHERE * around.size:
+            return None
+        start, self.t = self.t, self.t + found.duration
+        self.record.flight(start, self.t, lambda times: found.bodies(times - start))
+        return Landing(found.z, leap.turns, found.lift)
+
+    def _long(self, now: Flying) -> Landing | Stopped:
+        """A flight to wherever the outline meets the track."""
+        end, lasts = self.case.duration, now.leap.lasts if now.leap else inf
+        flown = second_flight.fly(
+            self.scene, self._surroundings(), self.t, now.body, end, self.rtol, self.longest, lasts
+        )
+        self.t = flown.end
+        for start, until, interpolant in flown.pieces:
+            self.record.flight(start, until, interpolant)
+        if flown.touch is None:
+            return Stopped("completed")
+        xi1, xi2, turns = self._wound(flown.touch)
+        seen = second_flight.frame(self.scene, flown.touch.body, xi1, xi2)
+        return Landing([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)
+
+    def _surroundings(self) -> Surroundings:
         if self.around is None:
             self.around = Surroundings(self.scene, self.last_xi1)
-        began, end = self.t, self.case.duration
-        flown = second_flight.fly(self.scene, self.around, began, now.body, end, self.rtol, self.longest, now.hop)
-        self.t = flown.end
-        self._sample_flight(flown.pieces)
-        if self.t - began >= LISTED * self.case.duration:
-            self.bounces.clear()  # no bounce of an accumulation yet
-            if self.rebound:
-                self.transitions.append(self.rebound)
-        self.rebound = None
-        return self._landing(flown.landing) if flown.landing else Stopped("completed")
+        return self.around
 
     def _landing(self, landing: Landing) -> Touching | Flying | Stopped:
         """What follows when the outline meets the track."""
         scene, effect = self.scene, self.case.effect(Impact)
-        xi1, xi2, turns = self._wound(landing)
+        (xi1, xi2, spin, slip), turns = landing.z, landing.turns
         q = scene.place(xi1, xi2)
         if q.bend_outline <= q.bend_track:
             return Stopped("no_fit")
         if effect is None:
             return Stopped("landing")
-        seen = second_flight.frame(scene, landing.body, xi1, xi2)
         try:
-            result = second_impact.hit(scene, effect, q, seen.slip, min(seen.lift, 0.0), landing.body[5])
+            result = second_impact.hit(scene, effect, q, slip, min(landing.lift, 0.0), spin)
         except second_impact.Jammed:
             return Stopped("paradox")
         if second_impact.creates_energy(result):
@@ -285,16 +335,16 @@ class _March:
         if limit is not None:
             self.t = limit.time
             return self._settled(limit.z, turns)
-        if self._hop(z, turns, result.lift) < OVER * self.case.duration:
-            return self._settled(z, turns)
-        return self._rebounds(z, turns, result.lift)
+        self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2)
+        return self._leaps(z, turns, result.lift)
 
-    def _rebounds(self, z, turns: int, lift: float) -> Flying:
-        self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, z[0], z[1])
-        q, body = self.scene.place(z[0], z[1]), self.scene.body(z, turns)
-        body[3] -= lift * q.ty
-        body[4] += lift * q.tx
-        return Flying(body, self._hop(z, turns, lift))
+    def _leaps(self, z, turns: int, lift: float) -> Touching | Flying | Stopped:
+        """Flight from the track with a normal velocity."""
+        press = self.scene.forces(self.t, z, Phase(None, None), turns).push
+        lasts = 2.0 * lift / press if press > 0.0 else inf
+        if lasts < OVER * self.case.duration:
+            return self._settled(z, turns)
+        return Flying(second_hops.body(self.scene, [*z, lift, 0.0], turns), Leap(z, turns, lift, lasts))
 
     def _settled(self, z, turns: int) -> Touching | Flying | Stopped:
         """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
@@ -308,11 +358,6 @@ class _March:
         self.transitions.append(Transition(self.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
         return after
 
-    def _hop(self, z, turns: int, lift: float) -> float:
-        """How long a small hop with that normal velocity lasts, s; infinite where nothing brings the plate back."""
-        press = self.scene.forces(self.t, z, Phase(None, None), turns).push
-        return 2.0 * lift / press if press > 0.0 and lift > 0.0 else inf
-
     def _accumulation(self, turns: int) -> second_bounces.Limit | None:
         """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
         found = second_bounces.limit(self.bounces)
@@ -320,14 +365,13 @@ class _March:
             return None
         last = self.t - self.bounces[-2].time
         if last > SHORTEST * self.case.duration:
-            asked = np.any((self.times > self.t) & (self.times < found.time))
-            if asked or found.error > SETTLED * self.case.duration:
+            if self.record.asks_between(self.t, found.time) or found.error > SETTLED * self.case.duration:
                 return None
-        between = (self.times > self.t) & (self.times < found.time)
-        self._sample_still(between, found.z, turns)
+        # What is left of the bounces is closer to their limit than anything resolved.
+        self.record.contact(self.t, found.time, lambda times: np.outer(found.z, np.ones(len(times))), turns)
         return found
 
-    def _wound(self, landing: Landing) -> tuple[float, float, int]:
+    def _wound(self, landing: Touch) -> tuple[float, float, int]:
         """Contact parameters of a landing on closed curves: the track's nearest to the last, the outline's such that
         (6) gives the plate's angle; and the whole turns that remain where the outline is open."""
         track, outline, xi1, xi2 = self.scene.track, self.scene.outline, landing.xi1, landing.xi2
@@ -335,35 +379,6 @@ class _March:
             xi1 += track.period * round((self.last_xi1 - xi1) / track.period)
         turns = round((landing.body[2] - float(pose(self.case, xi1, xi2)[2])) / (2 * pi))
         return (xi1, xi2 - turns * outline.period, 0) if outline.period else (xi1, xi2, turns)
-
-    # --- what was asked for -----------------------------------------------------------------------------------------
-
-    def _sample_contact(self, solution, turns: int) -> None:
-        inside = (self.times >= solution.t[0]) & (self.times <= solution.t[-1])
-        if inside.any():
-            self._note(inside, solution.sol(self.times[inside]), turns)
-
-    def _sample_still(self, inside: np.ndarray, z, turns: int) -> None:
-        """Between the last bounce followed and their limit, closer to it than anything resolved."""
-        if inside.any():
-            self._note(inside, np.repeat(np.array(z)[:, None], int(inside.sum()), axis=1), turns)
-
-    def _note(self, inside: np.ndarray, z: np.ndarray, turns: int) -> None:
-        self.states[:, inside] = z
-        xi1, xi2, w, v = z
-        x, y, theta = pose(self.case, xi1, xi2)
-        tangent, contact = self.scene.track.tangent(xi1), self.scene.track.point(xi1)
-        vx = v * tangent[0] + w * (contact[1] - y)
-        vy = v * tangent[1] - w * (contact[0] - x)
-        self.motions[:, inside] = [x, y, theta + 2 * pi * turns, vx, vy, w, v]
-
-    def _sample_flight(self, pieces) -> None:
-        for start, end, interpolant in pieces:
-            inside = (self.times >= start) & (self.times <= end)
-            if inside.any():
-                body = interpolant(self.times[inside])
-                self.motions[:6, inside], self.motions[6, inside] = body, np.nan
-                self.states[:, inside], self.states[2, inside] = np.nan, body[5]
 
 
 def _inside(i: int, low: float, high: float):

@@ -63,7 +63,7 @@ class Frame(NamedTuple):
     lift: float
 
 
-class Landing(NamedTuple):
+class Touch(NamedTuple):
     """An instant at which the outline meets the track: time, (x, y, θ, vx, vy, ω) and contact parameters."""
 
     time: float
@@ -73,11 +73,11 @@ class Landing(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """A flight: pieces (start, end, interpolant), its end, and the landing that ended it, if one did."""
+    """A flight: pieces (start, end, interpolant), its end, and the touch that ended it, if one did."""
 
     pieces: list[tuple[float, float, Callable]]
     end: float
-    landing: Landing | None
+    touch: Touch | None
 
 
 def frame(scene: Scene, body, xi1: float, xi2: float) -> Frame:
@@ -331,18 +331,18 @@ def _landed(course: _Course, low: float, high: float) -> Flown:
     return Flown(pieces, landing.time, landing)
 
 
-def _polished(course: _Course, time: float, pair: Pair, furthest: float) -> Landing:
+def _polished(course: _Course, time: float, pair: Pair, furthest: float) -> Touch:
     """Newton's method for time and both contact parameters together: the points coincide, the tangents are parallel."""
     scene, size, xi1, xi2 = course.scene, course.around.size, pair.xi1, pair.xi2
     first, smallest = time, inf
-    best = Landing(time, course.exactly(time), xi1, xi2)
+    best = Touch(time, course.exactly(time), xi1, xi2)
     for _ in range(8):
         body = course.exactly(time)
         f = frame(scene, body, xi1, xi2)
         miss = hypot(f.along, f.gap, size * f.angle)
         if miss >= smallest:
             break  # no better than before: rounding
-        best, smallest = Landing(time, body, xi1, xi2), miss
+        best, smallest = Touch(time, body, xi1, xi2), miss
         matrix = [
             [f.slip, f.bend_track * f.gap - 1.0, cos(f.angle)],
             [f.lift, -f.bend_track * f.along, sin(f.angle)],

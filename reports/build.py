@@ -26,6 +26,7 @@ from cases.errors import unknown
 if TYPE_CHECKING:
     from adapters import Setting
 
+    from .elsewhere import Elsewhere
     from .precision import Measured
     from .records import Experiment
 
@@ -49,6 +50,7 @@ class Plan:
     jobs: int
     argv: tuple[str, ...]
     asked: bool  # whether the cases were named, not taken from the whole catalogue
+    trajectories: tuple[Elsewhere, ...] = ()
 
     @property
     def limit(self) -> float:
@@ -133,6 +135,13 @@ def _parser() -> argparse.ArgumentParser:
         action="extend",
         help=f"solvers: {', '.join(_solvers())} (default: all)",
     )
+    add(
+        "--trajectory",
+        metavar="NAME[@CASE]=FILE",
+        action="append",
+        default=[],
+        help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
+    )
     effort = parser.add_mutually_exclusive_group()
     add = effort.add_argument
     add("--quick", action="store_true", help="three cases, one variant each, fewer settings")
@@ -158,7 +167,16 @@ def _plan(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     out = _checked_out(Path(options.out))
     asked = options.case or own
     found = _cases(asked or (SHARED if effort == "quick" else cases.names()), effort)
-    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked))
+    given = _trajectories(options.trajectory, found)
+    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked), trajectories=given)
+
+
+def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[Elsewhere, ...]:
+    if not texts:
+        return ()
+    from . import elsewhere
+
+    return elsewhere.asked(texts, found, _solvers())
 
 
 def _jobs(text: str) -> int:
@@ -252,15 +270,25 @@ def _build(plan: Plan) -> int:
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress)
     measured = _measure(plan, found)
+    shown = _with_trajectories(plan, found)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
     try:
-        _write(plan, found, measured, partial)
+        _write(plan, shown, found, measured, partial)
         _move(partial, plan.out)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
-    print(_told(plan, found))
+    print(_told(plan, shown))
     return 0
+
+
+def _with_trajectories(plan: Plan, found: Experiment) -> Experiment:
+    """What was found here, and what others found."""
+    if not plan.trajectories:
+        return found
+    from . import elsewhere
+
+    return elsewhere.joined(found, plan.trajectories)
 
 
 def _measure(plan: Plan, found: Experiment) -> Measured:
@@ -285,20 +313,21 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _write(plan: Plan, found: Experiment, measured: Measured, folder: Path) -> None:
-    """Tables, figures, page and manifest into the folder."""
-    from . import figures, precision, precision_figures, tables, webpage
+def _write(plan: Plan, found: Experiment, timed: Experiment, measured: Measured, folder: Path) -> None:
+    """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
+    from . import elsewhere, figures, precision, precision_figures, tables, webpage
     from .manifest import manifest
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
-    frames = tables.frames(found) | precision.frames(found, measured)
+    frames = tables.frames(found) | precision.frames(timed, measured)
     tables.write(frames, folder / "tables")
     count = 1 + 3 * len(found.cases)
     drawn = list(_progress("figures", count, figures.draw(found, folder / "figures")))
-    drawn += precision_figures.draw(found, measured, folder / "figures")
+    drawn += precision_figures.draw(timed, measured, folder / "figures")
     _say("page")
     told = manifest(plan.solvers, plan.jobs, plan.limit)
+    told["solvers"] |= elsewhere.sources(plan.trajectories)
     told |= {
         "made_by": MADE_BY,
         "command": _command(plan),

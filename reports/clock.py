@@ -1,9 +1,11 @@
 """How long `run` of each solver takes: one process, nothing beside it, contestants in turn, again and again.
 
-CPU time of `run` alone (time.process_time). The model is built anew for each repeat, off the clock. Contestants take
-turns, so that a slower clock or a neighbour's load hits all alike. Around each repeat stands a loop of known work; a
-repeat beside a slow loop, beside other running processes, or that had to wait for its processor is a disturbed one.
-Medians are of the undisturbed repeats; a contestant with too few of them is marked, and ranks nowhere.
+CPU time of `run` alone (time.process_time). The model is built anew for each run, off the clock. Contestants take
+turns, so that a slower clock or a neighbour's load hits all alike. A long run soon has its code and data in the
+processor's caches; a short one would only pay for what the others left there, so that it is run once off the clock and
+then several times in a row. Around each repeat stands a loop of known work; a repeat beside a slow loop, beside other
+running processes, or that had to wait for its processor is a disturbed one. Medians are of the undisturbed repeats; a
+contestant with too few of them is marked, and ranks nowhere.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import nan, sqrt
+from math import ceil, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,9 +31,12 @@ LEAST_REPEATS, MOST_REPEATS = 3, 60
 # Of fewer repeats than these the quartiles are no better known than the extremes, which are told in their place: the
 # extremes of six hold the median with a chance of 97 %, those of five with 94 %.
 _QUARTILES_FROM = 6
-# A first run shorter than this is taken as warm-up: caches and lazy imports weigh in it. A longer one hardly feels
-# them.
-_WARM_SECONDS = 0.1
+# The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
+_FIRST_SECONDS = 0.1
+# Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.
+_SHORT_SECONDS = 1e-2
+# So long do short runs take in a row, and so many they are at most: each needs a model of its own.
+_ROW_SECONDS, _ROW_RUNS = 1e-3, 16
 # Two timings of the same work on a quiet machine differ by a few per cent; a fifth is another load or another clock.
 _DISTURBED = 1.2
 # A switch to the kernel and back between two readings of the clocks; a shorter wait is none.
@@ -59,7 +64,7 @@ class Timing:
 
     Medians over the undisturbed repeats (over all if there are fewer than `LEAST_REPEATS`: then `disturbed`) of `run`:
     CPU and wall; [cpu_low_s, cpu_high_s] runs from quartile to quartile of the CPU time, or from least to greatest of
-    few repeats (NaN of fewer than three). Wall seconds off the clock: `setup_s` of `build`, the median; `compile_s`
+    few repeats (NaN of fewer than three). CPU seconds apart from those: `setup_s` of `build`, the median; `compile_s`
     what the first `build` took beyond that (imports, derivation, compilation; what settings share is paid by the first
     of them); `read_s` of `read`. `repeats` counts what the medians are of, `disturbed_repeats` what was thrown away.
     """
@@ -77,8 +82,8 @@ class Timing:
 
 
 class Repeat(NamedTuple):
-    """One repeat: CPU and wall seconds of `run`; the slower of the calibration loops before and after it, s; whether
-    other processes were seen to run."""
+    """One repeat: CPU and wall seconds of a `run` (the mean of those in a row); the slower of the calibration loops
+    before and after it, s; whether other processes were seen to run."""
 
     cpu: float
     wall: float
@@ -97,14 +102,27 @@ class Entry:
     repeats: list[Repeat] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
     reading: list[float] = field(default_factory=list)
+    run_s: float = 0.0  # wall seconds of a build and a run, the last time
     failure: str = ""
 
     @property
     def repeat_s(self) -> float:
-        """What one more repeat is expected to take."""
+        """Wall seconds that one more repeat is expected to take."""
         if not self.repeats:
             return self.contestant.expected_s
-        return self.repeats[-1].wall + self.setup[-1] + (self.reading[-1] if len(self.reading) < _READS else 0.0)
+        return (self.warm_ups + self.row) * self.run_s + (self.reading[-1] if len(self.reading) < _READS else 0.0)
+
+    @property
+    def warm_ups(self) -> int:
+        """Runs off the clock before a repeat."""
+        return int(bool(self.repeats) and self.repeats[-1].cpu < _SHORT_SECONDS)
+
+    @property
+    def row(self) -> int:
+        """Runs in a row of a repeat."""
+        if not self.repeats:
+            return 1
+        return max(1, min(_ROW_RUNS, ceil(_ROW_SECONDS / max(self.repeats[-1].cpu, 1e-9))))
 
     def undisturbed(self, loop: float) -> list[Repeat]:
         """The repeats of a quiet machine, whose calibration loop takes `loop` seconds."""
@@ -151,11 +169,12 @@ def take_turns(entries: Sequence[Entry], deadline: float) -> float:
         for entry in waiting:
             if not fits(entry):
                 continue
-            warming = not entry.repeats
+            first = not entry.repeats
             _repeat(entry, loops)
-            if warming and entry.repeats and entry.repeats[0].cpu < _WARM_SECONDS and fits(entry):
-                entry.repeats.clear()
+            if first and entry.repeats and entry.repeats[0].cpu < _FIRST_SECONDS and fits(entry):
                 _repeat(entry, loops)
+                if not entry.failure:
+                    del entry.repeats[0]
         loop = _undisturbed(loops)
         waiting = [e for e in waiting if fits(e) and not _enough(e, loop)]
     return _undisturbed(loops)
@@ -209,27 +228,34 @@ def timing(entry: Entry, loop: float) -> Timing:
 def _repeat(entry: Entry, loops: list[float]) -> None:
     """Build, run and (the first few times) read back; the calibration loops' times go into `loops`."""
     try:
-        began = time.perf_counter()
-        model = entry.build()
-        entry.setup.append(time.perf_counter() - began)
+        began, warm_ups, models = time.perf_counter(), entry.warm_ups, []
+        for _ in range(warm_ups + entry.row):
+            spent = time.process_time()
+            models.append(entry.build())
+            entry.setup.append(time.process_time() - spent)
         before, others = calibrate(), neighbours()
+        for model in models[:warm_ups]:
+            entry.run(model)
+        row = models[warm_ups:]
         gc.disable()  # as the standard library's timeit does: whose garbage is collected when is chance
         try:
             cpu, wall = time.process_time(), time.perf_counter()
-            entry.run(model)
+            for model in row:
+                entry.run(model)
             cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
         finally:
             gc.enable()
         others, after = others or neighbours(), calibrate()
+        entry.run_s = (time.perf_counter() - began) / len(models)
         if len(entry.reading) < _READS:
-            began = time.perf_counter()
-            entry.read(model)
-            entry.reading.append(time.perf_counter() - began)
+            spent = time.process_time()
+            entry.read(row[-1])
+            entry.reading.append(time.process_time() - spent)
     except Exception as problem:  # an engine that fails now and then loses its row, not everyone's
         entry.failure = f"{type(problem).__name__}: {problem}"
         return
     loops += [before, after]
-    entry.repeats.append(Repeat(cpu, wall, max(before, after), others))
+    entry.repeats.append(Repeat(cpu / len(row), wall / len(row), max(before, after), others))
 
 
 def calibrate() -> float:

@@ -22,6 +22,8 @@ from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # noqa: E402
 
+import adapters  # noqa: E402
+
 from .records import REFERENCE, Experiment, Run  # noqa: E402
 
 # Okabe & Ito, "Color Universal Design" (2008), without the yellow, which is pale on white.
@@ -68,10 +70,10 @@ class Drawn:
 
 
 class Looks:
-    """Colour by solver, dashes and marker by route, the same in every figure of a report."""
+    """Colour by solver, dashes and marker by route, the same in every figure, whichever solvers took part."""
 
     def __init__(self, experiment: Experiment):
-        solvers = sorted({run.solver for run in experiment.runs} - {REFERENCE})
+        solvers = sorted({run.solver for run in experiment.runs}.union(adapters.engines()) - {REFERENCE})
         self._colours = {REFERENCE: _REFERENCE} | {s: PALETTE[i % len(PALETTE)] for i, s in enumerate(solvers)}
         self._routes: dict[str, list[str]] = {}
         for run in experiment.runs:

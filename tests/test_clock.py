@@ -3,6 +3,7 @@
 import statistics
 import time
 from functools import partial
+from itertools import groupby
 from math import isnan
 
 import pytest
@@ -74,10 +75,39 @@ def test_ratio_of_timings_is_the_ratio_of_work():
 
 def test_contestants_take_turns(quiet_machine):
     order: list[str] = []
-    entries = [entry(name, run=lambda model, name=name: order.append(name)) for name in "ab"]
-    clock.take_turns(entries, time.perf_counter() + 0.5)
-    # The first repeat of each is a warm-up that is thrown away; then they alternate.
-    assert order[:8] == ["a", "a", "b", "b", "a", "b", "a", "b"]
+
+    def run(name: str, model) -> None:
+        order.append(name)
+        work(200_000)
+
+    entries = [entry(name, run=partial(run, name)) for name in "abc"]
+    clock.take_turns(entries, time.perf_counter() + 1.0)
+    turns = [name for name, _ in groupby(order)]
+    assert turns[:9] == list("abcabcabc")
+
+
+def test_short_runs_are_warmed_up_and_run_in_a_row_of_models_of_their_own(quiet_machine):
+    built, ran = [], []
+
+    def build():
+        built.append(object())
+        return built[-1]
+
+    one = entry("short", build, ran.append)
+    clock.take_turns([one], time.perf_counter() + 0.5)
+    assert len(ran) == len(built) == len(set(map(id, built)))
+    assert len(ran) >= clock._ROW_RUNS * len(one.repeats)
+
+
+def test_long_runs_are_run_once_a_repeat(quiet_machine):
+    ran: list[int] = []
+
+    def run(model) -> None:
+        ran.append(work(2_000_000))  # some 20 ms
+
+    one = entry("long", run=run)
+    clock.take_turns([one], time.perf_counter() + 0.5)
+    assert len(ran) == len(one.repeats) + 1  # the very first is thrown away
 
 
 def test_what_does_not_fit_in_the_budget_is_left_out():

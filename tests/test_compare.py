@@ -56,8 +56,10 @@ def test_rolling_phases_are_found_from_poses_alone(tmp_path, capsys):
 def test_transition_three_percent_late_is_told_with_its_error(tmp_path, capsys):
     first = MOTION.transitions[0].time
     frame = table()
-    # A slip that reads as the true one did three percent earlier.
-    frame["slip"] = MOTION(frame["t"].to_numpy() / 1.03).slip
+    # The same motion, three percent slower throughout.
+    slow = MOTION(frame["t"].to_numpy() / 1.03)
+    frame = frame.assign(**{name: getattr(slow, name) for name in ("x", "y", "theta")})
+    frame = frame.assign(**{name: getattr(slow, name) / 1.03 for name in ("vx", "vy", "omega", "slip")})
     status, text, _ = judged(tmp_path, capsys, frame)
     assert status == 0
     assert float(ledger(text)[0][5]) == pytest.approx(0.03 * first, rel=1e-6)
@@ -76,7 +78,15 @@ def _with(column: str, change):
     [
         (_with("friction_force", lambda T: 1.2 * T), "friction exceeds its cone"),
         (_with("normal_force", lambda N: N - 5.0), "the track pulls"),
-        (lambda frame: frame.assign(x=frame.x * (1 + 0.05 * frame.t), y=frame.y * (1 + 0.05 * frame.t)), "overlaps"),
+        (_with("friction_force", lambda T: -T), "friction drives the slip"),
+        (_with("friction_force", lambda T: 0.5 * T), "the forces do not make the motion: m vx"),
+        (_with("normal_force", lambda N: 1.1 * N), "the forces do not make the motion: m vy"),
+        (
+            lambda frame: frame.drop(columns="slip").assign(
+                x=frame.x * (1 + 0.05 * frame.t), y=frame.y * (1 + 0.05 * frame.t)
+            ),
+            "overlaps",
+        ),
     ],
 )
 def test_broken_law_is_told(tmp_path, capsys, spoil, law):
@@ -89,6 +99,10 @@ def test_broken_law_is_told(tmp_path, capsys, spoil, law):
     ("spoil", "sentence"),
     [
         (lambda frame: frame.drop(columns=["y", "theta"]), "has no column y, theta"),
+        (lambda frame: frame.rename(columns=str.upper), "its first line is 'T,X,Y,THETA,"),
+        (lambda frame: frame.assign(t=1e3 * frame.t), "give at least 50, and t in seconds"),
+        (_with("slip", lambda slip: 1e3 * slip), "give it so, in m/s, or leave it out"),
+        (_with("slip", lambda slip: -slip), "along the track's increasing parameter"),
         (lambda frame: frame.iloc[::-1], "does not grow"),
         (lambda frame: frame.iloc[:20], "too coarse"),
         (lambda frame: frame.iloc[::40], "too coarse"),

@@ -75,6 +75,14 @@ def test_an_accurate_setting_without_a_timing_is_not_called_never():
     assert first(rows, 1e-8)["a"]["cpu_s"] == precision.NOT_TIMED
 
 
+def test_times_taken_beside_other_runs_rank_nothing():
+    experiment, measured = made(("a", "s", 1e-9, None), ("b", "s", 1e-9, 2.0))
+    hasty = replace(experiment.runs[0], cost=Cost(cpu_s=1e-6, wall_s=1e-6, setup_s=0.0, steps=10))
+    points = precision.work_precision_rows(replace(experiment, runs=(hasty, *experiment.runs[1:])), measured)
+    rows = first(precision.time_to_accuracy_rows(points), 1e-2)
+    assert rows["a"]["cpu_s"] == precision.NOT_TIMED and rows["b"]["ratio"] == 1.0
+
+
 def test_no_accuracy_is_told_below_ten_bars_of_the_truth():
     experiment, measured = made(("a", "s", 0.0, 1.0))
     rows = precision.work_precision_rows(experiment, measured)
@@ -293,6 +301,15 @@ def test_small_files_keep_their_picture():
     assert 'd="M1.23 -0L2.5 1e-05"' in told
     assert ">0.123456<" in told and "line2d_1" not in told and "<?xml" not in told
     assert told.count("fill: none") == 1 and told.count('class="c0"') == 2
+
+
+def test_a_solver_has_the_same_colour_whoever_else_takes_part():
+    from reports.drawing import Looks
+
+    few, _ = made(("pymunk", "s", 1e-9, None))
+    many, _ = made(("reference", "s", 1e-9, None), ("exudyn", "s", 1e-9, None), ("pymunk", "s", 1e-9, None))
+    assert Looks(few).colour(few.runs[0]) == Looks(many).colour(many.runs[2])
+    assert len({Looks(many).colour(run) for run in many.runs}) == 3
 
 
 @pytest.mark.parametrize("value, text", [(1e-12, "10⁻¹²"), (1.0, "1"), (10.0, "10"), (0.1, "0.1"), (2e-3, "0.002")])

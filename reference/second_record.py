@@ -1,0 +1,45 @@
+"""What the second formulation was asked to tell of a motion, filled in piece by piece."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from cases import Case
+from cases.contact import pose
+
+
+class Record:
+    """States (4, n): ξ₁, ξ₂, ω, v, and motions (7, n): x, y, θ, vx, vy, ω, v, at n times; NaN where nothing is told."""
+
+    def __init__(self, case: Case, times: np.ndarray):
+        self.case, self.times = case, times
+        self.states, self.motions = np.full((4, len(times)), np.nan), np.full((7, len(times)), np.nan)
+
+    def __bool__(self) -> bool:
+        return bool(len(self.times))
+
+    def asks_between(self, start: float, end: float) -> bool:
+        return bool(np.any((self.times > start) & (self.times < end)))
+
+    def contact(self, start: float, end: float, z_at, turns: int) -> None:
+        """Notes contact from `start` to `end`; `z_at` maps an array of times to (ξ₁, ξ₂, ω, v)."""
+        inside = (self.times >= start) & (self.times <= end)
+        if not inside.any():
+            return
+        self.states[:, inside] = xi1, xi2, w, v = z_at(self.times[inside])
+        x, y, theta = pose(self.case, xi1, xi2)
+        tangent, contact = self.case.track.tangent(xi1), self.case.track.point(xi1)
+        vx = v * tangent[0] + w * (contact[1] - y)
+        vy = v * tangent[1] - w * (contact[0] - x)
+        self.motions[:, inside] = [x, y, theta + 2 * pi * turns, vx, vy, w, v]
+
+    def flight(self, start: float, end: float, body_at) -> None:
+        """Notes flight from `start` to `end`; `body_at` maps an array of times to (x, y, θ, vx, vy, ω)."""
+        inside = (self.times >= start) & (self.times <= end)
+        if not inside.any():
+            return
+        self.motions[:6, inside] = bodies = body_at(self.times[inside])
+        self.motions[6, inside] = np.nan
+        self.states[:, inside], self.states[2, inside] = np.nan, bodies[5]
