@@ -62,9 +62,7 @@ def build(case: Case, setting: Setting) -> System:
         item.SensorObject(objectNumber=number, outputVariableType=exu.OutputVariableType.Force, storeInternal=True)
     )
     motion = node_sensors(system, node)
-    cut_steps(
-        case, setting, system, _slip_on_line(case, system, line) if line else _slip_on_circle(case, system, circle)
-    )
+    cut_steps(case, setting, system, slip)
     system.Assemble()
     return System(container, system, motion, force, contact)
 
