@@ -100,7 +100,7 @@ def _rows(model: Model) -> _Rows:
     force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
     if model.drive:
         force -= _driven(model.drive)
-    return _Rows(pose, rates_at_poses(before, after), after, force)
+    return _Rows(pose, rates_at_poses(before, after, native.radii(case)[1]), after, force)
 
 
 def _trajectory(model: Model, rows: _Rows, contacts: _Contacts, flown: list[tuple[int, int]], ending: _Ending):
@@ -167,15 +167,18 @@ def _touched(ending: _Ending, gap: np.ndarray, h: float) -> _Ending:
     return ending._replace(time=(ending.kept - 2 + share) * h)
 
 
-def rates_at_poses(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float) -> np.ndarray:
     """Velocities at the poses' times from those half a step before and after, arrays (n, 3); the first is the start's.
 
     The mean of the two is off by h²/8 of the second derivative, as much as the engine itself; that is taken off by the
-    smaller of the second differences to either side, so that none reaches across a jump of the acceleration.
+    smaller of the second differences to either side, so that none reaches across a jump of the acceleration. (All
+    three from one side: only together do they make a slip velocity. Spin counts by the plate's `size`, m.)
     """
     bend = np.diff(after, 2, axis=0)
     left, right = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
-    smaller = np.where(np.abs(left) < np.abs(right), left, right)
+    scale = np.array([1.0, 1.0, size])
+    nearer = np.linalg.norm(left * scale, axis=1) < np.linalg.norm(right * scale, axis=1)
+    smaller = np.where(nearer[:, None], left, right)
     rates = 0.5 * (before + after)
     rates[0] = before[0]
     rates[1:] -= smaller / 8.0

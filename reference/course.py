@@ -11,6 +11,7 @@ from cases import Case, Flight, Impact, Mode, Trajectory, Transition, Unilateral
 
 from .arc import BREAKDOWN, Arc
 from .bounces import Bounces
+from .eliminated import Motion
 from .flight import Landing, first_landing
 from .impact import Touch, collide, energy, law_of
 from .modes import (
@@ -167,7 +168,7 @@ _BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_
 
 def _leave(case: Case, arcs: tuple[Arc, ...], t: float, y: Sequence[float], guard: str) -> Step:
     """No contact follows: the plate flies, or that is the end."""
-    ending = _nothing_follows(case, y)
+    ending = _nothing_follows(case, t, y)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = _moves(case, y)
         return Step(arcs, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
@@ -196,19 +197,19 @@ def _breakdown(now: Phase, arc: Arc) -> Ending:
     return BREAKDOWN, f"The equations became singular at t = {arc.times[-1]:.9g} s, and no step was small enough."
 
 
-def _nothing_follows(case: Case, y) -> Ending:
-    """Why no regime follows: the plate flies off, unless contact itself has no consistent force."""
+def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
+    """Why no contact follows: the plate flies off, unless without contact it would move into its track."""
     if case.effect(Unilateral) is None:
         return NO_MODE
-    for regime in candidates(case):
-        now = phase(case, regime)
-        names = list(now.system.guards)
-        if "painleve" in names and "slip" in names:
-            values = now.system.guards_of_numbers(0.0, state_in(now, y), now.parameters)
-            # Without contact the plate would move into its track, and with it the force has the wrong sign.
-            if values[names.index("painleve")] <= 0.0 and values[names.index("slip")] >= 0.0:
-                return NO_MODE
-    return LIFT_OFF
+    now = phase(case, candidates(case)[-1])
+    state = state_in(now, y)
+    m = Motion(*now.system.observed_of_numbers(t, state, now.parameters))
+    fastest = max(
+        (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
+    )
+    scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
+    # At a lift-off the normal force has vanished, to the location's error and the growth of what it is a difference of.
+    return NO_MODE if m.closing > 1e6 * LOCATED * scale else LIFT_OFF
 
 
 # --- after flight -----------------------------------------------------------------------------------------------------

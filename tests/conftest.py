@@ -43,6 +43,14 @@ def pytest_collection_modifyitems(config, items):
         items[:] = [item for item in items if "any_case" in item.fixturenames]
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _store(tmp_path_factory):
+    """The command keeps what the tests run in a folder of theirs, not where somebody works."""
+    from reports import plan
+
+    plan.STORE = str(tmp_path_factory.mktemp("kept") / "store")
+
+
 @pytest.fixture
 def accuracy(request) -> Callable[..., None]:
     """accuracy(case=, solver=, route=, quantity=, error=, tolerance=) notes the row and asserts |error| <= tolerance.
