@@ -346,4 +346,6 @@ def test_a_slip_that_cannot_begin_is_not_listed(method):
     ellipses = (1.1467166512688496, 0.8786102366811571, 0.19548014806455738, 0.2992280121106903, 0.0005991391171655258)
     case = found_by_chance(*ellipses, 0.03193783184744589, -1.06467073361922, 2.5499552544945985, start)
     motion = reference.simulate(case, method=method)
-    assert kinds(motion.transitions) == [(Mode.ROLL, Mode.FLIGHT)]
+    second = contact_frame.solve(case)
+    assert motion.status == second.status == "lift_off"
+    assert kinds(motion.transitions) == kinds(second.transitions)
