@@ -213,7 +213,7 @@ def fit_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]
                     error(run, quantity),
                     bar,
                     quantities.doubt(run, quantity),
-                    tables.rounding(run),
+                    quantities.rounding(run, quantity),
                 )
                 for run in group
             ]

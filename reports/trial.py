@@ -163,8 +163,6 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
     reading = read(case, trajectory)
     ledger = metrics.match(truth.transitions, reading.transitions)
     off = metrics.differences(trajectory, motion, case)
-    with np.errstate(invalid="ignore"):
-        off["lambda"] = off.pop("normal_force") / case.track.speed(np.interp(off["t"], trajectory.t, trajectory.xi1))
     wrong = _faults(reading, ledger, trajectory, truth)
     return replace(
         row,
