@@ -198,6 +198,8 @@ class _Motion:
     def _rebounds(self, stretch: _Stretch, landing: _Change | None) -> Iterable[_Change]:
         """The impacts of a flight after which it flies on for long enough to be listed."""
         impacts = self._impacts(stretch)
+        if not impacts:
+            return
         # What the last of them begins lasts until the plate lands for good, surely; or as long as the motion.
         last = float(self.all.t[stretch.stop - 1]) if landing is None else landing.time - np.nan_to_num(landing.spread)
         ends = [*(time for time, _ in impacts[1:]), last]
@@ -207,7 +209,10 @@ class _Motion:
 
     def _impacts(self, stretch: _Stretch) -> list[tuple[float, float]]:
         """Times and spreads of the impacts of a flight, in order."""
-        aloft = stretch.start + np.flatnonzero(np.isnan(self.all.xi1[stretch.start : stretch.stop]))
+        inside = slice(stretch.start, stretch.stop)
+        # A solver whose impacts last tells no force in them: those samples are neither contact nor free.
+        aloft = np.isnan(self.all.xi1[inside]) & ~np.isnan(self.all.normal_force[inside])
+        aloft = stretch.start + np.flatnonzero(aloft)
         found = []
         for i, j in zip(aloft[:-1].tolist(), aloft[1:].tolist(), strict=True):
             # Samples left out between the two are a contact: there it touched, jump or not.
@@ -248,8 +253,8 @@ class _Motion:
     def _landing(self, flight: _Stretch, contact: _Stretch, after: Mode) -> _Change:
         """Where the last flight of a stretch ends in contact."""
         i, j = flight.stop - 1, contact.start
-        if not np.isnan(self.all.xi1[i]) or self._jumps(i, j):
-            time, spread = self._meeting(i, j) if np.isnan(self.all.xi1[i]) else (float(self.all.t[i]), nan)
+        if self._jumps(i, j):
+            time, spread = self._meeting(i, j)
         else:
             low, high = float(self.all.t[i]), float(self.all.t[j])
             time, spread = 0.5 * (low + high), 0.5 * (high - low)
