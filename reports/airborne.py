@@ -89,13 +89,14 @@ def _brief(t: np.ndarray, run: _Stretch) -> bool:
 def _apart(trajectory: Trajectory, run: _Stretch) -> list[_Stretch]:
     """A flight in pieces, parted by impacts: by some samples whose force is not known, or between two samples."""
     hit = np.isnan(trajectory.normal_force[run.start : run.stop])
-    edges = [0, *(np.flatnonzero(np.diff(hit) | _struck(trajectory, run)) + 1).tolist(), len(hit)]
+    struck = _struck(trajectory, run, ~hit[:-1] & ~hit[1:])
+    edges = [0, *(np.flatnonzero(np.diff(hit) | struck) + 1).tolist(), len(hit)]
     pieces = zip(edges[:-1], edges[1:], strict=True)
     return [_Stretch(True, run.start + a, run.start + b) for a, b in pieces if not hit[a]]
 
 
-def _struck(trajectory: Trajectory, run: _Stretch) -> np.ndarray:
-    """For each gap between the samples of a flight, whether something struck the plate in it.
+def _struck(trajectory: Trajectory, run: _Stretch, free: np.ndarray) -> np.ndarray:
+    """For each gap between the samples of a flight, if it is `free` of any force, whether something struck there.
 
     Either its two samples have one time, or the velocity changes as no free fall would: by what differs from the
     median of all gaps by as much as that is itself.
@@ -105,14 +106,15 @@ def _struck(trajectory: Trajectory, run: _Stretch) -> np.ndarray:
     change = np.diff(np.column_stack([trajectory.vx[part], trajectory.vy[part]]), axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         rate = change / gaps[:, None]
-    steady = gaps > 0.0
+    steady = (gaps > 0.0) & free
     if not steady.any():
-        return ~steady
+        return free
     usual = np.median(rate[steady], axis=0)
     # Without any force beside, the rounding of the velocities is all that changes them.
     speed = float(np.max(np.hypot(trajectory.vx[part], trajectory.vy[part])))
     allowed = np.hypot(*usual) * gaps + _ROUNDING * speed
-    return ~steady | (np.linalg.norm(change - usual * gaps[:, None], axis=1) > allowed)
+    jumps = np.linalg.norm(change - usual * gaps[:, None], axis=1) > allowed
+    return free & ((gaps == 0.0) | jumps)
 
 
 def _in_contact(trajectory: Trajectory, stretch: _Stretch, contact: Callable[[Trajectory], Contact]) -> Contact:
