@@ -329,12 +329,15 @@ class Distance(NamedTuple):
 
 # A force that is told for less than this part of the samples is not told.
 _TOLD = 0.5
+# Even times at which a motion that is known between its steps is compared.
+_EVEN = 1001
 
 
 def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[str, np.ndarray]:
-    """Solver minus truth at the solver's own times within the common time span: arrays of one length.
+    """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at even ones
+    if it knows its motion between them (its steps are few, and doubled where the forces jump).
 
-    Keys: t, centre (distance, m), angle, slip, xi1, xi2, normal_force (N), and
+    Keys: t, centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (the paper's multiplier), and
     pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
     root-mean-square distance of the plate's points;
     force_share: the normal force's difference over the mean size of the true one at these times (not over m g, so that
@@ -342,10 +345,9 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     energy_share: the mechanical energy's difference over the true motion's largest kinetic energy.
     Angles that differ by whole turns at the start are counted from different zeros, and the turns are taken off.
     """
-    common = (trajectory.t >= truth.t[0]) & (trajectory.t <= truth.t[-1])
-    exact = truth(trajectory.t[common])
-    centre = np.hypot(trajectory.x[common] - exact.x, trajectory.y[common] - exact.y)
-    result = {"t": trajectory.t[common], "centre": centre}
+    times, found = _states(trajectory, truth)
+    exact = truth(times)
+    result = {"t": times, "centre": np.hypot(found.x - exact.x, found.y - exact.y)}
     for key, name in (
         ("angle", "theta"),
         ("slip", "slip"),
@@ -353,17 +355,29 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
         ("xi2", "xi2"),
         ("normal_force", "normal_force"),
     ):
-        result[key] = getattr(trajectory, name)[common] - np.asarray(getattr(exact, name))
+        result[key] = getattr(found, name) - np.asarray(getattr(exact, name))
     turns = np.round(result["angle"][:1] / (2 * np.pi))
     result["angle"] = result["angle"] - 2 * np.pi * (turns[0] if len(turns) else 0.0)
-    result["pose"] = np.hypot(centre, sqrt(case.plate.inertia / case.plate.mass) * result["angle"])
+    result["lambda"] = result["normal_force"] / case.track.speed(np.asarray(exact.xi1))
+    result["pose"] = np.hypot(result["centre"], sqrt(case.plate.inertia / case.plate.mass) * result["angle"])
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
     fastest = np.max(_kinetic(case, exact), initial=0.0)
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
-    off = energy(case, trajectory)[common] - energy(case, exact)
+    off = energy(case, found) - energy(case, exact)
     result["energy_share"] = off / (fastest if fastest > 0.0 else nan)
     return result
+
+
+def _states(trajectory: Trajectory, truth: Trajectory) -> tuple[np.ndarray, State]:
+    """Where the two are compared: times and the solver's states there, arrays."""
+    if trajectory.dense is not None:
+        times = np.linspace(trajectory.t[0], trajectory.t[-1], _EVEN)
+        state = trajectory(times)
+    else:
+        times, state = trajectory.t, State(*(getattr(trajectory, name) for name in State._fields))
+    common = (times >= truth.t[0]) & (times <= truth.t[-1])
+    return times[common], State(*(np.asarray(values)[common] for values in state))
 
 
 def distance(off: dict[str, np.ndarray]) -> Distance:

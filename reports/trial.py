@@ -121,7 +121,10 @@ def _evenly(motion: Trajectory) -> Trajectory:
 
 
 def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
-    """Run one setting of one route and judge it. Only `run` of the solver is on the clock."""
+    """Run one setting of one route and judge it. Only `run` of the solver is on the clock.
+
+    Raises what is the machine's fault and may be mended (ImportError, MemoryError, OSError): it is no result to keep.
+    """
     case = load(key)
     row = Run(case.label, name, route, str(setting), rung, outcome="")
     try:
@@ -130,6 +133,8 @@ def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, tr
         return replace(row, outcome="refused", reason=str(refusal))
     except EngineFailure as failure:
         return replace(row, outcome="crashed", reason=str(failure))
+    except (ImportError, MemoryError, OSError):
+        raise
     except Exception as problem:
         return replace(row, outcome="crashed", reason=_sentence(problem))
     row = replace(row, status=trajectory.status, cost=trajectory.cost)
@@ -158,8 +163,6 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
     reading = read(case, trajectory)
     ledger = metrics.match(truth.transitions, reading.transitions)
     off = metrics.differences(trajectory, motion, case)
-    with np.errstate(invalid="ignore"):
-        off["lambda"] = off.pop("normal_force") / case.track.speed(np.interp(off["t"], trajectory.t, trajectory.xi1))
     wrong = _faults(reading, ledger, trajectory, truth)
     return replace(
         row,
