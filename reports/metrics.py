@@ -16,8 +16,6 @@ import numpy as np
 
 from cases import Case, Gravity, Mode, State, Trajectory, Transition
 
-from . import airborne
-
 # --- transitions from samples ----------------------------------------------------------------------------------------
 
 # A slip below this part of the motion's speed is rounding for every double-precision solver that sticks exactly: ten
@@ -68,10 +66,7 @@ def read(trajectory: Trajectory, mu: float | None = None) -> Reading:
     Error on exact samples with n of them in a slip phase of the paper's application (0.6 s): half a gap for n = 8,
     1e-5 s for n = 30, 1e-8 s for n = 125, 1e-11 s for n = 600 (tests/test_metrics.py holds it to that); noise of size
     d moves a time by up to some hundred d over the slope of v. A roll shorter than 2.5 samples is not seen.
-    Flights (`airborne`) part the motion into stretches that are read one by one.
     """
-    if airborne.flies(trajectory):
-        return Reading(*airborne.read(trajectory, lambda stretch: read(stretch, mu), _zero))
     t, v, force = _samples(trajectory, mu)
     if mu == 0.0:
         return _with_lift_off(Reading(Mode.SLIDE, (), ()), trajectory)
