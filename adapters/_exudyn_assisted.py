@@ -3,11 +3,6 @@
 The law is that of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that grows
 linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
 bound: friction grows on, and what rolls creeps with vreg where friction is the plate's weight.
-
-Where the slip crosses zero within a step, friction flips within it, and the trapezoidal rule gives either side half of
-the step wherever the crossing lies: what should stick then slips backward, by up to h/2 of the acceleration, and where
-the cone is nearly used up it takes many steps to come to rest. The engine lets a law ask for a step to be made again,
-smaller (`SetPostNewtonUserFunction`, as for contacts that close); with `cut` in the setting, ours does so.
 """
 
 from __future__ import annotations
@@ -27,6 +22,7 @@ from ._exudyn_system import (
     Stored,
     System,
     critical_damping,
+    cut_steps,
     friction_coefficient,
     node_sensors,
     rough_friction,
@@ -54,17 +50,14 @@ class PenaltyContact:
     """The contact law for one run; it remembers where the contact was last."""
 
     def __init__(self, case: Case, setting: Setting):
-        self.case, self.h, self.k, self.vreg = case, setting["h"], setting["k"], setting["vreg"]
-        # Friction without a bound has no kink.
-        self.cut = 1.0 if case.effect(PerfectlyRough) else float(dict(setting.values).get("cut", 1.0))
+        self.case, self.k, self.vreg = case, setting["k"], setting["vreg"]
         self.damping, self.mu = critical_damping(case, setting), friction_coefficient(case)
         self.load = case.effect(Load)
         self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
         self.unilateral = case.effect(Unilateral) is not None
         self.follower = Follower(case)
-        # Slip at the last evaluation, at the end of the last step, and at the beginning of the one being made.
-        self.slip = self.ended = self.begun = case.start.slip
-        self.step_begins = 0.0
+        # At the last evaluation.
+        self.slip = case.start.slip
 
     def touch(self, pose, velocity) -> Touch:
         """The contact of a state; raises one of BEYOND where there is none to be found."""
@@ -93,9 +86,10 @@ class PenaltyContact:
     def grip(self, touch: Touch) -> float:
         """The friction (N) of a perfectly rough contact that creeps with vreg.
 
-        It fades out with the last hundredth of the weight, so that friction does not end with a jump at lift-off.
+        Where the plate may leave, it fades out with the last hundredth of the weight, so that friction does not end
+        with a jump.
         """
-        return min(self.rough, 100.0 * abs(touch.normal_force))
+        return min(self.rough, 100.0 * abs(touch.normal_force)) if self.unilateral else self.rough
 
     def force(self, _system, time, _object, pose, velocity) -> list[float]:
         """The engine's call for the generalised forces (F_x, F_y, M): the contact's and the load's."""
@@ -126,7 +120,7 @@ class PenaltyContact:
         except BEYOND:
             return np.zeros((3, 3))
         N, ax, ay, tx, ty = touch.normal_force, touch.ax, touch.ay, touch.tx, touch.ty
-        if N == 0.0:
+        if N == 0.0 and self.unilateral:
             return np.zeros((3, 3))
         tangent = np.array([tx, ty, ax * ty - ay * tx])
         normal = np.array([-ty, tx, ax * tx + ay * ty])
@@ -137,22 +131,6 @@ class PenaltyContact:
         viscous = by_velocity * self.mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
         pressed = normal - np.copysign(self.mu, N) * touch.share * tangent
         return spring * np.outer(pressed, normal) + viscous * np.outer(tangent, tangent)
-
-    def ask_for_step(self, system, time: float) -> list[float]:
-        """The engine's call after a step: [error, step to make it again with], or [0, −1] if it may stand.
-
-        A step in which the slip changes its sign, and by more than what counts as stick, is cut where the slip would be
-        zero, down to the share `cut` of the setting's step.
-        """
-        begins = system.systemData.GetTime(exu.ConfigurationType.StartOfStep)
-        if begins != self.step_begins:
-            self.step_begins, self.begun = begins, self.ended
-        self.ended = self.slip
-        step, smallest = time - begins, self.cut * self.h
-        if self.begun * self.slip >= 0.0 or abs(self.slip) <= self.vreg or step <= smallest:
-            return [0.0, -1.0]
-        # Any error above the solver's tolerance of 1 makes it listen.
-        return [10.0, max(step * abs(self.begun) / (abs(self.begun) + abs(self.slip)), smallest)]
 
     def follow(self, stored: Stored) -> Contact:
         """The contact along a run that begins at the case's start, as far as it can be found."""
@@ -193,8 +171,7 @@ def build(case: Case, setting: Setting) -> System:
             jacobianUserFunction=law.jacobian,  # type: ignore[arg-type]
         )
     )
-    if law.cut < 1.0:
-        system.SetPostNewtonUserFunction(law.ask_for_step)
+    cut_steps(case, setting, system, lambda: law.slip)
     motion = node_sensors(system, node)
     system.Assemble()
     return System(container, system, motion, None, law.follow)

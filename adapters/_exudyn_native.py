@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import hypot
 
 import exudyn as exu
@@ -18,6 +19,7 @@ from ._exudyn_system import (
     Stored,
     System,
     critical_damping,
+    cut_steps,
     disc_body,
     friction_coefficient,
     ground,
@@ -51,15 +53,43 @@ def build(case: Case, setting: Setting) -> System:
     line, circle = as_line(case.track), as_circle(case.track)
     if line:
         number, contact = _on_line(case, setting, system, disc, line)
+        slip = _slip_on_line(system, line)
     else:
         assert circle is not None, "refuses() lets lines and circles alone pass"
         number, contact = _on_circle(case, setting, system, disc, circle)
+        slip = _slip_on_circle(case, system, circle)
     force = system.AddSensor(
         item.SensorObject(objectNumber=number, outputVariableType=exu.OutputVariableType.Force, storeInternal=True)
     )
     motion = node_sensors(system, node)
+    cut_steps(case, setting, system, slip)
     system.Assemble()
     return System(container, system, motion, force, contact)
+
+
+def _slip_on_line(system, line: Line) -> Callable[[], float]:
+    """The slip velocity (m/s) at the end of a step. Plain numbers: it is asked for in every step."""
+    state, (tx, ty), (px, py) = system.systemData, line.direction.tolist(), line.point.tolist()
+
+    def slip() -> float:
+        (x, y, _), (vx, vy, omega) = state.GetODE2Coordinates(), state.GetODE2Coordinates_t()
+        return vx * tx + vy * ty + omega * ((y - py) * tx - (x - px) * ty)
+
+    return slip
+
+
+def _slip_on_circle(case: Case, system, circle: Circle) -> Callable[[], float]:
+    """The same; friction acts in the middle of the overlap, between the two radii."""
+    state, (cx, cy), side = system.systemData, circle.centre.tolist(), -1.0 if circle.left else 1.0
+    radius = _radius(case)
+
+    def slip() -> float:
+        (x, y, _), (vx, vy, omega) = state.GetODE2Coordinates(), state.GetODE2Coordinates_t()
+        away = hypot(x - cx, y - cy)
+        nx, ny = side * (x - cx) / away, side * (y - cy) / away
+        return vx * ny - vy * nx + omega * 0.5 * (radius + side * (away - circle.radius))
+
+    return slip
 
 
 def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):

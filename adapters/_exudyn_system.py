@@ -114,6 +114,36 @@ def applied(case: Case, stored: Stored) -> np.ndarray:
     return force
 
 
+def cut_steps(case: Case, setting: Setting, system, slip: Callable[[], float]) -> None:
+    """With `cut` in the setting: a step in which the slip changes its sign is made again, smaller.
+
+    Friction flips within such a step, and the trapezoidal rule gives either side half of the step wherever the crossing
+    lies: what should stick then slips backward, by up to h/2 of the acceleration, and where the cone is nearly used up
+    it takes many steps to come to rest. The engine lets a user's function ask for another step size, as its contacts do
+    where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the end of the step
+    as `slip()` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks anyway.
+    """
+    if "cut" not in dict(setting.values):
+        return
+    smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
+    begun = ended = case.start.slip
+    step_begins, time_of, now = 0.0, system.systemData.GetTime, exu.ConfigurationType.StartOfStep
+
+    def ask(_system, time: float) -> list[float]:
+        """[error, step to make it again with], or [0, −1] if it may stand."""
+        nonlocal begun, ended, step_begins
+        begins = time_of(now)
+        if begins != step_begins:
+            step_begins, begun = begins, ended
+        ended = slip()
+        if begun * ended >= 0.0 or abs(ended) <= vreg or time - begins <= smallest:
+            return [0.0, -1.0]
+        # Any error above the solver's tolerance of 1 makes it listen.
+        return [10.0, max((time - begins) * abs(begun) / (abs(begun) + abs(ended)), smallest)]
+
+    system.SetPostNewtonUserFunction(ask)
+
+
 def friction_coefficient(case: Case) -> float:
     """mu, zero without friction."""
     friction = case.effect(CoulombFriction)

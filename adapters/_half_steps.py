@@ -7,18 +7,17 @@ the contact added to the momentum in a step, over its length. Nothing here knows
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, replace
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Cost, CoulombFriction, Flight, Impact, Trajectory
+from cases import Case, Cost, CoulombFriction, Flight, Trajectory
 from cases.contact import Contact, slip_velocity, start_motion
 
-from . import _flights as flights
 from ._facets import pull, radii
-from ._flights import Samples
+from ._flight import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
 from .interface import EngineFailure
 
 
@@ -47,6 +46,37 @@ def rest(substeps: int) -> float:
     return 0.5 / substeps
 
 
+@dataclass(frozen=True)
+class Samples:
+    """Samples at the poses' times: arrays of one length; `aloft` where no contact is.
+
+    `t` (s); `pose` (n, 3); `before`: velocities (n, 3) if nothing pushed since those the engine told; `rebound`,
+    `resting`: the next it told, without and with the gravity since then; `rates`: means; `force` (n, 2) of the
+    contact, N; contact parameters and gap (m).
+    """
+
+    t: np.ndarray
+    pose: np.ndarray
+    before: np.ndarray
+    rebound: np.ndarray
+    resting: np.ndarray
+    rates: np.ndarray
+    force: np.ndarray
+    xi1: np.ndarray
+    xi2: np.ndarray
+    gap: np.ndarray
+    aloft: np.ndarray
+
+    def __getitem__(self, places) -> Samples:
+        """The samples at these places."""
+        return replace(self, **{name: getattr(self, name)[places] for name in self.__dataclass_fields__})
+
+    @property
+    def landings(self) -> np.ndarray:
+        """The places of the first samples after flights."""
+        return np.flatnonzero(self.aloft[:-1] & ~self.aloft[1:]) + 1
+
+
 class _Ending(NamedTuple):
     """How many samples belong to the motion, and what ended it."""
 
@@ -64,7 +94,7 @@ def read(noted: Noted) -> Trajectory:
     ending = _ending(noted, samples, hop)
     samples = samples[: ending.kept]
     if samples.aloft.any():
-        samples = flights.both_sides(samples)
+        samples = _both_sides(samples)
     case, up, xi1 = noted.case, samples.aloft, samples.xi1
     normal, tangent = case.track.normal(xi1), case.track.tangent(xi1)
     (x, y, theta), (vx, vy, omega), force = samples.pose.T, samples.rates.T, samples.force.T
@@ -97,16 +127,44 @@ def _samples(noted: Noted) -> tuple[Samples, float]:
     pressed = _pressed(noted, force, float(np.abs(rates[:, :2]).max()))
     flies = case.effect(Flight) is not None
     hop = _hop(noted, rates, force if not flies else None)
-    contacts = (noted.contacts or flights.follow(case, rows[:, :3], hop if flies else inf))[: len(rows)]
+    contacts = (noted.contacts or _follow(case, rows[:, :3]))[: len(rows)]
     xi1, xi2, gap = np.array(contacts, dtype=float).reshape(-1, 3).T
     count = len(gap)
-    up = flights.aloft(gap, pressed[:count], hop) if flies else np.zeros(count, dtype=bool)
+    up = np.zeros(count, dtype=bool)
+    for leaves, lands in flights(gap, pressed[:count], hop) if flies else ():
+        up[leaves:lands] = True
     samples = Samples(
         t=h * np.arange(count), pose=rows[:count, :3], xi1=xi1, xi2=xi2, gap=gap, aloft=up,
         before=(before + late * gravity)[:count], rebound=(after - ahead * gravity)[:count], resting=after[:count],
         rates=rates[:count], force=force[:count],
     )  # fmt: skip
     return samples, hop
+
+
+def _follow(case: Case, poses: np.ndarray) -> list[Contact]:
+    """The contacts of the poses, up to the first pose without one, unless the plate may fly."""
+    follower, found = Follower(case), list[Contact]()
+    for x, y, theta in poses.tolist():
+        try:
+            found.append(follower(x, y, theta))
+        except BEYOND:
+            break
+    return found
+
+
+def _both_sides(samples: Samples) -> Samples:
+    """The samples with every landing doubled: before it the plate flies, after it with the velocities it rebounds."""
+    count, at = len(samples.t), samples.landings
+    order = np.sort(np.concatenate([np.arange(count), at]))
+    first = np.searchsorted(order, at)
+    told = samples[order]
+    # Where the next sample flies, it bounced; else it stays, with a force that a step's impulse does not tell.
+    bounced = samples.aloft[np.minimum(at + 1, count - 1)]
+    told.rates[first] = samples.before[at]
+    told.rates[first + 1] = np.where(bounced[:, None], samples.rebound[at], samples.resting[at])
+    told.aloft[first], told.aloft[first + 1] = True, bounced
+    told.force[first + 1] = nan
+    return told
 
 
 def _pressed(noted: Noted, force: np.ndarray, speed: float) -> np.ndarray:
@@ -143,19 +201,16 @@ def _ending(noted: Noted, samples: Samples, hop: float) -> _Ending:
 def _flight_ending(noted: Noted, samples: Samples, hop: float) -> _Ending:
     """Where leaving the track, or landing on it, is the end."""
     case, never = noted.case, _Ending(noted.steps + 1)
-    if case.effect(Impact):
-        return never
     if case.effect(Flight):
-        landed = flights.landings(samples)
-        reason = "The plate meets its track again, and the case names no Impact."
-        return _Ending(int(landed[0]) + 1, "landing", reason) if landed.size else never
+        landed = samples.landings
+        return _Ending(int(landed[0]) + 1, "landing", LANDED) if lands_for_good(case) and landed.size else never
     flown = samples.gap > hop
     if not flown.any():
         return never
     speed = float(np.abs(samples.rates[:, :2]).max())
     pushed = np.flatnonzero(_pressed(noted, samples.force[: int(np.argmax(flown)) + 1], speed))
     kept = int(pushed[-1]) + 1 if pushed.size else 1
-    return _Ending(kept, "lift_off", "The contact stopped pushing and the plate left its track.")
+    return _Ending(kept, "lift_off", LEFT)
 
 
 def _hop(noted: Noted, rates: np.ndarray, force: np.ndarray | None) -> float:

@@ -80,7 +80,9 @@ class Guide:
         wanted = here.dot(normal) - ahead.gap / h
         # Slip is that of the middle of the step. The engine, which looks at the step's beginning, is told the change.
         middle, along, _ = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
-        lever_x, lever_y = middle.x - x - 0.5 * h * vx, middle.y - y - 0.5 * h * vy
+        # The plate is there off the middle of its chord, by an eighth of what the step's change would take it.
+        (ax, ay), half = self._bend(), 0.5 * h
+        lever_x, lever_y = middle.x - x - half * vx + ax, middle.y - y - half * vy + ay
         change = Vec2d(vx - omega * lever_y, vy + omega * lever_x).dot(along) - here.dot(tangent)
         velocity = change * tangent - wanted * normal
         # A guide on both sides pushes from the one that is needed; without a push there is no friction either, so the
@@ -89,6 +91,12 @@ class Guide:
             normal = -normal
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
         arbiter.surface_velocity = velocity
+
+    def _bend(self) -> tuple[float, float]:
+        """How far (m) the chord of this step bulges towards the inside of the path."""
+        assert self._change is not None, "the velocities were predicted before"
+        part = 0.125 * self._h if len(self.contacts) > 1 else 0.25 * self._h
+        return part * self._change[0], part * self._change[1]
 
     def _free(self, point: Vec2d) -> Vec2d:
         """The velocity of the plate's point there after this step, if the contact did nothing."""

@@ -48,12 +48,16 @@ class _Contacts(NamedTuple):
 
 
 class _Rows(NamedTuple):
-    """What the engine did: pose, velocities at the poses, velocities half a step later, contact force (N), by row."""
+    """What the engine did, by row: pose, velocities at it, contact force (N).
+
+    `falling`, `rising`: the velocities there if the plate flew from, or flies to, those half a step before, or after.
+    """
 
     pose: np.ndarray
     rates: np.ndarray
-    after: np.ndarray
     force: np.ndarray
+    falling: np.ndarray
+    rising: np.ndarray
 
 
 class _Ending(NamedTuple):
@@ -81,10 +85,6 @@ def read(model: Model) -> Trajectory:
         ending = _let_go(ending, strength, np.flatnonzero(pressed[: ending.kept]), first, model.h)
     if ending.status == "landing":
         ending = _touched(ending, contacts.gap, model.h)
-    for _, landing in flown:
-        # An impact without duration: the velocities are those after it, and a force it has none.
-        if landing < len(rows.rates):
-            rows.rates[landing], rows.force[landing] = rows.after[landing], np.nan
     return _trajectory(model, rows, contacts, flown, ending)
 
 
@@ -97,10 +97,14 @@ def _rows(model: Model) -> _Rows:
     before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
     kick = np.full((len(rows), 1), model.h)
     kick[0] *= 0.5
-    force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
+    pushed = np.broadcast_to(case.plate.mass * native.pull(case), (len(rows), 2))
     if model.drive:
-        force -= _driven(model.drive)
-    return _Rows(pose, rates_at_poses(before, after), after, force)
+        pushed = pushed + _driven(model.drive)
+    force = case.plate.mass * (after - before)[:, :2] / kick - pushed
+    half = np.zeros_like(after)
+    half[:, :2] = 0.5 * model.h * pushed / case.plate.mass
+    rates = rates_at_poses(before, after, native.radii(case)[1])
+    return _Rows(pose, rates, force, before + half, after - half)
 
 
 def _trajectory(model: Model, rows: _Rows, contacts: _Contacts, flown: list[tuple[int, int]], ending: _Ending):
@@ -125,7 +129,10 @@ def _trajectory(model: Model, rows: _Rows, contacts: _Contacts, flown: list[tupl
                 values[leaves:lands] = 0.0
     t = np.linspace(0.0, case.duration, model.steps + 1)[:kept]
     columns = [t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2]
+    if case.effect(Flight):
+        columns = _both_sides(columns, rows, flown)
     if np.isfinite(ending.time):
+        t = columns[0]
         share = (ending.time - t[-2]) / (t[-1] - t[-2])
         columns = [np.append(values[:-1], values[-2] + share * (values[-1] - values[-2])) for values in columns]
         # Where contact ends, or has not begun, nothing presses.
@@ -138,6 +145,24 @@ def _trajectory(model: Model, rows: _Rows, contacts: _Contacts, flown: list[tupl
         cost=Cost(steps=model.steps + 1),
         slip_resolution=creep,
     )
+
+
+def _both_sides(columns: list[np.ndarray], rows: _Rows, flown: list[tuple[int, int]]) -> list[np.ndarray]:
+    """The columns with two rows for every landing that is no end: as the plate flew there, and as it goes on.
+
+    An impact has no duration, so the force of its step is none of a contact: it is not known (NaN).
+    """
+    table, kept = np.column_stack(columns), len(columns[0])
+    landings = [landing for _, landing in flown if landing < kept - 1]
+    nowhere = [np.nan, 0.0, 0.0, np.nan, np.nan]
+    for landing in reversed(landings):
+        flying = [*table[landing, :4], *rows.falling[landing], *nowhere]
+        bounces = any(start == landing + 1 for start, _ in flown)
+        if bounces:
+            table[landing, 4:7], table[landing, 7:] = rows.rising[landing], [np.nan, np.nan, np.nan, np.nan, np.nan]
+        table[landing, 8:10] = np.nan
+        table = np.insert(table, landing, flying, axis=0)
+    return list(table.T)
 
 
 def _let_go(ending: _Ending, strength: np.ndarray, pushes: np.ndarray, first: int, h: float) -> _Ending:
@@ -167,15 +192,18 @@ def _touched(ending: _Ending, gap: np.ndarray, h: float) -> _Ending:
     return ending._replace(time=(ending.kept - 2 + share) * h)
 
 
-def rates_at_poses(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float) -> np.ndarray:
     """Velocities at the poses' times from those half a step before and after, arrays (n, 3); the first is the start's.
 
     The mean of the two is off by h²/8 of the second derivative, as much as the engine itself; that is taken off by the
-    smaller of the second differences to either side, so that none reaches across a jump of the acceleration.
+    smaller of the second differences to either side, so that none reaches across a jump of the acceleration. (All
+    three from one side: only together do they make a slip velocity. Spin counts by the plate's `size`, m.)
     """
     bend = np.diff(after, 2, axis=0)
     left, right = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
-    smaller = np.where(np.abs(left) < np.abs(right), left, right)
+    scale = np.array([1.0, 1.0, size])
+    nearer = np.linalg.norm(left * scale, axis=1) < np.linalg.norm(right * scale, axis=1)
+    smaller = np.where(nearer[:, None], left, right)
     rates = 0.5 * (before + after)
     rates[0] = before[0]
     rates[1:] -= smaller / 8.0

@@ -10,8 +10,8 @@ takes some periods of the contact's spring, and its restitution comes out to a t
 The law presses with a spring and a damper and regularises Coulomb's friction: below `vreg` it grows with the slip
 velocity, so what sticks creeps. A setting's `h` is the step (s), `k` the contact stiffness (N/m), `vreg` the
 regularisation (m/s). They are tightened together: stiffness and regularisation are errors of the model, which a
-smaller step alone would keep. The engine's contacts find no event inside a step, so a slip that reverses leaves an
-error O(h) in what follows; the assisted law asks for a smaller step there, down to the share `cut` of h.
+smaller step alone would keep. The solver finds no event inside a step, and a slip that crosses zero there would leave
+an error O(h) in what follows: a smaller step is asked for, down to the share `cut` of h.
 """
 
 from __future__ import annotations
@@ -57,9 +57,9 @@ RUNGS = (
 # of the friction law between two iterations, as the engine's own contacts do.
 FINEST = {"native": len(RUNGS), "assisted": len(RUNGS) - 1}
 
-# The smallest share of a step that the assisted law asks for where its slip crosses zero: at h/100 the overshoot, some
-# h/200 of the acceleration, is below every rung's vreg.
-CUT: dict[str, dict[str, float]] = {"native": {}, "assisted": {"cut": 0.01}}
+# The smallest share of a step that is asked for where the slip crosses zero: at h/100 the overshoot, some h/200 of the
+# acceleration, is below every rung's vreg.
+CUT = 0.01
 
 # The engine's own defaults: 100 steps whatever the duration, generalized-alpha, modified Newton, and a
 # regularisation in m/s. Only the stiffness has no default: a penetration of a thousandth of the radius is typed.
@@ -134,7 +134,9 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
         return Setting.of(**rung, solver="GeneralizedAlpha", newton="full", h=step)
     # Without a bound friction is all stiffness, and the trapezoidal rule would let it ring.
     solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
-    knobs = dict(k=_rounded(k * stiffness), vreg=_rounded(vreg * length / time), **CUT[route])
+    knobs = dict(k=_rounded(k * stiffness), vreg=_rounded(vreg * length / time))
+    if case.effect(CoulombFriction):
+        knobs["cut"] = CUT
     return Setting.of(**rung, solver=solver, newton="full", h=step, **knobs)
 
 

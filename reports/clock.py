@@ -21,6 +21,8 @@ from math import ceil, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from cases import Case
+
 from .records import CaseKey
 from .trial import load, solver
 
@@ -146,14 +148,17 @@ def time_case(
     Who does not fit in the budget even once is in neither.
     """
     case, deadline = load(key), time.perf_counter() + budget
-    entries = []
-    for one in sorted(contestants, key=lambda c: c.expected_s):
-        module = solver(one.solver)
-        setting = next(s for s in module.ladder(case, one.route) if str(s) == one.setting)
-        entries.append(Entry(one, partial(module.build, case, one.route, setting), module.run, module.read))
+    entries = [_entry(case, one) for one in sorted(contestants, key=lambda c: c.expected_s)]
     loop = take_turns(entries, deadline)
     timings = {e.contestant[:3]: timing(e, loop) for e in entries if e.repeats}
     return timings, {e.contestant[:3]: e.failure for e in entries if e.failure}
+
+
+def _entry(case: Case, one: Contestant) -> Entry:
+    module = solver(one.solver)
+    setting = next((s for s in module.ladder(case, one.route) if str(s) == one.setting), None)
+    failure = "" if setting else "it is no longer a setting of the solver"
+    return Entry(one, partial(module.build, case, one.route, setting), module.run, module.read, failure=failure)
 
 
 def take_turns(entries: Sequence[Entry], deadline: float) -> float:

@@ -61,7 +61,8 @@ _TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure that was written: its file's name without ending, the case's label ("" for all), title and caption."""
+    """A figure that was written: its file's name without ending ("" if it failed), the case's label ("" for all), title
+    and caption."""
 
     name: str
     case: str

@@ -73,8 +73,9 @@ def _map(ax: Axes, grid: Grid, quantity: str, norm):
         for column, size in enumerate(line):
             word = advice(grid, (row, *columns[column]), quantity)[0] if isfinite(size) else ""
             dark = norm is not None and isfinite(size) and size > 0.0 and norm(size) > 0.5
-            ax.text(column, row, "–" if word == "none" else word, ha="center", va="center", fontsize=5.5,
-                    color="white" if dark else "black")  # fmt: skip
+            small, colour = 5.5 if len(word) < 7 else 4.5, "white" if dark else "black"
+            word = "–" if word == "none" else word
+            ax.text(column, row, word, ha="center", va="center", fontsize=small, color=colour)
     values = [[levels[at] for levels, at in zip(grid.levels[1:], place, strict=True)] for place in columns]
     ax.set_xticks(range(len(columns)), ["\n".join(map(_short, each)) for each in values], fontsize=6)
     ax.set_yticks(range(len(steps)), [f"{h:.2g}" for h in steps], fontsize=7)

@@ -18,15 +18,18 @@ from matplotlib.figure import Figure
 
 from cases import Case, Gravity, Mode
 
-from . import tables
+from . import tables, workers
 from .drawing import FAINT, PALETTE, POINTS, STYLE, TRUTH, Drawn, Looks, file_name, logarithmic, save
-from .records import Experiment, Run, Truth
+from .records import CaseKey, Experiment, Run, Truth
+from .trial import load
 
 # An error drawn on a logarithmic axis needs a least value; below a double's rounding of quantities of order one there
 # is nothing to see.
 _SMALLEST = 1e-17
 # Corners of a plate as drawn: a circle's chords then leave it by a thousandth of its radius.
 _CORNERS = 73
+# Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
+_PATIENCE = 120.0
 # A truth that varies by less, in SI units, is level: what varies is rounding.
 _LEVEL = 1e-9
 # Fewer samples than this over a motion are drawn as points.
@@ -49,21 +52,44 @@ _MODE_WORDS = {
 }
 
 
-def draw(experiment: Experiment, folder: Path) -> Iterator[Drawn]:
-    """Write every figure into the folder, one after the other; yields what was written."""
+def draw(experiment: Experiment, folder: Path, files: tuple[str, ...] = (), jobs: int = 1) -> Iterator[Drawn]:
+    """Write every figure into the folder, `jobs` cases at a time; yields what was written, case by case.
+
+    `files` are read before a case of theirs is loaded. A case whose figures fail has one `Drawn` that says so: hours
+    of runs are not lost by a picture.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    looks = Looks(experiment)
+    looks, main = Looks(experiment), headline_case(experiment)
+    shown = [case for case in experiment.cases if not experiment.truths[case.label].failure]
+    calls = [
+        (CaseKey.of(case, files), _part(experiment, case.label), looks, folder.resolve(), case is main)
+        for case in shown
+    ]
+    for index, answer in workers.run(draw_case, calls, jobs, limit=_PATIENCE):
+        if answer.outcome == "done":
+            yield from answer.value
+        else:
+            yield Drawn("", shown[index].label, "Figures", f"They could not be drawn: {answer.reason}")
+
+
+def _part(experiment: Experiment, label: str) -> Experiment:
+    """What one case's figures are made from; the case itself is loaded where they are drawn."""
+    runs = tuple(run for run in experiment.runs if run.case == label)
+    return Experiment((), {label: experiment.truths[label]}, runs, experiment.seconds)
+
+
+def draw_case(key: CaseKey, part: Experiment, looks: Looks, folder: Path, main: bool) -> list[Drawn]:
+    """The figures of one case: scene, motion, error, and the headline if it is the main one."""
+    case = load(key)
+    name, drawn = file_name(case.label), []
     with matplotlib.rc_context(STYLE):
-        main = headline_case(experiment)
-        if main is not None:
-            yield save(headline(experiment, main, looks), folder, "headline", main.label, *_HEADLINE_WORDS, png=True)
-        for case in experiment.cases:
-            if experiment.truths[case.label].failure:
-                continue
-            name = file_name(case.label)
-            yield save(scene(experiment, case), folder, f"scene_{name}", case.label, *_SCENE_WORDS)
-            yield save(motion(experiment, case, looks), folder, f"motion_{name}", case.label, *_MOTION_WORDS)
-            yield save(errors(experiment, case, looks), folder, f"errors_{name}", case.label, *_ERRORS_WORDS)
+        if main:
+            figure = headline(part, case, looks)
+            drawn.append(save(figure, folder, "headline", case.label, *_HEADLINE_WORDS, png=True))
+        drawn.append(save(scene(part, case), folder, f"scene_{name}", case.label, *_SCENE_WORDS))
+        drawn.append(save(motion(part, case, looks), folder, f"motion_{name}", case.label, *_MOTION_WORDS))
+        drawn.append(save(errors(part, case, looks), folder, f"errors_{name}", case.label, *_ERRORS_WORDS))
+    return drawn
 
 
 def headline_case(experiment: Experiment) -> Case | None:
@@ -86,8 +112,8 @@ _SCENE_WORDS = (
 _MOTION_WORDS = (
     "The motion, as the paper draws it",
     "Left: slip velocity, contact parameters, rotation and multiplier λ = N/‖R_p‖ against time, from the finest "
-    "setting of every route. Right: absolute difference from the truth, largest value in each of 400 stretches of "
-    "time. Where a solver gives no usable normal force its λ is missing.",
+    f"setting of every route. Right: absolute difference from the truth, largest value in each of {POINTS} stretches "
+    "of time. Where a solver gives no usable normal force its λ is missing.",
 )
 _ERRORS_WORDS = (
     "Error against steps",

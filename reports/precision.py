@@ -14,8 +14,11 @@ from cases import Case
 
 from . import clock, fits, null_motions, quantities, tables, workers
 from .clock import Contestant, Timing
+from .fingerprint import Key as Kept
+from .fingerprint import Keys
 from .quantities import UNITS, error
 from .records import CaseKey, Experiment, Run, is_default_setting
+from .store import Store
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -71,8 +74,11 @@ def _whole_ladders(experiment: Experiment, label: str) -> int:
     return sum(len(group) >= LEAST_SETTINGS for group in groups.values())
 
 
-def measure(experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell) -> Measured:
-    """Time the chosen cases one after the other, each in one process with nothing beside it."""
+def measure(
+    experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell, store: Store | None = None
+) -> Measured:
+    """Time the chosen cases one after the other, each in one process with nothing beside it, or take what is kept."""
+    store = store or Store(None)
     cases = chosen(experiment, full)
     timings: dict[Key, Timing] = {}
     failures: dict[str, str] = {}
@@ -83,8 +89,10 @@ def measure(experiment: Experiment, files: tuple[str, ...], full: bool, tell: Te
             left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
             budget = FULL_BUDGET_A_CASE if full else left
             label, key = case.label, CaseKey.of(case, files)
-            call = (key, contestants(experiment, label), budget)
-            (_, answer), *_ = workers.run(clock.time_case, [call], jobs=1, limit=budget + _PATIENCE)
+            asked = contestants(experiment, label)
+            share = FULL_BUDGET_A_CASE if full else BUDGET / len(cases)
+            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in asked], share)
+            answer = _timed(store, kept_under, (key, asked, budget), budget + _PATIENCE)
             if answer.outcome == "done":
                 found, failed = answer.value
                 timings.update({(label, *who): timing for who, timing in found.items()})
@@ -101,6 +109,17 @@ def measure(experiment: Experiment, files: tuple[str, ...], full: bool, tell: Te
         done = answer.outcome == "done"
         nulls[labels[index]] = answer.value if done else null_motions.failed(labels[index], answer.reason)
     return Measured(tuple(labels), timings, nulls, failures)
+
+
+def _timed(store: Store, kept_under: Kept | None, call: tuple, limit: float) -> workers.Answer:
+    """A case's timings, together as they were taken in turns: those kept, or new ones, kept if none is disturbed."""
+    kept = store.get("timing", kept_under, tuple[dict[clock.Who, Timing], dict[clock.Who, str]])
+    if kept is not None:
+        return workers.Answer("done", value=kept)
+    (_, answer), *_ = workers.run(clock.time_case, [call], jobs=1, limit=limit)
+    if answer.outcome == "done" and not any(timing.disturbed for timing in answer.value[0].values()):
+        store.put("timing", kept_under, answer.value)
+    return answer
 
 
 def contestants(experiment: Experiment, label: str) -> list[Contestant]:
@@ -194,7 +213,7 @@ def fit_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]
                     error(run, quantity),
                     bar,
                     quantities.doubt(run, quantity),
-                    tables.rounding(run),
+                    quantities.rounding(run, quantity),
                 )
                 for run in group
             ]

@@ -33,6 +33,8 @@ _SUMMARY_WORDS = (
 )
 # The accuracies of the summary: what a game, a robot and a numerical analyst would ask for.
 _PANELS = (1e-2, 1e-4, 1e-6, 1e-8)
+# Above a null motion's score there is room for its name.
+_NULL_ROOM = 30.0
 _TITLES = {
     "first_transition_time": "first transition's time / s",
     "all_transitions": "worst transition's time / s",
@@ -104,11 +106,11 @@ def _panel(ax: Axes, experiment: Experiment, label: str, points: Sequence[dict[s
     ax.axhspan(band / 10, band, color="#eeeeee", zorder=0)
     ax.set_ylim(bottom=band / 10)
     if isfinite(null) and null > band:
-        ax.set_ylim(top=max(3.0 * null, ax.get_ylim()[1]))
+        ax.set_ylim(top=max(_NULL_ROOM * null, ax.get_ylim()[1]))
         ax.axhline(null, color="#555555", linewidth=0.9, linestyle=":", zorder=1)
         ax.annotate(
-            points[0]["null_motion"], (1.0, null), (0, -2), xycoords=("axes fraction", "data"),
-            textcoords="offset points", ha="right", va="top", fontsize=7.5, color="#555555",
+            points[0]["null_motion"], (1.0, null), (0, 2), xycoords=("axes fraction", "data"),
+            textcoords="offset points", ha="right", va="bottom", fontsize=7.5, color="#555555",
         )  # fmt: skip
 
 

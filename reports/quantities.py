@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isfinite, nan
 
+import numpy as np
+
 from . import tables
 from .metrics import Distance
 from .records import Run, Truth
@@ -59,3 +61,11 @@ def doubt(run: Run, quantity: str) -> float:
         return 0.0
     told = [spread for spread in run.spreads if isfinite(spread)]
     return max(told[:1] if quantity == "first_transition_time" else told, default=0.0)
+
+
+def rounding(run: Run, quantity: str) -> float:
+    """What rounding alone makes of the quantity in a run of so many steps, all sizes being of the order one."""
+    if quantity == "normal_force_mean":
+        # A step's force is a difference of velocities over the step.
+        return float(np.finfo(float).eps) * max(run.cost.steps, 1)
+    return tables.rounding(run)

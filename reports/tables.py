@@ -13,7 +13,7 @@ import numpy as np
 from reference.errata import errata
 
 from . import fits
-from .records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
+from .records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, gives_motion, is_default_setting
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,7 +46,7 @@ def routes(runs: Iterable[Run]) -> dict[tuple[str, str, str], list[Run]]:
 
 def finest(group: Sequence[Run]) -> Run | None:
     """The finest rung that gave a motion, or None."""
-    return next((run for run in reversed(group) if run.outcome in ("right", "wrong") and not is_default(run)), None)
+    return next((run for run in reversed(group) if gives_motion(run)), None)
 
 
 def default(group: Sequence[Run]) -> Run | None:
@@ -141,6 +141,7 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "cpu_s": run.cost.cpu_s,
                 "setup_s": run.cost.setup_s,
                 "steps": run.cost.steps,
+                "run_at": run.when,
             }
         )
     return rows

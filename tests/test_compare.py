@@ -158,6 +158,33 @@ def test_plate_that_leaves_its_track_ends_there(tmp_path, monkeypatch, capsys):
     assert float(row[5]) == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("columns", [FULL[:4], FULL[:7]])
+def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
+    case = cases.load("bouncing_disc", e=0.5)
+    motion = reference.simulate(case, rtol=1e-12)
+    frame = table(columns, motion, samples=3001)
+    frame.to_csv(tmp_path / "bounces.csv", index=False)
+    told = compare.trajectory_of(case, compare.read_table(tmp_path / "bounces.csv"))
+    assert told.status == "completed" and len(told.t) == 3001
+    flying = np.isnan(motion(told.t).slip)
+    # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
+    assert np.mean(np.isnan(told.slip) != flying) < 0.02
+    gap = np.where(flying, 1.0, 0.0)
+    assert compare.laws_broken(case, told, gap) == []
+
+
+def test_landing_without_impact_ends_the_motion(tmp_path):
+    level = cases.Curve(lambda s: (s, 0))
+    effects = (cases.Gravity(9.81), cases.Unilateral(), cases.Flight())
+    case = cases.Case(level, cases.disc(0.1, 1.0), effects, cases.Start(0.0, gap=0.3), 0.5)
+    t = np.linspace(0.0, 0.5, 501)
+    y = np.maximum(0.4 - 4.905 * t**2, 0.1)
+    pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
+    told = compare.trajectory_of(case, compare.read_table(tmp_path / "fall.csv"))
+    assert told.status == "landing"
+    assert told.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
+
+
 def test_unknown_case_or_file_is_told(tmp_path, capsys):
     assert compare.main(["disc_in_circel", str(tmp_path / "none.csv")]) == 2
     assert "disc_in_circle" in capsys.readouterr().err

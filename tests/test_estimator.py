@@ -49,7 +49,8 @@ def half_stepped(case: Case, exact: Trajectory, played: Trajectory, setting: Set
     played = _cut(played, len(played.t) - 1)
     h = float(played.t[1] - played.t[0])
     state, before, after = (exact(np.maximum(played.t + shift, 0.0)) for shift in (0.0, -0.5 * h, 0.5 * h))
-    rates = rates_at_poses(*(np.column_stack([each.vx, each.vy, each.omega]) for each in (before, after)))
+    sides = [np.column_stack([each.vx, each.vy, each.omega]) for each in (before, after)]
+    rates = rates_at_poses(*sides, size=0.1)
     vx, vy, omega = rates.T
     slip = slip_velocity(case, state.x, state.y, vx, vy, omega, state.xi1)
     # The mean over the step, by Simpson's rule.

@@ -1,5 +1,7 @@
 """Transitions read from samples, against motions whose transitions are known; matching; distances; energy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -347,6 +349,18 @@ def test_force_and_energy_are_measured_in_the_true_motion_s_own(circle):
     speed = state.vx**2 + state.vy**2
     largest = np.max(0.5 * speed + 0.25 * 0.1**2 * state.omega**2)
     assert far.energy_mean == pytest.approx(0.5 * (1.01**2 - 1) * speed.mean() / largest)
+
+
+def test_a_jump_of_the_force_at_a_transition_is_no_error_of_a_motion_known_between_its_steps():
+    case = cases.load("ellipse_in_circle")
+    exact, coarse = (reference.simulate(case, rtol=rtol) for rtol in (1e-13, 1e-9))
+
+    def scored(motion: Trajectory) -> float:
+        return metrics.distance(metrics.differences(motion, exact, case)).normal_force_mean
+
+    # Its steps are few and doubled at the transitions: there one of the two is on the other side of the jump.
+    assert scored(replace(coarse, dense=None)) > 1e-4
+    assert scored(coarse) < 1e-8
 
 
 def test_a_force_told_for_a_few_samples_is_not_told(circle):

@@ -179,6 +179,12 @@ def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
     assert precision.chosen(thin, full=False) == [] and precision.chosen(thin, full=True) == list(experiment.cases)
 
 
+def test_a_default_report_runs_whole_ladders_of_as_many_families_as_it_times():
+    from reports.plan import WHOLE
+
+    assert len(WHOLE) == precision.MOST_CASES and set(WHOLE) <= set(cases.names())
+
+
 def test_reference_and_engines_offer_enough_settings_for_a_curve():
     case = cases.load("disc_in_circle", mu=0.2)
     for name in ("reference", "exudyn", "pymunk"):
