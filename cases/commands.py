@@ -121,7 +121,7 @@ def check(file: str) -> str:
     for name in names:
         try:
             made = registry.select(name)
-        except Exception as problem:  # the author's code may fail in any way; it is told with its place
+        except (Exception, SystemExit) as problem:  # the author's code may fail in any way; it is told with its place
             kind = "" if isinstance(problem, CaseError) else f"{type(problem).__name__}: "
             raise BadValue(f"{where(path, problem)}, in {name}: {kind}{' '.join(str(problem).split())}") from problem
         lines += [f"{case.label}: fits, and lasts {case.duration:g} s" for case in made]

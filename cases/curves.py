@@ -54,8 +54,10 @@ class Curve:
     def __post_init__(self):
         object.__setattr__(self, "domain", _checked_domain(self.domain))
         object.__setattr__(self, "expression", _expression(self.function))
-        self._check_regular()
-        self._check_simple()
+        # What is too large or too small for a double shows as a value that is not finite, and is told as such.
+        with np.errstate(all="ignore"):
+            self._check_regular()
+            self._check_simple()
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
@@ -71,6 +73,8 @@ class Curve:
         """
         from . import measured  # it is written in terms of this module
 
+        if not isinstance(closed, bool | np.bool_):
+            raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
         found = measured.fit(points, closed)
         return cls(lambda s: found.expression, found.domain, found.residual)
 
@@ -201,8 +205,7 @@ class Curve:
     def _check_regular(self) -> None:
         s = np.linspace(*self._first_look(), SAMPLES)
         try:
-            with np.errstate(all="ignore"):
-                jets = self.jets(s)
+            jets = self.jets(s)
         except Exception as problem:
             raise BadCurve(f"the curve cannot be evaluated ({problem}); use the functions of cases.curves") from problem
         bad = ~np.all(np.isfinite(jets), axis=0)
@@ -216,7 +219,9 @@ class Curve:
 
     def _check_speed(self, s, speed, index, what: str, sign: float) -> None:
         """Raises BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
-        typical = float(np.median(speed))
+        typical = np.median(speed)
+        if not 0.0 < typical < np.inf:
+            raise BadCurve(f"the curve's speed |R_p| is {typical:g} m; give a curve with an extent a double can hold")
         # Looked at closely only where the samples leave the ordinary; a regular curve's speed varies by a few orders,
         # and seven of them within one sample's width is a cusp or a pole.
         if abs(np.log10(speed[index] / typical)) < 2:
@@ -224,12 +229,11 @@ class Curve:
         from scipy.optimize import minimize_scalar  # slow to import, seldom needed
 
         low, high = s[max(index - 1, 0)], s[min(index + 1, len(s) - 1)]
-        with np.errstate(all="ignore"):
-            found = minimize_scalar(
-                lambda v: float(self.speed(v)) ** (2 * sign),
-                bounds=(low, high), method="bounded", options={"xatol": 1e-12 * (high - low)},
-            )  # fmt: skip
-            extreme = float(self.speed(found.x))
+        found = minimize_scalar(
+            lambda v: self.speed(np.array([v]))[0] ** (2 * sign),
+            bounds=(low, high), method="bounded", options={"xatol": 1e-12 * (high - low)},
+        )  # fmt: skip
+        extreme = self.speed(np.array([found.x]))[0]
         if not abs(np.log10(extreme / typical)) < 7:
             raise BadCurve(f"the curve {what} near s = {found.x:.6g}; give a domain that leaves it out")
 

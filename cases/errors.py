@@ -7,9 +7,17 @@ from collections.abc import Iterable
 from math import isfinite
 from numbers import Real
 
+# A sentence longer than this is cut in its middle, where a long input was quoted.
+LONGEST = 500
+
 
 class CaseError(ValueError):
     """Base of every error a wrong question raises; its text is one sentence that says what to change."""
+
+    def __init__(self, text: str):
+        line = " ".join(str(text).split())
+        half = LONGEST // 2
+        super().__init__(line if len(line) <= LONGEST else f"{line[:half]} … {line[-half:]}")
 
 
 class BadValue(CaseError):
@@ -32,6 +40,10 @@ class NotSupported(CaseError):
     """A well-posed question this solver has no equations for."""
 
 
+# More names than a reader takes in at a glance are counted.
+MOST_NAMES = 16
+
+
 def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownName:
     """The error for a name that is not there: the nearest known names, or all of them where none is near."""
     choices = sorted(known)
@@ -41,7 +53,8 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownName:
         return UnknownName(f"there is no {kind} {name!r}; did you mean {' or '.join(near)}?")
     if not choices:
         return UnknownName(f"there is no {kind} {name!r}, and none can be given here")
-    return UnknownName(f"there is no {kind} {name!r}; choose from {', '.join(choices)}")
+    shown = ", ".join(choices[:MOST_NAMES]) + (f", … ({len(choices)} in all)" if len(choices) > MOST_NAMES else "")
+    return UnknownName(f"there is no {kind} {name!r}; choose from {shown}")
 
 
 def finite(what: str, value: object) -> float:
@@ -63,6 +76,14 @@ def positive(what: str, value: object) -> float:
     if number <= 0.0:
         raise BadValue(f"{what} is {number:g}; give a number greater than zero")
     return number
+
+
+def whole(what: str, value: object, least: int, most: int) -> int:
+    """`value` as an int; raises BadValue unless it is a whole number from `least` to `most`."""
+    number = finite(what, value)
+    if number != int(number) or not least <= number <= most:
+        raise BadValue(f"{what} is {number:g}; give a whole number from {least} to {most}")
+    return int(number)
 
 
 def not_negative(what: str, value: object) -> float:

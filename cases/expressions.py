@@ -15,6 +15,8 @@ FUNCTIONS = dict(
 )  # fmt: skip
 
 _NODES = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant)
+# Double precision ends at 10**308.
+_LARGEST_POWER = 308
 _ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd)
 
 
@@ -26,8 +28,8 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
     known = {**FUNCTIONS, **variables}
     try:
         nodes = list(ast.walk(ast.parse(text, mode="eval")))
-    except SyntaxError as problem:
-        raise error(f"{what} {text!r} cannot be read ({problem.msg})") from None
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
+        raise error(f"{what} {text!r} cannot be read ({getattr(problem, 'msg', problem)})") from None
     for node in nodes:
         if isinstance(node, ast.BitXor):
             raise error(f"{what} {text!r} has a ^; write ** for a power")
@@ -37,7 +39,21 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
         number = not isinstance(node, ast.Constant) or isinstance(node.value, int | float)
         if not isinstance(node, _NODES + _ARITHMETIC) or not number:
             raise error(f"{what} {text!r} is more than arithmetic in {', '.join(variables)}; write it as an expression")
-    return sp.parse_expr(text, local_dict=known)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and not _is_short_power(node.right):
+            raise error(f"{what} {text!r} has a power that is no number up to {_LARGEST_POWER}; write a smaller one")
+    try:
+        return sp.parse_expr(text, local_dict=known)
+    except Exception as problem:  # a function called with the wrong number of arguments, a name used as a number, …
+        raise error(f"{what} {text!r} cannot be read ({problem})") from None
+
+
+def _is_short_power(exponent: ast.expr) -> bool:
+    """Whether an exponent is a formula, or a number of ordinary size: SymPy works out powers of whole numbers."""
+    parts = list(ast.walk(exponent))
+    if any(isinstance(part, ast.Name) for part in parts):
+        return True
+    numbers = [abs(part.value) for part in parts if isinstance(part, ast.Constant)]
+    return len(numbers) == 1 and numbers[0] <= _LARGEST_POWER
 
 
 def constants(expressions: Sequence[sp.Expr]) -> tuple[float, ...]:

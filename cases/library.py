@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from .curves import PARAMETER, Curve, cos, cosh, exp, sin
-from .errors import BadCurve, BadValue, finite, positive
+from .errors import BadCurve, BadValue, finite, positive, whole
 
 
 def line(slope: float = 0.0) -> Curve:
@@ -86,6 +86,7 @@ def trochoid(a: float, arm: float, arches: int = 2) -> Curve:
     A valley at s = 0, `arches` arches to each side. BadCurve for arm = a (the cycloid's cusps) and arm > a (loops).
     """
     a, d = positive("a of trochoid", a), positive("arm of trochoid", arm)
+    arches = whole("arches of trochoid", arches, 1, 1000)
     if d >= a:
         raise BadCurve(f"arm = {d:g} of trochoid is not below a = {a:g}: it has cusps or loops; give a shorter arm")
     return Curve(lambda s: (a * s + d * sin(s), -d * cos(s)), (-2 * pi * arches, 2 * pi * arches))
@@ -98,9 +99,9 @@ def superellipse(a: float, b: float, exponent: int = 4) -> Curve:
     the limit of fitting.
     """
     a, b = positive("a of superellipse", a), positive("b of superellipse", b)
-    n = int(exponent)
-    if n != exponent or n < 2 or n % 2:
-        raise BadValue(f"exponent of superellipse is {exponent}; give an even whole number, at least 2")
+    n = whole("exponent of superellipse", exponent, 2, 64)
+    if n % 2:
+        raise BadValue(f"exponent of superellipse is {n}; give an even whole number")
 
     def point(s):
         # A root of a root of cosines to whole powers is smooth all round; |cos s|^(2/n), the usual form, is not.
@@ -142,9 +143,7 @@ def rounded_polygon(radius: float, corners: int, sharpness: float = 0.5) -> Curv
     For odd n its width is 2·radius in every direction.
     """
     r, k = positive("radius of rounded_polygon", radius), finite("sharpness of rounded_polygon", sharpness)
-    n = int(corners)
-    if n != corners or n < 2:
-        raise BadValue(f"corners of rounded_polygon is {corners}; give a whole number, at least 2")
+    n = whole("corners of rounded_polygon", corners, 2, 1000)
     if not 0 <= k < 1:
         raise BadValue(f"sharpness of rounded_polygon is {k:g}; give a number from 0 to below 1")
     swell = r * k / (n * n - 1)

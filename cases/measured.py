@@ -60,8 +60,12 @@ def read(path: str | Path) -> np.ndarray:
 
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
     """
-    path = Path(path)
-    if not path.is_file():
+    try:
+        path = Path(path)
+        there = path.is_file()
+    except (TypeError, ValueError, OSError):
+        raise BadValue(f"the file to read points from is {path!r}; give its path") from None
+    if not there:
         raise UnknownName(f"there is no file {str(path)!r} to read points from")
     rows = []
     try:
@@ -83,7 +87,7 @@ def read(path: str | Path) -> np.ndarray:
 def _checked(points, closed: bool) -> np.ndarray:
     try:
         points = np.array(points, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise BadValue("points are not numbers; give a list of pairs (x, y) in metres") from None
     if points.ndim != 2 or points.shape[1] != 2:
         raise BadValue(f"points have shape {points.shape}; give pairs (x, y), shape (n, 2)")

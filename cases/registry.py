@@ -101,7 +101,13 @@ def load(name: str, **parameters) -> Case:
     for key in parameters:
         if key not in found.parameters:
             raise unknown(f"parameter of {bare}", key, found.parameters)
-    made = found.function(**parameters)
+    try:
+        made = found.function(**parameters)
+    except CaseError:
+        raise
+    except Exception as problem:
+        told = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
+        raise BadValue(f"{bare} cannot be made with {told}: {type(problem).__name__}: {problem}") from problem
     if not isinstance(made, Case):
         raise BadValue(f"the case function {bare} returned {type(made).__name__}; return a Case")
     return replace(made, name=bare, parameters=parameters)
@@ -135,7 +141,7 @@ def load_file(path: str | Path) -> list[str]:
         spec.loader.exec_module(importlib.util.module_from_spec(spec))
     except CaseError:
         raise
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         raise BadValue(f"the case file {path} fails: {type(problem).__name__}: {problem}") from problem
     new = [name for name in _entries if _entries[name] is not before.get(name)]
     if not new:
