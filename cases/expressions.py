@@ -52,8 +52,8 @@ def _is_short_power(exponent: ast.expr) -> bool:
     parts = list(ast.walk(exponent))
     if any(isinstance(part, ast.Name) for part in parts):
         return True
-    numbers = [abs(part.value) for part in parts if isinstance(part, ast.Constant)]
-    return len(numbers) == 1 and numbers[0] <= _LARGEST_POWER
+    numbers = [p.value for p in parts if isinstance(p, ast.Constant) and isinstance(p.value, int | float)]
+    return len(numbers) == 1 and abs(numbers[0]) <= _LARGEST_POWER
 
 
 def constants(expressions: Sequence[sp.Expr]) -> tuple[float, ...]:
