@@ -119,13 +119,13 @@ def _say(text: str) -> None:
 
 def _write(plan: Plan, found: Experiment, timed: Experiment, measured: Measured, store: Store, folder: Path) -> None:
     """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
-    from . import elsewhere, figures, precision, precision_figures, tables, webpage
+    from . import drawing, elsewhere, figures, precision, precision_figures, tables, webpage
     from .manifest import manifest
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
     frames = tables.frames(found) | precision.frames(timed, measured)
-    tables.write(frames, folder / "tables")
+    tables.write(frames, folder / "tables", _command(plan))
     count = 1 + 3 * len(found.cases)
     drawn = list(_progress("figures", count, figures.draw(found, folder / "figures", plan.files, plan.jobs)))
     drawn += precision_figures.draw(timed, measured, folder / "figures")
@@ -142,6 +142,9 @@ def _write(plan: Plan, found: Experiment, timed: Experiment, measured: Measured,
         "seconds": found.seconds,
         "cases": {case.label: dict(case.parameters) for case in found.cases},
     }
+    for figure in drawn:
+        if figure.name:
+            drawing.sign(folder / "figures", figure, webpage.command_of(figure.case, told))
     page = webpage.render(found, measured, frames, drawn, folder / "figures", told)
     (folder / "index.html").write_text(page, encoding="utf-8")
     files = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass
+from html import escape
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -132,6 +133,15 @@ def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption
         figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
     plt.close(figure)
     return Drawn(name, case, title, caption)
+
+
+def sign(folder: Path, drawn: Drawn, command: str) -> None:
+    """Write into the figure's file by which command it is made again."""
+    file = folder / f"{drawn.name}.svg"
+    text = file.read_text(encoding="utf-8")
+    start = text.index(">", text.index("<svg")) + 1
+    words = f"<desc>{escape(drawn.title)}. Make it again: {escape(command)}</desc>"
+    file.write_text(text[:start] + words + text[start:], encoding="utf-8")
 
 
 def small(svg: str) -> str:

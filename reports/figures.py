@@ -93,9 +93,17 @@ def draw_case(key: CaseKey, part: Experiment, looks: Looks, folder: Path, main: 
 
 
 def headline_case(experiment: Experiment) -> Case | None:
-    """The case whose truth has the most transitions, the first of them; None if none has any."""
+    """Of the cases with a transition that most routes got right, the one with most of them; None if none has any."""
     having = [case for case in experiment.cases if experiment.truths[case.label].transitions]
-    return max(having, key=lambda case: len(experiment.truths[case.label].transitions), default=None)
+    right: dict[str, set[tuple[str, str]]] = {}
+    for run in experiment.runs:
+        if run.outcome == "right":
+            right.setdefault(run.case, set()).add((run.solver, run.route))
+
+    def worth(case: Case) -> tuple[int, int]:
+        return len(right.get(case.label, ())), len(experiment.truths[case.label].transitions)
+
+    return max(having, key=worth, default=None)
 
 
 _HEADLINE_WORDS = (

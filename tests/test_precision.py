@@ -10,7 +10,8 @@ import cases
 from cases import Cost, Mode, Transition
 from reports import null_motions, precision, quantities, tables, trial, verdicts, workers
 from reports.clock import Timing
-from reports.metrics import Distance, LedgerRow
+from reports.distances import Distance
+from reports.metrics import LedgerRow
 from reports.precision import Measured
 from reports.records import CaseKey, Experiment, Run, Truth
 
@@ -275,6 +276,22 @@ def test_sentence_tells_of_a_disturbed_machine_and_ranks_nothing_by_it():
         accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0), disturbed=("a", "reference"))
     )
     assert "No case has timings" in told and "disturbed during 100%" in told and "times" not in told
+
+
+def test_set_up_and_compilation_are_told_beside_the_times():
+    experiment, measured = made(("reference", "s", 1e-13, 0.01), ("reference", "t", 1e-13, 0.01), ("a", "s", 1e-7, 3.0))
+    slow = {who: replace(t, setup_s=0.1, compile_s=0.4) for who, t in measured.timings.items() if who[1] == "reference"}
+    points = precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
+    assert "reference 1 s, a 0 s." in verdicts.set_up(points)
+    assert verdicts.set_up([]) == ""
+
+
+def test_figures_that_fail_are_told_in_their_place(tmp_path):
+    from reports import figures
+
+    experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
+    (told,) = figures.draw(experiment, tmp_path)
+    assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
 
 
 def drawn_heights(figure) -> list[float]:
