@@ -144,7 +144,7 @@ def _finest(experiment: Experiment, label: str) -> list[Run]:
 
 
 def _mark_transitions(ax: Axes, truth: Truth, width: float = 0.0) -> None:
-    """Lines at the truth's transitions; over an axis about `width` points wide also the modes between them, in words."""
+    """Lines at the truth's transitions; over an axis about `width` points wide also the modes between, in words."""
     times = [t.time for t in truth.transitions]
     for time in times:
         ax.axvline(time, color=FAINT, linewidth=0.7, zorder=0.5)
