@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .precision import Measured
     from .records import Experiment
     from .store import Store
+    from .studies import Study
 
 # A report is written in a minute or two: a part of one that is a day old (s) was left by a build that was killed.
 _LEFT_BEHIND = 86400.0
@@ -67,18 +68,21 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _build(plan: Plan, store: Store) -> None:
     from . import experiment as xp
+    from . import studies
+    from .recall import Recall
 
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
-    found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress, store)
+    found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, progress, store)
     measured = _measure(plan, found, store)
+    studied = studies.run(plan, progress, Recall(store, found.versions).run)
     shown = _with_trajectories(plan, found)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
     _sweep(plan.out)
     partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
     try:
-        _write(plan, shown, found, measured, store, partial)
+        _write(plan, shown, found, measured, studied, store, partial)
         _move(partial, plan.out)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
@@ -102,10 +106,11 @@ def _measure(plan: Plan, found: Experiment, store: Store) -> Measured:
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
         return precision.Measured()
-    return precision.measure(found, plan.files, plan.effort == "full", _progress, store)
+    return precision.measure(found, plan.files, plan.effort == "full", progress, store)
 
 
-def _progress(step: str, total: int, answers: Iterator) -> Iterator:
+def progress(step: str, total: int, answers: Iterator) -> Iterator:
+    """Hands on the answers, with a bar on the terminal: how many of `total` are there, and the time left."""
     from tqdm import tqdm
 
     # A terminal sees the bar move; a log file gets a line now and then.
@@ -117,18 +122,30 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _write(plan: Plan, found: Experiment, timed: Experiment, measured: Measured, store: Store, folder: Path) -> None:
+def _write(
+    plan: Plan,
+    found: Experiment,
+    timed: Experiment,
+    measured: Measured,
+    studied: Sequence[Study],
+    store: Store,
+    folder: Path,
+) -> None:
     """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
-    from . import drawing, elsewhere, figures, precision, precision_figures, tables, webpage
+    from . import drawing, elsewhere, figures, precision, precision_figures, studies, tables, webpage
     from .manifest import manifest
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
     frames = tables.frames(found) | precision.frames(timed, measured)
     tables.write(frames, folder / "tables", _command(plan))
+    for study in studied:
+        tables.write(study.frames, folder / "tables", study.command)
+        frames |= study.frames
     count = 1 + 3 * len(found.cases)
-    drawn = list(_progress("figures", count, figures.draw(found, folder / "figures", plan.files, plan.jobs)))
+    drawn = list(progress("figures", count, figures.draw(found, folder / "figures", plan.files, plan.jobs)))
     drawn += precision_figures.draw(timed, measured, folder / "figures")
+    pictures = studies.drawn(studied, folder / "figures")
     _say("page")
     told = manifest(timed.versions)
     told["solvers"] |= elsewhere.sources(plan.trajectories)
@@ -143,9 +160,11 @@ def _write(plan: Plan, found: Experiment, timed: Experiment, measured: Measured,
         "cases": {case.label: dict(case.parameters) for case in found.cases},
     }
     for figure in drawn:
-        if figure.name:
-            drawing.sign(folder / "figures", figure, webpage.command_of(figure.case, told))
-    page = webpage.render(found, measured, frames, drawn, folder / "figures", told)
+        drawing.sign(folder / "figures", figure, webpage.command_of(figure.case, told))
+    for study in studied:
+        for figure in pictures[study.name]:
+            drawing.sign(folder / "figures", figure, study.command)
+    page = webpage.render(found, measured, frames, drawn, (studied, pictures), folder / "figures", told)
     (folder / "index.html").write_text(page, encoding="utf-8")
     files = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
     told["files"] = [*files, "manifest.json"]

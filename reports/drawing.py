@@ -136,7 +136,9 @@ def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption
 
 
 def sign(folder: Path, drawn: Drawn, command: str) -> None:
-    """Write into the figure's file by which command it is made again."""
+    """Write into the figure's file by which command it is made again; a figure that failed has none."""
+    if not drawn.name:
+        return
     file = folder / f"{drawn.name}.svg"
     text = file.read_text(encoding="utf-8")
     start = text.index(">", text.index("<svg")) + 1

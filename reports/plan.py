@@ -68,7 +68,7 @@ class Plan:
         return (*(s for s in settings if is_default_setting(s)), *(ladder[i] for i in places))
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence, by the suite's own error."""
 
     def error(self, message: str) -> NoReturn:
@@ -81,7 +81,7 @@ class _Parser(argparse.ArgumentParser):
 
 def parser() -> argparse.ArgumentParser:
     """The command's options."""
-    parser = _Parser(
+    parser = Parser(
         prog="python -m reports.build",
         description="Run cases through solvers and write a report: index.html, tables, figures, manifest.json.",
         epilog='Example: python -m reports.build --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
@@ -141,7 +141,7 @@ def solvers() -> tuple[str, ...]:
 def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
     effort = "quick" if options.quick else "full" if options.full else "default"
-    jobs = _jobs(options.jobs)
+    jobs = whole_jobs(options.jobs)
     chosen = tuple(dict.fromkeys(options.solver or solvers()))
     for name in chosen:
         if name not in solvers():
@@ -151,7 +151,7 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     out = _checked_out(Path(options.out))
     store = _checked_store(options.store, out)
     asked = options.case or own
-    found = _cases(asked or (SHARED if effort == "quick" else cases.names()), effort)
+    found = _cases(asked or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
     given = _trajectories(options.trajectory, found)
     return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked), store, options.fresh, given)
 
@@ -164,7 +164,8 @@ def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[Elsewher
     return elsewhere.asked(texts, found, solvers())
 
 
-def _jobs(text: str) -> int:
+def whole_jobs(text: str) -> int:
+    """How many runs beside each other; raises BadValue unless it is a whole number of at least 1."""
     try:
         jobs = int(text)
     except ValueError:

@@ -22,6 +22,8 @@ from .records import TRUTH_RTOL, Experiment
 if TYPE_CHECKING:
     import pandas as pd
 
+    from .studies import Study
+
 _PAGE = Path(__file__).parent / "page"
 _TABLE_WORDS = {
     "headline": "First-transition error and centre error of each route, defaults and finest setting",
@@ -33,6 +35,11 @@ _TABLE_WORDS = {
     "work_precision": "Error and CPU time of every right run of the timed cases",
     "work_precision_fits": "Orders in steps and in CPU time, and where and why the error saturates",
     "time_to_accuracy": "CPU time to each accuracy, and its ratio to the fastest route",
+    "effect_costs": "What each effect costs, and what would be wrong without it",
+    "error_parts": "How much of an error is the step's, how much the model's, and which knob to turn next",
+    "stability": "Hard scenes, solver by solver: outcome, residuals, conditioning",
+    "unstable_steps": "The step at which each engine turns unstable, by bisection",
+    "formulation_study": "Ten coordinates plain, stabilised, projected; independent coordinates: drift and cost",
     "null_scores": "What motions that know nothing of friction's law would score",
 }
 # Rows of a table that are shown on the page; the files hold the rest.
@@ -44,19 +51,22 @@ def render(
     measured: Measured,
     frames: dict[str, pd.DataFrame],
     drawn: Sequence[Drawn],
+    studied: tuple[Sequence[Study], dict[str, list[Drawn]]],
     figures: Path,
     manifest: dict[str, Any],
 ) -> str:
-    """The page as text. `figures` is the folder with the drawn SVG files; `manifest` as written beside the page."""
+    """The page as text. `studied` are the studies and their pictures by name; `figures` is the folder with the drawn
+    SVG files; `manifest` as written beside the page."""
     command = manifest["command"]
     parts = {
         "style": (_PAGE / "style.css").read_text(encoding="utf-8"),
         "summary": escape(_summary(experiment)),
-        "contents": _contents(experiment),
+        "contents": _contents(experiment, studied[0]),
         "warnings": _warnings(experiment),
         "headline": _headline(frames["headline"], drawn, figures, command),
         "precision": _precision(measured, frames, drawn, figures, command),
         "cases": "\n".join(_case(experiment, case, frames, drawn, figures, manifest) for case in experiment.cases),
+        "studies": "\n".join(_study(study, studied[1][study.name], figures) for study in studied[0]),
         "failures": _failures(frames["trajectories"]),
         "tables": "\n".join(_whole_table(name, frame, command) for name, frame in frames.items()),
         "manifest": _manifest(manifest),
@@ -76,8 +86,9 @@ def _summary(experiment: Experiment) -> str:
     return f"{cases} case{'s' * (cases != 1)}, {len(experiment.runs)} runs. {told}."
 
 
-def _contents(experiment: Experiment) -> str:
+def _contents(experiment: Experiment, studies: Sequence[Study]) -> str:
     links = [("headline", "First transition"), ("precision", "What accuracy costs in time")]
+    links += [(study.name, study.title) for study in studies]
     links += [(_anchor(case.label), case.label) for case in experiment.cases]
     links += [
         ("failures", "What did not work"),
@@ -130,6 +141,18 @@ def _headline_cell(row: dict[str, Any] | None) -> str:
         return ""
     finest, own = (tables.error_text(row, column) for column in ("finest_error", "default_error"))
     return escape(finest) + (f"<br><small>{escape(own)}</small>" if own else "")
+
+
+def _study(study: Study, drawn: Sequence[Drawn], figures: Path) -> str:
+    """A study's pictures and links to its tables, or why it failed."""
+    pictures = "".join(_figure(d, figures, study.command) for d in drawn)
+    links = ", ".join(f'<a href="tables/{name}.csv">{name}.csv</a>' for name in study.frames)
+    told = f"<p>Tables: {links}.</p>" if links else ""
+    if study.failure:
+        told += f'<div class="warning">This study failed: {escape(study.failure)}</div>'
+    return (
+        f'<section id="{study.name}"><h2>{escape(study.title)}</h2>{told}{pictures}{_remake(study.command)}</section>'
+    )
 
 
 def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path, command: str) -> str:

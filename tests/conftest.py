@@ -27,11 +27,11 @@ def pytest_configure(config):
 
 
 def pytest_generate_tests(metafunc):
-    """`any_case`: one test for each variant of each case, of the catalogue or of the case files."""
+    """`any_case`: a test for each variant of each case of the catalogue (hard ones have `test_atlas`) or of files."""
     if "any_case" not in metafunc.fixturenames:
         return
     try:
-        chosen = [case for name in metafunc.config.own_cases or cases.names() for case in cases.select(name)]
+        chosen = [case for name in metafunc.config.own_cases or cases.names(hard=False) for case in cases.select(name)]
     except CaseError as problem:
         raise pytest.UsageError(str(problem)) from None
     metafunc.parametrize("any_case", chosen, ids=[case.label for case in chosen])

@@ -104,7 +104,7 @@ def test_case_has_a_row_for_every_route_a_result_or_a_reason():
 
 @pytest.mark.slow
 def test_every_catalogue_case_has_a_row_for_every_route_a_result_or_a_reason():
-    rows_of(tuple(case for name in cases.names() for case in cases.select(name)), most=3)
+    rows_of(tuple(case for name in cases.names(hard=False) for case in cases.select(name)), most=3)
 
 
 # --- what must be reached ---------------------------------------------------------------------------------------------
