@@ -333,9 +333,9 @@ def found_by_chance(A, B, a, b, shift, inertia, direction, mu, start) -> Case:
 
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_a_plate_that_moves_off_by_itself_meets_no_paradox(method):
-    start = Start(1.1232089339924007, 1.6660723407709188, omega=-0.568740677332062)
-    ellipses = (1.065811252237898, 0.839922021029403, 0.29450673120734533, 0.2092246847742892, 0.028364477990656434)
-    case = found_by_chance(*ellipses, 0.03343183947301649, 2.9487837516394517, 5.021423923864688, start)
+    start = Start(-0.13125524371729647, 1.268868408066865, omega=-2.7518210142057224)
+    ellipses = (1.158044163987034, 0.9649002965339961, 0.2558800072792508, 0.23190822797764582, 0.035484499862952476)
+    case = found_by_chance(*ellipses, 0.031073150812764173, 2.415474375660496, 3.4087621176328917, start)
     assert contact_frame.solve(case).status == "lift_off"
     assert reference.simulate(case, method=method).status == "lift_off"
 
@@ -349,3 +349,19 @@ def test_a_slip_that_cannot_begin_is_not_listed(method):
     second = contact_frame.solve(case)
     assert motion.status == second.status == "lift_off"
     assert kinds(motion.transitions) == kinds(second.transitions)
+
+
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
+@pytest.mark.xfail(
+    strict=True,
+    reason="a start at the cone but for 1e-9: the slip that begins is 1e-21 m/s after the 1e-12 s that "
+    "taylor._leave_start looks at, its sign is rounding; the guard fires at time 0, decide says slip again, 100,000 "
+    "times. (dop853 says: rolls after 9.98e-10 s.) Trust the series where the guard is below its own rounding",
+)
+def test_a_slip_too_small_to_be_seen_leaving_does_not_hang():
+    start = Start(2.426938401147753, -2.2151956719582033, omega=1.52516638181877)
+    ellipses = (1.0271439567267457, 0.8334083078279411, 0.2846274658463707, 0.25283092567864746, 0.04965826144907243)
+    case = found_by_chance(*ellipses, 0.0387000107535566, 1.51278272605426, 0.39247924741618306, start)
+    with within(20):
+        motion = reference.simulate(case, rtol=1e-12, method="taylor")
+    assert [t.after for t in motion.transitions] == [Mode.ROLL]
