@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from functools import lru_cache
+from itertools import product
 from math import pi
 from typing import NamedTuple
 
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity
-from cases.contact import start_motion
+from cases import Case, CoulombFriction, Gravity, Impact, Load, PerfectlyRough
+from cases.contact import pose, start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
 from .interface import Setting
@@ -50,6 +52,16 @@ def pull(case: Case) -> np.ndarray:
     return gravity.g * np.array([np.cos(gravity.direction), np.sin(gravity.direction)]) if gravity else np.zeros(2)
 
 
+# A coefficient no contact here comes near: even a millionth of a newton would hold a plate of a tonne on a wall.
+ROUGH = 1e9
+
+
+def friction_coefficient(case: Case) -> float:
+    """Of the two shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
+    friction = case.effect(CoulombFriction)
+    return ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
+
+
 # --- how far the plate can come --------------------------------------------------------------------------------------
 
 
@@ -61,7 +73,12 @@ def stretch(case: Case) -> Stretch:
     faster than g. A margin of the plate's own size is added at both ends.
     """
     start, (smallest, largest) = start_motion(case), radii(case)
+    if case.effect(Load):
+        return _everywhere(case)
     energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * case.plate.inertia / case.plate.mass * start.omega**2
+    # A start off the track is higher, or lower, than the pose of contact there.
+    on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
+    energy += float(pull(case) @ (on_track - (start.x, start.y)))
     # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
     energy += float(np.hypot(*pull(case))) * (largest - smallest)
     longest = (np.sqrt(2 * energy) + np.hypot(*pull(case)) * case.duration) * case.duration
@@ -73,6 +90,22 @@ def stretch(case: Case) -> Stretch:
         length = float(np.mean(case.track.speed(np.linspace(low, high, 721)[:-1]))) * period
         return Stretch(low, high, length, True, max(fast, faster))
     return Stretch(low, high, back + ahead, False, max(fast, faster))
+
+
+# How far from its start (m) a plate with a load may come on a straight line, which has no end of its own.
+FAR = 1e3
+
+
+def _everywhere(case: Case) -> Stretch:
+    """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
+    track = case.track
+    low, high = (case.start.xi1 - FAR, case.start.xi1 + FAR) if track.domain is None else track.domain
+    if track.period:
+        low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
+    length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
+    start = start_motion(case)
+    fast = float(np.hypot(start.vx, start.vy) + np.hypot(*pull(case)) * case.duration)
+    return Stretch(low, high, length, track.period is not None, fast)
 
 
 def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margin: float) -> tuple[float, float, float]:
@@ -116,6 +149,8 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         part = stretch(case)
         way = part.top_speed * h if h else 0.0
         knobs["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+        # A facet told of its neighbours does not catch the plate with its end where they meet. Nobody tells it unasked.
+        knobs["neighbors"] = 0 if h is None else 1
     if kind != "hill":
         # Thick walls catch what sinks into them; thin ones spare the engine's search for overlapping boxes.
         thickness = radii(case)[0] * (1.0 if h is None else 0.05)
@@ -124,6 +159,32 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         # Corners cost energy as facets do; 0.2 s over the step is where they cost as much as the step itself.
         knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, MOST_CORNERS))
     return knobs
+
+
+def space_knobs(case: Case) -> dict[str, float | int]:
+    """The space's knobs of every rung but the first: all overlap beyond a small slop is corrected at once."""
+    knobs: dict[str, float | int] = dict(collision_slop=1e-5 * radii(case)[0], collision_bias=0.0)
+    if not case.plate.radius:
+        knobs["iterations"] = 20
+    return knobs
+
+
+def model_grid(case: Case, steps: Sequence[float]) -> list[dict[str, float | int]]:
+    """The model's knobs that belong to the steps (s), in every combination, from the coarsest to the finest.
+
+    Corners, or facets and whether they know their neighbours, as fine as each of the steps asks for; a disc on one
+    segment or circle has its slop alone.
+    """
+    finest = shape_knobs(case, min(steps)) | space_knobs(case)
+    choices: dict[str, Sequence[float | int]] = {}
+    fineness = next((name for name in ("vertices", "facets") if name in finest), None)
+    if fineness:
+        choices[fineness] = sorted({shape_knobs(case, h)[fineness] for h in steps})
+    if fineness == "facets":
+        choices["neighbors"] = (0, 1)
+    if not choices:
+        choices["collision_slop"] = [finest["collision_slop"] * factor for factor in (1000, 100, 10, 1)]
+    return [finest | dict(zip(choices, values, strict=True)) for values in product(*choices.values())]
 
 
 def plate_kind(case: Case) -> str:
@@ -172,13 +233,14 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
         if knob in dict(setting.values):
             setattr(space, knob, setting[knob])
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
-    friction = case.effect(CoulombFriction)
     plate = _plate_shape(case, body, setting)
-    plate.friction = friction.mu if friction else 0.0
+    plate.friction = friction_coefficient(case)
     shapes = _track_shapes(case, space, setting)
+    impact = case.effect(Impact)
+    plate.elasticity = impact.restitution if impact else 0.0
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.
-        shape.friction = 1.0
+        shape.friction = shape.elasticity = 1.0
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
     space.add(body, plate, *shapes)
@@ -217,7 +279,7 @@ def _track_shapes(case: Case, space: pymunk.Space, setting: Setting) -> list[pym
         return [_static_circle(space, circle)]
     if line:
         return [_line_segment(case, space, line, setting["thickness"])]
-    return _chain(case, space, setting["facets"], setting["thickness"])
+    return _chain(case, space, setting)
 
 
 def _static_circle(space: pymunk.Space, circle: Circle) -> pymunk.Shape:
@@ -237,12 +299,12 @@ def _line_segment(case: Case, space: pymunk.Space, line: Line, thickness: float)
     return pymunk.Segment(space.static_body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
 
 
-def _chain(case: Case, space: pymunk.Space, count: int, thickness: float) -> list[pymunk.Shape]:
-    """`count` segments of equal length along the stretch, behind the track by their radius.
+def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
+    """Segments of equal length along the stretch, behind the track by their radius.
 
     The corners lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
     """
-    part, track = stretch(case), case.track
+    part, track, count, thickness = stretch(case), case.track, setting["facets"], setting["thickness"]
     s = _equal_arcs(case, part, count)
     bend = track.curvature(s) * (part.length / count) ** 2 / 12
     corners = track.point(s) - (thickness + bend) * track.normal(s)
@@ -256,7 +318,8 @@ def _chain(case: Case, space: pymunk.Space, count: int, thickness: float) -> lis
     segments: list[pymunk.Shape] = []
     for i in range(count):
         segment = pymunk.Segment(space.static_body, points[i], points[i + 1], thickness)
-        segment.set_neighbors(padded[i], padded[i + 3])
+        if setting["neighbors"]:
+            segment.set_neighbors(padded[i], padded[i + 3])
         segments.append(segment)
     return segments
 

@@ -11,6 +11,14 @@ An adapter is one module with
     run(model) -> None                              the only part that is timed
     read(model) -> Trajectory                       untimed; raises EngineFailure for a run that is no motion
     version() -> str                                of the engine
+
+and, if errors are to be taken apart by what causes them (`reports.error_parts`),
+
+    grid(case, route) -> tuple[Setting, ...]        every combination of a few values of the step `h` and of one or
+                                                    more knobs of the model; each knob's values appear from coarse to
+                                                    fine, so the first setting is the coarsest, the last the finest
+
+The first setting of a ladder is the engine as it comes and says so: `Setting.of(rung="defaults", ...)`.
 """
 
 from __future__ import annotations

@@ -17,14 +17,19 @@ from math import atan2, cos, sin
 import numpy as np
 import pybullet
 
-from cases import Case, Cost, CoulombFriction, Gravity, Trajectory, Unilateral
-from cases.contact import Contact, find, slip_velocity, start_motion
+from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
+from cases.contact import Contact, find, start_motion
 from cases.errors import DoesNotFit, unknown
 
-from .interface import EngineFailure, Setting
+from . import _half_steps as half_steps
+from ._facets import pull
+from .interface import Setting
 
 NAME = "pybullet"
 routes = ("assisted",)
+
+# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4), 2.5
@@ -42,9 +47,9 @@ def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
         raise unknown("route of pybullet", route, routes)
-    for effect in case.effects:
-        if not isinstance(effect, Gravity | CoulombFriction | Unilateral):
-            return f"pybullet has nothing for {type(effect).__name__}."
+    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if strange:
+        return f"pybullet has nothing for {' and '.join(strange)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pybullet has one friction coefficient for slip and stick."
@@ -82,7 +87,7 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     h, start, friction = case.duration / steps, start_motion(case), case.effect(CoulombFriction)
     world = pybullet.connect(pybullet.DIRECT)
     where = dict(physicsClientId=world)
-    pybullet.setGravity(*_pull(case), 0.0, **where)
+    pybullet.setGravity(*pull(case), 0.0, **where)
     knobs = dict(contactERP=setting["erp"], contactSlop=setting["slop"], solverResidualThreshold=setting["residual"])
     pybullet.setPhysicsEngineParameter(**knobs, **where)
     sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=case.plate.radius, **where)
@@ -112,7 +117,7 @@ def _step(model: Model, where: dict[str, int]) -> None:
     case, h, start = model.case, model.h, start_motion(model.case)
     # The engine's quaternion forgets whole turns; the angle is its own steps' sum. A sphere needs no other.
     centre, theta, near = np.array([start.x, start.y]), start.theta, (start.xi1, start.xi2)
-    now, change = np.array([start.vx, start.vy]), 0.5 * h * _pull(case)
+    now, change = np.array([start.vx, start.vy]), 0.5 * h * pull(case)
     for k in range(model.steps + 1):
         try:
             near = _put_plane(model, centre, theta, now + change, 1.0 if k else 0.5, near, where)
@@ -149,54 +154,6 @@ def _put_plane(model: Model, centre, theta: float, velocity, share: float, near,
     return here[:2]
 
 
-def _pull(case: Case) -> np.ndarray:
-    gravity = case.effect(Gravity) or Gravity(0.0)
-    return gravity.g * np.array([cos(gravity.direction), sin(gravity.direction)])
-
-
 def read(model: Model) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
-    case, h, rows = model.case, model.h, np.array(model.rows)
-    if len(rows) < 3 or not np.isfinite(rows).all():
-        raise EngineFailure("pybullet's numbers are not finite, or there are fewer than three steps of them.")
-    start, after = start_motion(case), rows[:, 3:]
-    before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
-    rates = 0.5 * (before + after)
-    rates[0] = before[0]
-    kick = np.full((len(rows), 1), h)
-    kick[0] *= 0.5
-    force = (case.plate.mass * ((after - before)[:, :2] / kick - _pull(case))).T
-    xi1, xi2, gap = np.array(model.contacts, dtype=float).T
-    (nx, ny), (fx, fy), (tx, ty) = case.track.normal(xi1), force, case.track.tangent(xi1)
-    normal_force, friction_force = fx * nx + fy * ny, fx * tx + fy * ty
-    kept, status, reason = _ending(model, xi1, gap, normal_force)
-    x, y, theta, vx, vy, omega = np.hstack([rows[:, :3], rates]).T
-    turn = float(np.abs(np.diff(case.track.tangent_angle(xi1[:kept]))).max(initial=0.0))
-    columns = dict(
-        t=h * np.arange(len(rows)), x=x, y=y, theta=theta, vx=vx, vy=vy, omega=omega, xi1=xi1, xi2=xi2,
-        # The engine's friction acts on the sphere, a gap away from the track.
-        slip=slip_velocity(case, x - gap * nx, y - gap * ny, vx, vy, omega, xi1),
-        normal_force=normal_force, friction_force=friction_force,
-    )  # fmt: skip
-    # Means of two half steps' velocities, whose tangents differ by `turn`, fall short by up to v turn²/4 in stick.
-    creep, cost = float(0.25 * np.hypot(vx, vy).max() * turn**2), Cost(steps=len(rows))
-    columns = {name: column[:kept] for name, column in columns.items()}
-    return Trajectory(**columns, status=status, reason=reason, cost=cost, slip_resolution=creep)
-
-
-def _ending(model: Model, xi1: np.ndarray, gap: np.ndarray, normal_force: np.ndarray) -> tuple[int, str, str]:
-    """How many samples belong to the motion, status and reason: of what ends it first, or of the end of its time."""
-    case, count, domain = model.case, len(xi1), model.case.track.domain
-    lost = (count, "lost_track", "No point of the track is near the plate any more.")
-    endings = [(count, Trajectory.status, Trajectory.reason) if count > model.steps else lost]
-    if domain and not case.track.period:
-        outside = np.flatnonzero((xi1 < domain[0]) | (xi1 > domain[1]))
-        endings += [(int(i), "track_end", "The contact reached the end of the track's domain.") for i in outside[:1]]
-    # A hop of one step is ½ a h², a being gravity's or the contact's; four times that, and a rounding, is a flight.
-    strongest = float(np.hypot(*_pull(case))) + float(np.abs(normal_force).max()) / case.plate.mass
-    flown = np.flatnonzero(gap > 1e-6 * (case.plate.radius or 1.0) + 2.0 * strongest * model.h**2)
-    if flown.size:
-        pressed = np.flatnonzero(normal_force[: flown[0]] > 1e-9 * np.abs(normal_force).max())
-        kept = int(pressed[-1]) + 1 if pressed.size else 1
-        endings.append((kept, "lift_off", "The contact stopped pushing and the plate left its track."))
-    return min(endings, key=lambda ending: ending[0])
+    return half_steps.read(half_steps.Noted(model.case, model.h, model.steps, model.rows, model.contacts))

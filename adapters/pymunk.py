@@ -11,25 +11,25 @@ order 2).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import NamedTuple
-
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
-from cases.contact import Contact, Motion, find, slip_velocity, start_motion
-from cases.trajectory import Cost
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
+from cases.contact import start_motion
 
 from . import _pymunk_assisted as assisted
 from . import _pymunk_native as native
-from .interface import EngineFailure, Setting
+from ._pymunk_load import Drive
+from ._pymunk_reading import Model, read
+from .interface import Setting
+
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
 
 NAME = "pymunk"
 routes = ("native", "assisted")
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
-KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 
 def version() -> str:
@@ -45,6 +45,14 @@ def refuses(case: Case, route: str) -> str | None:
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pymunk has one friction coefficient for slip and stick."
+    impact = case.effect(Impact)
+    if impact and case.plate.radius is None:
+        return (
+            "pymunk decides friction by the slip after an impact, not along its course; that is Impact's law for discs "
+            "about their centre alone."
+        )
+    if impact and impact.restitution > 0.0 and route == "assisted":
+        return "A contact that pymunk is told closes without restitution; Impact(0) is all it can do."
     return _refuses_natively(case) if route == "native" else None
 
 
@@ -54,6 +62,9 @@ def _refuses_natively(case: Case) -> str | None:
     outline = case.plate.outline
     if not outline.period or np.any(outline.curvature(np.linspace(*outline.look, 721)) <= 0.0):
         return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
+    endless = not case.track.period and not case.track.domain
+    if case.effect(Load) and endless and native.track_kind(case) == "chain":
+        return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
     return None
 
 
@@ -76,44 +87,32 @@ USUAL_DURATION, MOST_STRETCHED = 2.5, 3.0
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine.
 
-    Native: the first is the engine as it comes (its slop, bias and iterations, 60 steps a second, 64 thick facets).
-    The others correct all overlap beyond a hundred-thousandth of the plate at once, and tighten step and facets
-    together. Assisted: there is the step alone.
+    The first is the engine as it comes, 60 steps a second. Native: its slop, bias and iterations, 64 thick facets that
+    do not know their neighbours; the others correct all overlap beyond a hundred-thousandth of the plate at once, and
+    tighten step and facets together. Assisted: the step, and the sweeps of the solver where they matter.
     """
     first, *others = STEPS["assisted" if route == "assisted" else native.scene_kind(case)]
     stretched = min(MOST_STRETCHED, max(1.0, case.duration / USUAL_DURATION))
     steps = [h * stretched for h in others]
     if route == "assisted":
-        return tuple(Setting.of(h=h, iterations=assisted.iterations(case)) for h in [first, *steps])
-    slop = 1e-5 * native.radii(case)[0]
-    knobs: dict[str, float | int] = dict(collision_slop=slop, collision_bias=0.0)
-    if not case.plate.radius:
-        knobs["iterations"] = 20
-    return (
-        Setting.of(rung="defaults", h=first, **native.shape_knobs(case, None)),
-        *(Setting.of(h=h, **native.shape_knobs(case, h), **knobs) for h in steps),
-    )
+        defaults = Setting.of(rung="defaults", h=first)
+        return (defaults, *(Setting.of(h=h, iterations=assisted.iterations(case)) for h in steps))
+    defaults = Setting.of(rung="defaults", h=first, **native.shape_knobs(case, None))
+    return (defaults, *(Setting.of(h=h, **native.shape_knobs(case, h), **native.space_knobs(case)) for h in steps))
+
+
+# The grid's steps, coarse to fine: a game's beside those at which a facet's, a corner's and a sweep's part show.
+GRID_STEPS = (1e-2, 3e-3, 1e-3, 3e-4)
+
+
+def grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Step times model: facets and whether they know their neighbours, corners, slop, or sweeps of the solver."""
+    if route == "assisted":
+        return tuple(Setting.of(h=h, iterations=n) for h in GRID_STEPS for n in (1, 2, 5, 10))
+    return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
 
 
 # --- build, run ------------------------------------------------------------------------------------------------------
-
-
-@dataclass
-class Model:
-    """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
-
-    `roughness`: sagitta in metres of the facets that stand for the curves; `guide`: what the assisted route tells.
-    """
-
-    case: Case
-    route: str
-    space: pymunk.Space
-    body: pymunk.Body
-    h: float
-    steps: int
-    roughness: float = 0.0
-    guide: assisted.Guide | None = None
-    rows: list[tuple[float, ...]] = field(default_factory=list)
 
 
 def build(case: Case, route: str, setting: Setting) -> Model:
@@ -122,10 +121,11 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     h = case.duration / steps
     if route == "native":
         space, body = native.build(case, setting)
-        model = Model(case, route, space, body, h, steps, native.roughness(case, setting))
+        drive = Drive(case, body, h) if case.effect(Load) else None
+        model = Model(case, route, space, body, h, steps, drive, native.roughness(case, setting))
     else:
-        space, body, guide = assisted.build(case, setting, h)
-        model = Model(case, route, space, body, h, steps, guide=guide)
+        space, body, drive, guide = assisted.build(case, setting, h)
+        model = Model(case, route, space, body, h, steps, drive, guide=guide)
     start = start_motion(case)
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
@@ -142,154 +142,3 @@ def run(model: Model) -> None:
     for _ in range(model.steps):
         step(model.h)
         note((*body.position, body.angle, *body.velocity, body.angular_velocity))
-
-
-# --- read ------------------------------------------------------------------------------------------------------------
-
-
-class _Contacts(NamedTuple):
-    """Contact parameters and gap (m) of the leading poses that have a contact point, arrays of one length."""
-
-    xi1: np.ndarray
-    xi2: np.ndarray
-    gap: np.ndarray
-
-
-class _Ending(NamedTuple):
-    """How many samples belong to the motion, and what ended it."""
-
-    kept: int
-    status: str = Trajectory.status
-    reason: str = Trajectory.reason
-
-
-def read(model: Model) -> Trajectory:
-    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
-    case, rows = model.case, np.array(model.rows)
-    if not np.isfinite(rows).all():
-        when = model.h * int(np.argmin(np.isfinite(rows).all(axis=1)))
-        raise EngineFailure(f"pymunk's numbers are not finite from {when:.4g} s on.")
-    start = start_motion(case)
-    pose, after = rows[:, :3], rows[:, 3:]
-    before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
-    rates = 0.5 * (before + after)
-    rates[0] = before[0]
-    kick = np.full((len(rows), 1), model.h)
-    kick[0] *= 0.5
-    force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
-    contacts = _told(model.guide) if model.guide else _follow(case, start, pose)
-    # A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
-    rounding = 10 * np.finfo(float).eps * case.plate.mass * float(np.abs(rates[:, :2]).max()) / model.h
-    ending = _ending(case, contacts, pose, force, rounding, _hop(case, force, model.h, model.roughness))
-    pose, rates, force = pose[: ending.kept], rates[: ending.kept], force[: ending.kept]
-    xi1, xi2, gap = (part[: ending.kept] for part in contacts)
-    x, y, theta = pose.T
-    vx, vy, omega = rates.T
-    # The engine sticks at the plate's own point, a gap away from the track's: with the centre moved by the gap the
-    # lever arm is the engine's.
-    nx, ny = case.track.normal(xi1)
-    normal_force = force[:, 0] * nx + force[:, 1] * ny
-    return Trajectory(
-        t=np.linspace(0.0, case.duration, model.steps + 1)[: ending.kept],
-        x=x,
-        y=y,
-        theta=theta,
-        vx=vx,
-        vy=vy,
-        omega=omega,
-        slip=slip_velocity(case, x - gap * nx, y - gap * ny, vx, vy, omega, xi1),
-        normal_force=normal_force,
-        friction_force=np.sum(force.T * case.track.tangent(xi1), axis=0),
-        xi1=xi1,
-        xi2=xi2,
-        status=ending.status,
-        reason=ending.reason,
-        cost=Cost(steps=model.steps + 1),
-        slip_resolution=_creep(case, xi1, rates, normal_force, model.h),
-    )
-
-
-def _told(guide: assisted.Guide) -> _Contacts:
-    """The contacts the engine was told. Raises EngineFailure if telling it failed."""
-    if guide.problem:
-        raise EngineFailure(f"The contact could not be told to pymunk: {guide.problem}") from guide.problem
-    return _table(guide.contacts)
-
-
-def _table(contacts: list[Contact]) -> _Contacts:
-    xi1, xi2, gap = np.array(contacts, dtype=float).reshape(-1, 3).T
-    return _Contacts(xi1, xi2, gap)
-
-
-def _follow(case: Case, start: Motion, pose: np.ndarray) -> _Contacts:
-    """The contacts of the poses, up to the first pose that has none near the one before."""
-    near, rows = (start.xi1, start.xi2), []
-    for x, y, theta in pose.tolist():
-        try:
-            contact = find(case, x, y, theta, near)
-        except assisted.BEYOND:
-            break
-        near = (contact.xi1, contact.xi2)
-        rows.append(contact)
-    return _table(rows)
-
-
-def _ending(
-    case: Case, contacts: _Contacts, pose: np.ndarray, force: np.ndarray, rounding: float, hop: float
-) -> _Ending:
-    """The first of the things that end a motion, or the end of its time.
-
-    A contact pushes with more than the `rounding` (N) of the forces; a gap (m) above `hop` is a flight.
-    """
-    found = len(contacts.gap)
-    endings = [_Ending(len(pose))]
-    smallest, _ = native.radii(case)
-    through = contacts.gap < -smallest
-    if through.any():
-        endings.append(_Ending(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
-    for name, curve, xi in (("track", case.track, contacts.xi1), ("outline", case.plate.outline, contacts.xi2)):
-        if curve.domain and not curve.period:
-            # Where there was no contact any more, the next one would have been about as far ahead as the last.
-            xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < found < len(pose) else xi
-            outside = (xi < curve.domain[0]) | (xi > curve.domain[1])
-            if outside.any():
-                reason = f"The contact reached the end of the {name}'s domain."
-                endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
-    if found < len(pose):
-        endings.append(_Ending(found, "lost_track", "No point of the track is near the plate any more."))
-    flown = contacts.gap > hop
-    if flown.any():
-        strength = np.hypot(*force[: int(np.argmax(flown)) + 1].T)
-        pushed = np.flatnonzero(strength > 1e-9 * strength.max() + rounding)
-        kept = int(pushed[-1]) + 1 if pushed.size else 1
-        endings.append(_Ending(kept, "lift_off", "The contact stopped pushing and the plate left its track."))
-    return min(endings, key=lambda ending: ending.kept)
-
-
-def _hop(case: Case, force: np.ndarray, h: float, roughness: float) -> float:
-    """A gap in metres that only a plate in flight reaches.
-
-    An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
-    of gravity or contact; and facets stand off the curve by their sagitta (`roughness`). Four times that, and a
-    millionth of the plate for rounding, is a flight; the cut goes back to the flight's beginning.
-    """
-    strongest = float(np.hypot(*native.pull(case))) + float(np.hypot(*force.T).max()) / case.plate.mass
-    return 1e-6 * native.radii(case)[0] + 2.0 * strongest * h**2 + 4.0 * roughness
-
-
-def _creep(case: Case, xi1: np.ndarray, rates: np.ndarray, normal_force: np.ndarray, h: float) -> float:
-    """The slip velocity (m/s) that remains where the engine sticks, in all but one step in a hundred.
-
-    It sticks with the velocities of a half step, along a tangent that turns by some angle a in a step: the mean of
-    two such velocities misses by v a²/8 at the centre, and by as much at the contact, whose lever turns too; doubled
-    for plates whose outline bends more than the track. And on facets the normal force scatters from step to step:
-    where it falls short, so does friction, for one step.
-    """
-    turn = float(np.abs(np.diff(case.track.tangent_angle(xi1))).max(initial=0.0))
-    # Half the difference of two neighbours is their distance from what they scatter about; the rarest are jumps.
-    jumps = np.abs(np.diff(normal_force))
-    scatter = 0.5 * float(np.percentile(jumps, 99)) if jumps.size else 0.0
-    friction, plate = case.effect(CoulombFriction), case.plate
-    ease = 1 / plate.mass + native.radii(case)[1] ** 2 / plate.inertia
-    missing = h * (friction.mu if friction else 0.0) * scatter * ease
-    return float(0.5 * np.hypot(rates[:, 0], rates[:, 1]).max() * turn**2) + missing

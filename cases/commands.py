@@ -1,6 +1,6 @@
 """The command `python -m cases`.
 
-    python -m cases                            lists every case in one line
+    python -m cases                            lists every case in one line, hard ones with a star
     python -m cases new NAME                   writes NAME.py, a commented case to start from
     python -m cases check FILE                 validates a file of cases and says what is wrong and where
     python -m cases show NAME [mu=0.3 …]       a picture of scene and motion, facts, and who can run it
@@ -87,10 +87,11 @@ def run(command: str, words: Sequence[str]) -> None:
 
 
 def listing() -> str:
-    """Every case with its first line."""
+    """Every case with its first line; a star marks the hard ones."""
     names = registry.names()
     width = max(map(len, names))
-    return "\n".join(f"{name:{width}}  {registry.entry(name).summary}" for name in names)
+    found = [(name, registry.entry(name)) for name in names]
+    return "\n".join(f"{name:{width}} {'*' if case.hard else ' '} {case.summary}" for name, case in found)
 
 
 def new(name: str) -> str:

@@ -20,11 +20,18 @@ from .errors import BadValue, CaseError, UnknownName, unknown
 
 @dataclass(frozen=True)
 class Entry:
-    """A registered case function with its documented variants."""
+    """A registered case function with its documented variants.
+
+    `hard` says in a sentence what breaks solvers there ("" for an ordinary case), `outcome` what is right. `long` are
+    further variants that take a solver minutes.
+    """
 
     name: str
     function: Callable[..., Case]
     variants: tuple[Mapping[str, Any], ...]
+    hard: str = ""
+    outcome: str = ""
+    long: tuple[Mapping[str, Any], ...] = ()
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -40,15 +47,29 @@ class Entry:
 _entries: dict[str, Entry] = {}
 
 
-def case(function=None, *, variants: Sequence[Mapping[str, Any]] = ({},)):
-    """Mark a function as a case. `variants` names the parameter sets that `--case NAME` runs."""
+def case(
+    function=None,
+    *,
+    variants: Sequence[Mapping[str, Any]] = ({},),
+    hard: str = "",
+    outcome: str = "",
+    long: Sequence[Mapping[str, Any]] = (),
+):
+    """Mark a function as a case. `variants` names the parameter sets that `--case NAME` runs.
+
+    A case of the atlas of hard scenes says in `hard` what makes it hard and in `outcome` what is right; `long` are
+    parameter sets for whoever has minutes.
+    """
 
     def register(function):
         name = function.__name__
         known = _entries.get(name)
         if known and inspect.getsourcefile(known.function) != inspect.getsourcefile(function):
             raise BadValue(f"there is already a case {name!r}; give this function another name")
-        _entries[name] = Entry(name, function, tuple(dict(v) for v in variants))
+        if bool(hard) != bool(outcome):
+            raise BadValue(f"the hard case {name!r} says only half; give both hard= and outcome=")
+        short, minutes = (tuple(dict(v) for v in some) for some in (variants, long))
+        _entries[name] = Entry(name, function, short, hard, outcome, minutes)
         return function
 
     return register if function is None else register(function)
@@ -62,10 +83,10 @@ def entry(name: str) -> Entry:
     return _entries[name]
 
 
-def names() -> list[str]:
-    """Every case's name, in alphabetical order."""
+def names(hard: bool | None = None) -> list[str]:
+    """Every case's name, in alphabetical order; only those of the hard atlas, or only the others, if asked."""
     _import_catalogue()
-    return sorted(_entries)
+    return sorted(name for name, found in _entries.items() if hard is None or bool(found.hard) == hard)
 
 
 def load(name: str, **parameters) -> Case:
@@ -86,12 +107,16 @@ def load(name: str, **parameters) -> Case:
     return replace(made, name=bare, parameters=parameters)
 
 
-def select(text: str) -> list[Case]:
-    """What `--case TEXT` means: all variants of a bare name, or the one case of "name[parameter=value]"."""
+def select(text: str, long: bool = False) -> list[Case]:
+    """What `--case TEXT` means: all variants of a bare name, or the one case of "name[parameter=value]".
+
+    With `long` a bare name's variants that take minutes come too.
+    """
     bare, written = _parse(text)
     if written or "[" in text:
         return [load(text)]
-    return [load(bare, **variant) for variant in entry(bare).variants]
+    found = entry(bare)
+    return [load(bare, **variant) for variant in (*found.variants, *(found.long if long else ()))]
 
 
 def load_file(path: str | Path) -> list[str]:

@@ -20,7 +20,7 @@ from cases.contact import pose
 from .arc import Arc, Stop
 from .flight import Landing
 from .impact import Touch
-from .modes import Phase
+from .modes import Phase, in_flight
 
 # At most the terms ρᵏ, ρ²ᵏ, ρ³ᵏ, ρ⁴ᵏ are removed: each costs two more impacts and digits to rounding.
 MOST_TERMS = 4
@@ -61,7 +61,6 @@ class Bounces:
         """An impact and the velocities after it, with lift > 0."""
         ratio, left = -after.lift / landing.touch.lift, inf
         if self.last:
-            landing = self._beside(self.last[-1].landing, landing)
             flown, rose = landing.time - self.last[-1].landing.time, self.last[-1].after.lift
             pull = (rose - landing.touch.lift) / flown
             natural = min(self.case.duration, sqrt(self.size / pull)) if pull > 0.0 else inf
@@ -85,15 +84,12 @@ class Bounces:
         return Limit(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
 
     def settling(self, flight: Phase, limit: Limit) -> Arc:
-        """The time between the last impact that was stepped through and the limit, as if the plate were not lifted."""
+        """The time between the last impact that was stepped through and the limit: too short for a flight to show."""
         landing, after = self.last[-1].landing, self.last[-1].after
-        ends = []
-        for xi1, xi2, touch in ((landing.xi1, landing.xi2, after), (limit.xi1, limit.xi2, limit.touch)):
-            x, y, theta = (float(v) for v in pose(self.case, xi1, xi2))
-            (tx, ty), (X, Y) = self.case.track.tangent(xi1), self.case.track.point(xi1)
-            vx, vy = touch.slip * tx + touch.omega * (Y - y), touch.slip * ty - touch.omega * (X - x)
-            ends.append([x, y, theta, vx, vy, touch.omega])
-        first, last = np.array(ends[0]), np.array(ends[1])
+        first, last = (
+            np.array(in_flight(self.case, (place.xi1, place.xi2), touch.slip, touch.omega, touch.lift))
+            for place, touch in ((landing, after), (limit, limit.touch))
+        )
 
         def states(times: np.ndarray) -> np.ndarray:
             part = (times - landing.time) / (limit.time - landing.time)
@@ -101,16 +97,6 @@ class Bounces:
 
         times = np.array([landing.time, limit.time])
         return Arc(flight, times, states, Stop(None, limit.time, tuple(last.tolist())), 0)
-
-    def _beside(self, before: Landing, landing: Landing) -> Landing:
-        """The same landing with its parameters counted on by whole turns of a closed track, next to the one before."""
-        period = self.case.track.period
-        turns = round((before.xi1 - landing.xi1) / period) if period else 0
-        if not turns:
-            return landing
-        assert period is not None
-        again = self.case.plate.outline.period or 0.0
-        return landing._replace(xi1=landing.xi1 + turns * period, xi2=landing.xi2 + turns * again)
 
 
 def extrapolated(sequence: Sequence[float]) -> float:

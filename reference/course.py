@@ -11,6 +11,7 @@ from cases import Case, Flight, Impact, Mode, Trajectory, Transition, Unilateral
 
 from .arc import BREAKDOWN, Arc
 from .bounces import Bounces
+from .eliminated import Motion
 from .flight import Landing, first_landing
 from .impact import Touch, collide, energy, law_of
 from .modes import (
@@ -98,18 +99,18 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if step.regime is None:
             return arcs, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces = Bounces(case)
+    bounces, near = Bounces(case), case.start.xi1
     while len(arcs) < MOST_PHASES:
         now = phase(case, regime)
         arc = integrate(now, t, state_in(now, y), case.duration, rtol)
-        step = _after_flight(case, arc, bounces) if regime == FLIGHT else _after_contact(case, arc)
+        step = _after_flight(case, arc, bounces, near) if regime == FLIGHT else _after_contact(case, arc)
         arcs.extend(step.arcs)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime):
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
             return arcs, _listed(case, transitions, step.time), step.ending
-        t, y, regime = step.time, step.state, step.regime
+        t, y, regime, near = step.time, step.state, step.regime, step.place[0]
     return arcs, _listed(case, transitions, t), TOO_MANY
 
 
@@ -158,8 +159,17 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
         # Friction or its like has reached its bound from inside; the motion that begins is against it.
         slip, turn = (_BEGINS[guard], turn) if guard.startswith("cone") else (slip, _BEGINS[guard])
         begun = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
+        begun = [r for r in begun if _unique_force(phase(case, r), t, y)]
         return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
     return decide(case, t, y, LOCATED, able(case, 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn))
+
+
+def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
+    """Whether a slip that begins has a force at all: not beyond Painlevé's paradox."""
+    names = list(now.system.guards)
+    if "painleve" not in names:
+        return True
+    return now.system.guards_of_numbers(t, state_in(now, y), now.parameters)[names.index("painleve")] > 0.0
 
 
 _BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
@@ -167,7 +177,7 @@ _BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_
 
 def _leave(case: Case, arcs: tuple[Arc, ...], t: float, y: Sequence[float], guard: str) -> Step:
     """No contact follows: the plate flies, or that is the end."""
-    ending = _nothing_follows(case, y)
+    ending = _nothing_follows(case, t, y)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = _moves(case, y)
         return Step(arcs, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
@@ -196,27 +206,27 @@ def _breakdown(now: Phase, arc: Arc) -> Ending:
     return BREAKDOWN, f"The equations became singular at t = {arc.times[-1]:.9g} s, and no step was small enough."
 
 
-def _nothing_follows(case: Case, y) -> Ending:
-    """Why no regime follows: the plate flies off, unless contact itself has no consistent force."""
+def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
+    """Why no contact follows: the plate flies off, unless without contact it would move into its track."""
     if case.effect(Unilateral) is None:
         return NO_MODE
-    for regime in candidates(case):
-        now = phase(case, regime)
-        names = list(now.system.guards)
-        if "painleve" in names and "slip" in names:
-            values = now.system.guards_of_numbers(0.0, state_in(now, y), now.parameters)
-            # Without contact the plate would move into its track, and with it the force has the wrong sign.
-            if values[names.index("painleve")] <= 0.0 and values[names.index("slip")] >= 0.0:
-                return NO_MODE
-    return LIFT_OFF
+    now = phase(case, candidates(case)[-1])
+    state = state_in(now, y)
+    m = Motion(*now.system.observed_of_numbers(t, state, now.parameters))
+    fastest = max(
+        (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
+    )
+    scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
+    # At a lift-off the normal force has vanished, to the location's error and the growth of what it is a difference of.
+    return NO_MODE if m.closing > 1e6 * LOCATED * scale else LIFT_OFF
 
 
 # --- after flight -----------------------------------------------------------------------------------------------------
 
 
-def _after_flight(case: Case, arc: Arc, bounces: Bounces) -> Step:
-    """Where the flight lands, and what the impact makes of it."""
-    landing = first_landing(case, arc, case.duration)
+def _after_flight(case: Case, arc: Arc, bounces: Bounces, near: float) -> Step:
+    """Where the flight lands, and what the impact makes of it; `near` is where the track was touched last."""
+    landing = first_landing(case, arc, case.duration, near)
     if landing is None:
         return Step((arc,), arc.stop.time)
     flown = _until(arc, landing)

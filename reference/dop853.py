@@ -36,6 +36,18 @@ def _interpolation() -> np.ndarray:
 _TO_FINE = _interpolation()
 
 
+def _weights(x):
+    """What each of the seven vectors F of a step's dense output counts at part x of the step: x, x (1−x), x² (1−x), …
+    (Hairer, Nørsett & Wanner, II.6). One part as a float, or an array of them."""
+    weights = [x]
+    for k in range(1, 7):
+        weights.append(weights[-1] * (1.0 - x if k % 2 else x))
+    return weights
+
+
+_AT_NODES = np.array(_weights(_NODES)).T
+
+
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     """Compile the phase's equations, which are the same for every tolerance."""
     phase.system.rates_of_numbers, phase.system.guards_of_arrays, phase.system.guards_of_numbers  # noqa: B018
@@ -92,9 +104,21 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
     return np.array([*phase.lengths, *speeds][: len(y)])
 
 
-def _guards(phase: Phase, piece, times: np.ndarray) -> np.ndarray:
-    rows = phase.system.guards_of_arrays(times, piece(times), phase.parameters)
-    return np.array([np.broadcast_to(row, times.shape) for row in rows])
+def _guards_at_nodes(phase: Phase, piece) -> np.ndarray:
+    """All guards at _NODES of a step, shape (guards, nodes)."""
+    # One product instead of SciPy's evaluation, which costs as much as a third of the step itself.
+    states = (piece.y_old + _AT_NODES @ piece.F).T
+    values = np.empty((len(phase.system.guards), len(_NODES)))
+    times = piece.t_old + piece.h * _NODES
+    for row, guard in zip(values, phase.system.guards_of_arrays(times, states, phase.parameters), strict=True):
+        row[:] = guard  # a constant one is a number
+    return values
+
+
+def _guard(phase: Phase, piece, index: int, x: float) -> float:
+    """One guard at the part x of a step."""
+    state = piece.y_old + _weights(x) @ piece.F
+    return phase.system.guards_of_numbers(piece.t_old + piece.h * x, state.tolist(), phase.parameters)[index]
 
 
 def _first_zero(phase: Phase, piece, first: bool) -> tuple[str, float] | None:
@@ -102,27 +126,28 @@ def _first_zero(phase: Phase, piece, first: bool) -> tuple[str, float] | None:
     h = piece.t - piece.t_old
     if h <= 0 or not phase.system.guards:
         return None
-    at_nodes = _guards(phase, piece, piece.t_old + h * _NODES)
+    at_nodes = _guards_at_nodes(phase, piece)
     if first:
         # The decision that began the phase says that all guards are positive just after; at the start itself one is
         # zero, to rounding of either sign.
         at_nodes[:, 0] = np.maximum(at_nodes[:, 0], 0.0)
+    fine = at_nodes @ _TO_FINE.T
+    # Most guards of most steps are far from zero compared with how much they change.
+    near = ~(fine.min(axis=1) > 0.1 * (at_nodes.max(axis=1) - at_nodes.min(axis=1)))
     earliest = None
-    for index, (name, values) in enumerate(zip(phase.system.guards, at_nodes, strict=True)):
-        when = _zero_of_one(phase, piece, index, values, first)
+    names = list(phase.system.guards)
+    for index in np.flatnonzero(near).tolist():
+        when = _zero_of_one(phase, piece, index, fine[index], first)
         if when is not None and (earliest is None or when < earliest[1]):
-            earliest = (name, when)
+            earliest = (names[index], when)
     return earliest
 
 
-def _zero_of_one(phase: Phase, piece, index: int, at_nodes: np.ndarray, first: bool) -> float | None:
+def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool) -> float | None:
     h = piece.t - piece.t_old
-    fine = _TO_FINE @ at_nodes
-    if fine.min() > 0.1 * np.ptp(at_nodes):
-        return None  # far from zero compared with how much it changes
 
     def value(s: float) -> float:
-        return float(_guards(phase, piece, np.array([piece.t_old + h * s]))[index, 0])
+        return _guard(phase, piece, index, s)
 
     below = np.flatnonzero(fine[1:] <= 0.0) + 1
     if below.size:
@@ -149,30 +174,41 @@ def _zero_of_one(phase: Phase, piece, index: int, at_nodes: np.ndarray, first: b
 
 
 def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
-    """Step again from the step's start to the zero itself: a step's end is more accurate than its inside."""
+    """Step again from the step's start to the zero itself: a step's end is more accurate than its inside.
+
+    What Newton's method then corrects is as short as the dense output was wrong, and one step of the classical
+    Runge–Kutta method covers it without error.
+    """
+    whole, start = piece.t - piece.t_old, piece.t_old
+    if whole <= 0.0 or when <= start:
+        return piece, Stop(guard, start, tuple(piece.y_old.tolist()))
+    again = DOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
+    pieces = []
+    while again.status == "running":
+        again.step()
+        pieces.append(again.dense_output())
     index = list(phase.system.guards).index(guard)
-    whole = piece.t - piece.t_old
-    for attempt in range(3):
-        h = when - piece.t_old
-        if h <= 0.0:
-            break
-        again = DOP853(rhs, piece.t_old, piece.y_old, when, rtol=rtol, atol=atol, first_step=h)
-        pieces = []
-        while again.status == "running":
-            again.step()
-            pieces.append(again.dense_output())
-        value = phase.system.guards_of_numbers(again.t, again.y.tolist(), phase.parameters)[index]
-        inner = max(when - 1e-4 * whole, piece.t_old)
-        slope = _guards(phase, piece, np.array([when]))[index, 0] - _guards(phase, piece, np.array([inner]))[index, 0]
-        slope /= max(when - inner, 1e-300)
-        correction = -value / slope if slope < 0.0 else 0.0
+    part = (when - start) / whole
+    inner = max(part - 1e-4, 0.0)
+    fall = _guard(phase, piece, index, part) - _guard(phase, piece, index, inner)
+    slope = fall / ((part - inner) * whole)
+    t, y = float(again.t), again.y
+    for _ in range(2 if slope < 0.0 else 0):
+        correction = -phase.system.guards_of_numbers(t, y.tolist(), phase.parameters)[index] / slope
         # A correction beyond the dense output's own error says that the slope is not to be trusted (a touching zero).
-        if attempt == 2 or abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(when):
+        if abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(t) or t + correction <= start:
             break
-        when += correction
-    if whole <= 0.0 or when - piece.t_old <= 0.0:
-        return piece, Stop(guard, piece.t_old, tuple(piece.y_old.tolist()))
-    return _joined([p.t_old for p in pieces], pieces), Stop(guard, float(again.t), tuple(again.y.tolist()))
+        t, y = float(t + correction), _runge_kutta(rhs, t, y, correction)
+    return _joined([p.t_old for p in pieces], pieces), Stop(guard, t, tuple(y.tolist()))
+
+
+def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
+    """One step of the classical method of order four."""
+    k1 = np.array(rhs(t, y))
+    k2 = np.array(rhs(t + h / 2, y + h / 2 * k1))
+    k3 = np.array(rhs(t + h / 2, y + h / 2 * k2))
+    k4 = np.array(rhs(t + h, y + h * k3))
+    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
 def _joined(starts, pieces) -> Callable[[np.ndarray], np.ndarray]:

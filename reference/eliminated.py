@@ -36,6 +36,7 @@ class Motion(NamedTuple):
     slip_dot: sp.Expr
     couple: sp.Expr  # what resists the rotation, per mass
     division: sp.Expr  # the coefficient of the normal force in its equation, in units of its first term: Painlevé's
+    closing: sp.Expr  # what the normal force has to balance: how fast the contact would close without any force in it
 
 
 class Torsor(NamedTuple):
@@ -71,21 +72,23 @@ def sliding(f: Frame, h: Frame, force: Torsor, ratio, resistance) -> Motion:
     along, C_t, C_n, C_3 = _rates(f, h, U1, U2, omega)
     lever = short(h.ht - h.hn * ratio + resistance)
     division = short(1 + h.ht * lever / GYRATION)
-    N = (C_n - h.ht * force.moment / GYRATION - force.n) / division
+    closing = _closing(h, force, C_n)
     omega_dot = (force.moment + NORMAL * lever) / GYRATION
-    motion = _slipping(f, h, force, ratio, (omega, omega_dot), (along, C_t, C_3), resistance * NORMAL, division)
-    return _with_normal_force(motion, N)
+    last = resistance * NORMAL, division, closing
+    motion = _slipping(f, h, force, ratio, (omega, omega_dot), (along, C_t, C_3), last)
+    return _with_normal_force(motion, closing / division)
 
 
 def translating(f: Frame, h: Frame, force: Torsor, ratio) -> Motion:
     """(27) with one multiplier and the row ω̇ = 0: it slips and does not turn; the couple is what that takes."""
     along, C_t, C_n, C_3 = _rates(f, h, U1, U2, ZERO)
     couple = -force.moment - NORMAL * short(h.ht - h.hn * ratio)
-    motion = _slipping(f, h, force, ratio, (ZERO, ZERO), (along, C_t, C_3), couple, ONE)
+    last = couple, ONE, _closing(h, force, C_n)
+    motion = _slipping(f, h, force, ratio, (ZERO, ZERO), (along, C_t, C_3), last)
     return _with_normal_force(motion, C_n - force.n)
 
 
-def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, couple, division) -> Motion:
+def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, last) -> Motion:
     """ξ̈₁ and ξ̈₂ of a plate that slips, from its normal force and its spin."""
     (omega, omega_dot), (along, C_t, C_3) = spins, rates
     sigma = force.t + ratio * NORMAL - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
@@ -93,9 +96,11 @@ def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, couple, di
     u2_dot = short((u1_dot * f.P - sigma) / h.P)
     slip = U1 * f.P - U2 * h.P
     friction = ratio * NORMAL
-    return Motion(
-        u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, sigma + along, couple, division
-    )  # fmt: skip
+    return Motion(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, sigma + along, *last)
+
+
+def _closing(h: Frame, force: Torsor, C_n) -> sp.Expr:
+    return C_n - h.ht * force.moment / GYRATION - force.n
 
 
 def _with_normal_force(motion: Motion, normal: sp.Expr) -> Motion:
@@ -118,10 +123,11 @@ def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Motion:
     N = C_n - omega_dot * h.ht - force.n
     friction = omega**2 * h.ht + omega_dot * h.hn - force.t
     division = short(1 + resistance * h.ht / inertia)
-    return Motion(u1_dot, u2_dot, N, friction, short(omega), omega_dot, ZERO, ZERO, resistance * N, division)
+    closing = _closing(h, force, C_n)
+    return Motion(u1_dot, u2_dot, N, friction, short(omega), omega_dot, ZERO, ZERO, resistance * N, division, closing)
 
 
 def resting(h: Frame, force: Torsor) -> Motion:
     """(27) with the rows v̇ = 0 and ω̇ = 0 at rest: the contact carries the whole load."""
     couple = force.n * h.ht - force.t * h.hn - force.moment
-    return Motion(ZERO, ZERO, -force.n, -force.t, ZERO, ZERO, ZERO, ZERO, couple, ONE)
+    return Motion(ZERO, ZERO, -force.n, -force.t, ZERO, ZERO, ZERO, ZERO, couple, ONE, _closing(h, force, ZERO))

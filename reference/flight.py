@@ -49,8 +49,11 @@ class _Look(NamedTuple):
         return self.contact.gap if self.contact else np.inf
 
 
-def first_landing(case: Case, arc: Arc, end: float) -> Landing | None:
-    """The first landing of a flight's arc before `end`; None if it flies on."""
+def first_landing(case: Case, arc: Arc, end: float, near: float) -> Landing | None:
+    """The first landing of a flight's arc before `end`; None if it flies on.
+
+    The parameters on closed curves are counted on from `near`, where the track was touched last.
+    """
     size = _reach(case)
     start = float(arc.times[0])
     before = _look(case, arc, start)
@@ -58,7 +61,7 @@ def first_landing(case: Case, arc: Arc, end: float) -> Landing | None:
     if before.contact and leaves:
         first = _first_look(case, arc, start, end, size)
         if first is None:
-            return _landing(case, arc, start, before.contact)
+            return _landing(case, arc, start, before.contact, near)
         before = first
     while before.time < end:
         step = max(CLOSE * size, 0.5 * min(before.gap, 1e6 * size)) / _speed(arc, before.time, size)
@@ -68,7 +71,7 @@ def first_landing(case: Case, arc: Arc, end: float) -> Landing | None:
         turned = _turning(case, arc, before, now) if before.rate < 0.0 < now.rate and now.gap > 0.0 else None
         for look in (turned, now):
             if look is not None and look.gap <= 0.0:
-                return _locate(case, arc, before, look)
+                return _locate(case, arc, before, look, near)
         before = now
     return None
 
@@ -82,8 +85,8 @@ def _first_look(case: Case, arc: Arc, start: float, end: float, size: float) -> 
         look = _look(case, arc, start + part)
         if look.rate > 0.0 and look.gap > 0.0:
             return look
-        # Half the time in which the rate falls to zero, as it has fallen until now; a fourth where it began at zero.
-        part *= min(0.5 * lift / (lift - look.rate), 0.5) if lift > 0.0 > look.rate else 0.25
+        # Half the time in which the rate falls to zero, as it has fallen until now (it may begin at a mere rounding).
+        part *= min(max(0.5 * lift / (lift - look.rate), 1e-3), 0.5) if lift > 0.0 > look.rate else 0.25
     return None
 
 
@@ -130,13 +133,13 @@ def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look | None:
     return _Look(t, followed(t), 0.0)
 
 
-def _locate(case: Case, arc: Arc, before: _Look, now: _Look) -> Landing:
+def _locate(case: Case, arc: Arc, before: _Look, now: _Look, near: float) -> Landing:
     """The zero of the gap between a look above and one below the track, along the pair that is below."""
     followed = _Followed(case, arc, now.contact)
     low, high = before.time, now.time
     if now.gap < 0.0 < followed(low).gap:
         high = brentq(lambda t: followed(t).gap, low, high, xtol=1e-16, rtol=8.9e-16)
-    return _landing(case, arc, high, followed(high))
+    return _landing(case, arc, high, followed(high), near)
 
 
 class _Followed:
@@ -157,16 +160,15 @@ class _Followed:
         return _touch(self.case, _state(self.arc, t), self(t))[0].lift
 
 
-def _landing(case: Case, arc: Arc, t: float, contact: Contact) -> Landing:
+def _landing(case: Case, arc: Arc, t: float, contact: Contact, near: float) -> Landing:
     state = _state(arc, t)
     touch, arm_t, arm_n = _touch(case, state, contact)
-    return Landing(t, *_turned_back(case, contact, state[2]), state[2], touch, arm_t, arm_n)
+    return Landing(t, *_counted_on(case, contact, state[2], near), state[2], touch, arm_t, arm_n)
 
 
-def _turned_back(case: Case, contact: Contact, theta: float) -> tuple[float, float]:
-    """The contact's parameters counted on by whole turns, so that (6) gives θ itself."""
-    xi1, xi2 = contact.xi1, contact.xi2
-    turns = round((float(pose(case, xi1, xi2)[2]) - theta) / (2 * np.pi))
-    if case.plate.outline.period:
-        return xi1, xi2 + turns * case.plate.outline.period
-    return xi1 - turns * (case.track.period or 0.0), xi2
+def _counted_on(case: Case, contact: Contact, theta: float, near: float) -> tuple[float, float]:
+    """The contact's parameters with the whole turns that bring the track's next to `near` and give θ itself by (6)."""
+    period, again = case.track.period or 0.0, case.plate.outline.period or 0.0
+    xi1 = contact.xi1 + period * round((near - contact.xi1) / period) if period and again else contact.xi1
+    turns = round((float(pose(case, xi1, contact.xi2)[2]) - theta) / (2 * np.pi))
+    return (xi1, contact.xi2 + turns * again) if again else (xi1 - turns * period, contact.xi2)

@@ -72,4 +72,13 @@ def short(expression: sp.Expr) -> sp.Expr:
     if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
         return expression
     flat = sp.expand(expression)
-    return min((expression, flat, sp.factor(flat)), key=sp.count_ops)
+    return min((_sign_inside(e) for e in (expression, flat, sp.factor(flat))), key=sp.count_ops)
+
+
+def _sign_inside(expression: sp.Expr) -> sp.Expr:
+    """A product's minus sign put into a sum among its factors, where it costs nothing."""
+    factors = list(expression.args) if expression.is_Mul else []
+    at = next((i for i, factor in enumerate(factors) if factor.is_Add), None)
+    if at is None or factors[0] != -1:
+        return expression
+    return sp.Mul(*factors[1:at], -factors[at], *factors[at + 1 :])

@@ -17,7 +17,7 @@ from cases.errors import unknown
 from . import dop853, taylor
 from .arc import Arc
 from .course import run
-from .modes import FLIGHT, Phase, Regime, able, candidates, phase, start_state
+from .modes import FLIGHT, Phase, Regime, able, candidates, phase, start_state, state_in
 from .second_contact import first_meeting, fits_everywhere
 from .transitions import decide
 
@@ -104,8 +104,10 @@ def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: s
     """Samples at the integrator's steps, both sides of each transition, and a dense output over all arcs."""
     told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost)
     if not arcs:
-        # Nothing moves: the start as it would be observed if the plate slid.
-        start = _observe(case, phase(case, candidates(case)[-1]), np.zeros(1), np.array(start_state(case))[:, None])
+        # Nothing moves and nothing presses: the plate leaves at once, or no force is consistent.
+        now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)
+        start = _observe(case, now, nothing, np.array(state_in(now, start_state(case)))[:, None])
+        start = start._replace(normal_force=nothing, friction_force=nothing)
         return Trajectory(t=np.zeros(1), **start._asdict(), **told)
     states = [_observe(case, arc.phase, arc.times, arc.states(arc.times)) for arc in arcs]
     samples = State(*(np.concatenate(column) for column in zip(*states, strict=True)))

@@ -1,4 +1,4 @@
-"""The command: `python -m reports.build`. The only writer of files; it checks everything before it touches any.
+"""The command: `python -m reports.build`. The only writer of files; `plan` checks everything before it touches any.
 
 The report is written into a folder beside its place and moved there when it is whole, so that a partial one is never
 taken for it. What is slow to import is imported when it is needed: help and errors answer at once.
@@ -6,274 +6,111 @@ taken for it. What is slow to import is imported when it is needed: help and err
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import shlex
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
-import adapters
-import cases
-from cases import BadValue, Case, CaseError
-from cases.errors import unknown
+from cases import CaseError
+
+from .plan import MADE_BY, Plan, listing, parser, plan_of, solvers, strangers
 
 if TYPE_CHECKING:
-    from adapters import Setting
-
     from .precision import Measured
     from .records import Experiment
+    from .store import Store
+    from .studies import Study
 
-MADE_BY = "slip-to-roll report"
-REFERENCE = "reference"
-# The families every solver runs, whose whole ladders stand in every report; they alone make up a quick one.
-SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
-# Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
-_LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What was asked for, checked."""
-
-    out: Path
-    cases: tuple[Case, ...]
-    files: tuple[str, ...]
-    solvers: tuple[str, ...]
-    effort: str
-    jobs: int
-    argv: tuple[str, ...]
-    asked: bool  # whether the cases were named, not taken from the whole catalogue
-
-    @property
-    def limit(self) -> float:
-        """Wall seconds a run may take."""
-        return _LIMITS[self.effort]
-
-    def thin(self, case: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
-        """The rungs to run: all, or for a quick report and in the breadth of the catalogue the defaults and three."""
-        if self.effort == "full" or (self.effort == "default" and (self.asked or case in SHARED)):
-            return settings
-        from .records import is_default_setting
-
-        ladder = [s for s in settings if not is_default_setting(s)]
-        places = sorted({0, len(ladder) // 3, 2 * len(ladder) // 3}) if ladder else []
-        return (*(s for s in settings if is_default_setting(s)), *(ladder[i] for i in places))
+# A report is written in a minute or two: a part of one that is a day old (s) was left by a build that was killed.
+_LEFT_BEHIND = 86400.0
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status: 0, or 2 if what was asked for makes no sense."""
+    """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
+    written, 130 if it was stopped."""
     argv = list(sys.argv[1:] if argv is None else argv)
     try:
-        options = _parser().parse_args(argv)
+        options = parser().parse_args(argv)
         if options.list:
-            print(_listing(options.case_file))
+            print(listing(options.case_file))
             return 0
-        plan = _plan(options, argv)
+        plan = plan_of(options, argv)
     except CaseError as problem:
         print(f"reports.build: {problem}", file=sys.stderr)
         return 2
-    try:
-        return _build(plan)
     except KeyboardInterrupt:
-        print("reports.build: stopped; nothing was written", file=sys.stderr)
+        print("reports.build: stopped before anything was run", file=sys.stderr)
+        return 130
+    from .store import Store
+
+    store = Store(plan.store, plan.fresh)
+    try:
+        _build(plan, store)
+    except KeyboardInterrupt:
+        # A progress bar may stand on the line.
+        print(f"\nreports.build: stopped; {store.kept_words()}", file=sys.stderr)
         return 130
     except OSError as problem:
         print(f"reports.build: cannot write the report: {problem}", file=sys.stderr)
         return 1
-
-
-# --- what was asked for -----------------------------------------------------------------------------------------------
-
-
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, by the suite's own error."""
-
-    def error(self, message: str) -> NoReturn:
-        stray = message.removeprefix("unrecognized arguments: ")
-        if stray != message:
-            options = [o for action in self._actions for o in action.option_strings if o.startswith("--")]
-            raise unknown("option", stray.split()[0], options)
-        raise BadValue(f"{message}; see python -m reports.build --help")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="python -m reports.build",
-        description="Run cases through solvers and write a report: index.html, tables, figures, manifest.json.",
-        epilog='Example: python -m reports.build --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
-        allow_abbrev=False,
-    )
-    add = parser.add_argument
-    add("--out", metavar="DIR", default="report", help="folder of the report (default: report)")
-    add(
-        "--case",
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        help='cases: a name (all its variants) or "name[parameter=value,…]" (default: all, or those of --case-file)',
-    )
-    add(
-        "--case-file",
-        metavar="FILE",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="Python files with cases of your own, marked with @case",
-    )
-    add(
-        "--solver",
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        help=f"solvers: {', '.join(_solvers())} (default: all)",
-    )
-    effort = parser.add_mutually_exclusive_group()
-    add = effort.add_argument
-    add("--quick", action="store_true", help="three cases, one variant each, fewer settings")
-    add("--full", action="store_true", help="every setting of every case, with ten times the patience")
-    parser.add_argument("--jobs", metavar="N", default="2", help="runs beside each other (default: 2)")
-    parser.add_argument("--list", action="store_true", help="print cases and solvers, and stop")
-    return parser
-
-
-def _solvers() -> tuple[str, ...]:
-    return (REFERENCE, *adapters.engines())
-
-
-def _plan(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
-    effort = "quick" if options.quick else "full" if options.full else "default"
-    jobs = _jobs(options.jobs)
-    chosen = tuple(dict.fromkeys(options.solver or _solvers()))
-    for name in chosen:
-        if name not in _solvers():
-            raise unknown("solver", name, _solvers())
-    files = tuple(str(Path(file).resolve()) for file in options.case_file)
-    own = [name for file in files for name in _guarded(file, lambda file=file: cases.load_file(file))]
-    out = _checked_out(Path(options.out))
-    asked = options.case or own
-    found = _cases(asked or (SHARED if effort == "quick" else cases.names()), effort)
-    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked))
-
-
-def _jobs(text: str) -> int:
-    try:
-        jobs = int(text)
-    except ValueError:
-        raise BadValue(f"--jobs is {text!r}; give a whole number, for example 2") from None
-    if jobs < 1:
-        raise BadValue(f"--jobs is {jobs}; give at least 1")
-    return jobs
-
-
-def _cases(texts: Sequence[str], effort: str) -> tuple[Case, ...]:
-    """The cases of the texts, each once; a quick report takes only the last variant of a bare name."""
-    found: dict[tuple, Case] = {}
-    for text in texts:
-        variants = _guarded(f"the case {text}", lambda text=text: cases.select(text))
-        for case in variants[-1:] if effort == "quick" else variants:
-            found.setdefault((case.name, tuple(case.parameters.items())), case)
-    return tuple(found.values())
-
-
-def _guarded(what: str, make):
-    """A case's own code may fail in any way; it is told in one sentence."""
-    try:
-        return make()
-    except CaseError:
-        raise
-    except Exception as problem:
-        text = " ".join(str(problem).split())
-        raise BadValue(f"{what} fails: {type(problem).__name__}: {text}") from problem
-
-
-def _checked_out(out: Path) -> Path:
-    """The folder to write, resolved; raises BadValue unless it is new, empty, or a report of ours and nothing else."""
-    out = out.expanduser().resolve()
-    if out == Path.cwd() or out in Path.cwd().parents:
-        raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
-    if out.exists() and not out.is_dir():
-        raise BadValue(f"--out is {out}, which is a file; give a folder")
-    above = next(folder for folder in out.parents if folder.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise BadValue(f"--out is {out}, and {above} cannot be written to; give another folder")
-    strange = _strangers(out)
-    if strange:
-        raise BadValue(f"--out is {out}, which holds {strange}, no part of a report; give another folder")
-    return out
-
-
-def _strangers(out: Path) -> str:
-    """A file in the folder that no report of ours wrote, or ""."""
-    files = [p for p in out.rglob("*") if not p.is_dir() or p.is_symlink()] if out.is_dir() else []
-    known: set[str] = set()
-    try:
-        manifest = json.loads((out / "manifest.json").read_text(encoding="utf-8"))
-        if manifest.get("made_by") == MADE_BY:
-            known = set(manifest["files"])
-    except (OSError, ValueError, KeyError, AttributeError, TypeError):
-        pass  # no manifest, or not one of ours: everything in the folder is somebody's
-    return next((str(p.relative_to(out)) for p in sorted(files) if p.relative_to(out).as_posix() not in known), "")
-
-
-def _listing(files: Sequence[str]) -> str:
-    """Cases with variants and summaries, solvers with routes."""
-    for file in files:
-        _guarded(file, lambda file=file: cases.load_file(file))
-    lines = ["cases"]
-    for name in cases.names():
-        lines.append(f"  {name}: {cases.entry(name).summary}")
-        try:
-            lines += [f"    {case.label}" for case in _guarded("it", lambda name=name: cases.select(name))]
-        except CaseError as problem:
-            lines.append(f"    cannot be made: {problem}")
-    lines.append("solvers")
-    from .trial import solver
-
-    for name in _solvers():
-        try:
-            lines.append(f"  {name}: {', '.join(solver(name).routes)}")
-        except ImportError as problem:
-            lines.append(f"  {name}: not installed ({problem})")
-    return "\n".join(lines)
+    return 0
 
 
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def _build(plan: Plan) -> int:
+def _build(plan: Plan, store: Store) -> None:
     from . import experiment as xp
+    from . import studies
+    from .recall import Recall
 
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
-    found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, _progress)
-    measured = _measure(plan, found)
+    if store.problem():
+        _say(f"store: {store.problem()}")
+    found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, progress, store)
+    measured = _measure(plan, found, store)
+    studied = studies.run(plan, progress, Recall(store, found.versions).run)
+    shown = _with_trajectories(plan, found)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
+    _sweep(plan.out)
     partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
     try:
-        _write(plan, found, measured, partial)
+        _write(plan, shown, found, measured, studied, store, partial)
         _move(partial, plan.out)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
-    print(_told(plan, found))
-    return 0
+    store.trim()
+    print(_told(plan, shown, store))
 
 
-def _measure(plan: Plan, found: Experiment) -> Measured:
+def _with_trajectories(plan: Plan, found: Experiment) -> Experiment:
+    """What was found here, and what others found."""
+    if not plan.trajectories:
+        return found
+    from . import elsewhere
+
+    return elsewhere.joined(found, plan.trajectories)
+
+
+def _measure(plan: Plan, found: Experiment, store: Store) -> Measured:
     """The timed pass, after everything else has ended; a quick report goes without."""
     from . import precision
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
         return precision.Measured()
-    return precision.measure(found, plan.files, plan.effort == "full", _progress)
+    return precision.measure(found, plan.files, plan.effort == "full", progress, store)
 
 
-def _progress(step: str, total: int, answers: Iterator) -> Iterator:
+def progress(step: str, total: int, answers: Iterator) -> Iterator:
+    """Hands on the answers, with a bar on the terminal: how many of `total` are there, and the time left."""
     from tqdm import tqdm
 
     # A terminal sees the bar move; a log file gets a line now and then.
@@ -285,30 +122,43 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _write(plan: Plan, found: Experiment, measured: Measured, folder: Path) -> None:
-    """Tables, figures, page and manifest into the folder."""
-    from . import figures, precision, precision_figures, tables, webpage
+def _write(
+    plan: Plan,
+    found: Experiment,
+    timed: Experiment,
+    measured: Measured,
+    studied: Sequence[Study],
+    store: Store,
+    folder: Path,
+) -> None:
+    """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
+    from . import elsewhere, figures, precision, precision_figures, studies, tables, webpage
     from .manifest import manifest
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
-    frames = tables.frames(found) | precision.frames(found, measured)
+    frames = tables.frames(found) | precision.frames(timed, measured)
+    for study in studied:
+        frames |= study.frames
     tables.write(frames, folder / "tables")
     count = 1 + 3 * len(found.cases)
-    drawn = list(_progress("figures", count, figures.draw(found, folder / "figures")))
-    drawn += precision_figures.draw(found, measured, folder / "figures")
+    drawn = list(progress("figures", count, figures.draw(found, folder / "figures", plan.files, plan.jobs)))
+    drawn += precision_figures.draw(timed, measured, folder / "figures")
+    pictures = studies.drawn(studied, folder / "figures")
     _say("page")
-    told = manifest(plan.solvers, plan.jobs, plan.limit)
+    told = manifest(timed.versions)
+    told["solvers"] |= elsewhere.sources(plan.trajectories)
     told |= {
         "made_by": MADE_BY,
         "command": _command(plan),
         "options": _options(plan),
-        "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run",
+        "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {store.taken_words()}",
+        "store": store.told(),
         "limit_seconds": plan.limit,
         "seconds": found.seconds,
         "cases": {case.label: dict(case.parameters) for case in found.cases},
     }
-    page = webpage.render(found, measured, frames, drawn, folder / "figures", told)
+    page = webpage.render(found, measured, frames, drawn, (studied, pictures), folder / "figures", told)
     (folder / "index.html").write_text(page, encoding="utf-8")
     files = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
     told["files"] = [*files, "manifest.json"]
@@ -324,14 +174,22 @@ def _options(plan: Plan) -> str:
     words = [] if plan.effort == "default" else [f"--{plan.effort}"]
     if plan.files:
         words += ["--case-file", *(shlex.quote(os.path.relpath(file)) for file in plan.files)]
-    if set(plan.solvers) != set(_solvers()):
+    if set(plan.solvers) != set(solvers()):
         words += ["--solver", *plan.solvers]
     return " ".join(words)
 
 
+def _sweep(out: Path) -> None:
+    """Remove what a build that was killed left beside the report."""
+    for left in out.parent.glob(f".{out.name}.*.partial"):
+        with suppress(OSError):  # another build may be at it, or it is somebody else's: it harms nobody
+            if time.time() - left.stat().st_mtime > _LEFT_BEHIND:
+                shutil.rmtree(left)
+
+
 def _move(partial: Path, out: Path) -> None:
     """Put the whole report in its place; an older one is kept aside until it stands."""
-    strange = _strangers(out)
+    strange = strangers(out)
     if strange:
         raise OSError(f"{out} has come to hold {strange} meanwhile, which is no part of a report")
     if not out.exists():
@@ -348,7 +206,7 @@ def _move(partial: Path, out: Path) -> None:
         shutil.rmtree(aside, ignore_errors=True)
 
 
-def _told(plan: Plan, found: Experiment) -> str:
+def _told(plan: Plan, found: Experiment, store: Store) -> str:
     """What was written and what came out, for the terminal."""
     from tabulate import tabulate
 
@@ -370,6 +228,8 @@ def _told(plan: Plan, found: Experiment) -> str:
     headers = ["first transition", "solver", "route", "as it comes / s", "finest / s"]
     lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in found.truths.items() if truth.failure]
+    lines += ["", f"store: {store.taken_words()}; {store.size_words()}"]
+    lines += [f"store: {sentence}" for sentence in store.trouble()]
     return "\n".join(lines)
 
 

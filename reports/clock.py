@@ -1,8 +1,11 @@
 """How long `run` of each solver takes: one process, nothing beside it, contestants in turn, again and again.
 
-CPU time of `run` alone (time.process_time), as a median with its interquartile range. The model is built anew for each
-repeat, off the clock. Contestants take turns, so that a slower clock or a neighbour's load hits all alike; each turn
-begins with a loop of known work, and rows measured while that loop was slow are marked as disturbed.
+CPU time of `run` alone (time.process_time). The model is built anew for each run, off the clock. Contestants take
+turns, so that a slower clock or a neighbour's load hits all alike. A long run soon has its code and data in the
+processor's caches; a short one would only pay for what the others left there, so that it is run once off the clock and
+then several times in a row. Around each repeat stands a loop of known work; a repeat beside a slow loop, beside other
+running processes, or that had to wait for its processor is a disturbed one. Medians are of the undisturbed repeats; a
+contestant with too few of them is marked, and ranks nowhere.
 """
 
 from __future__ import annotations
@@ -14,9 +17,11 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import nan, sqrt
+from math import ceil, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from cases import Case
 
 from .records import CaseKey
 from .trial import load, solver
@@ -25,13 +30,25 @@ from .trial import load, solver
 BOUND = 0.02
 # No spread is told of fewer repeats; with more than so many the machine, not the count, is the limit.
 LEAST_REPEATS, MOST_REPEATS = 3, 60
-# A first run shorter than this is taken as warm-up: caches and lazy imports weigh in it. A longer one hardly feels
-# them.
-_WARM_SECONDS = 0.1
+# Of fewer repeats than these the quartiles are no better known than the extremes, which are told in their place: the
+# extremes of six hold the median with a chance of 97 %, those of five with 94 %.
+_QUARTILES_FROM = 6
+# The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
+_FIRST_SECONDS = 0.1
+# Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.
+_SHORT_SECONDS = 1e-2
+# So long do short runs take in a row, and so many they are at most: each needs a model of its own.
+_ROW_SECONDS, _ROW_RUNS = 1e-3, 16
 # Two timings of the same work on a quiet machine differ by a few per cent; a fifth is another load or another clock.
 _DISTURBED = 1.2
+# A switch to the kernel and back between two readings of the clocks; a shorter wait is none.
+_SWITCH_SECONDS = 5e-4
 # Additions in the calibration loop: about a millisecond, long against the clock's resolution, short against a run.
 _CALIBRATION = 30_000
+# The undisturbed loop is the one that only a tenth of all loops beat: the very fastest may be a clock's short boost.
+_UNDISTURBED = 0.1
+# Reading back is as good as always the same work: so many times are enough.
+_READS = 3
 
 
 class Contestant(NamedTuple):
@@ -45,110 +62,208 @@ class Contestant(NamedTuple):
 
 @dataclass(frozen=True)
 class Timing:
-    """CPU and wall seconds of `run` (medians), the interquartile range of the former (NaN for fewer than three
-    repeats), the longest `build` (the first, which compiles), and whether the machine was disturbed meanwhile."""
+    """What a setting took, in seconds.
+
+    Medians over the undisturbed repeats (over all if there are fewer than `LEAST_REPEATS`: then `disturbed`) of `run`:
+    CPU and wall; [cpu_low_s, cpu_high_s] runs from quartile to quartile of the CPU time, or from least to greatest of
+    few repeats (NaN of fewer than three). CPU seconds apart from those: `setup_s` of `build`, the median; `compile_s`
+    what the first `build` took beyond that (imports, derivation, compilation; what settings share is paid by the first
+    of them); `read_s` of `read`. `repeats` counts what the medians are of, `disturbed_repeats` what was thrown away.
+    """
 
     cpu_s: float
-    spread_s: float
+    cpu_low_s: float
+    cpu_high_s: float
     wall_s: float
     setup_s: float
+    compile_s: float
+    read_s: float
     repeats: int
+    disturbed_repeats: int
     disturbed: bool
 
 
+class Repeat(NamedTuple):
+    """One repeat: CPU and wall seconds of a `run` (the mean of those in a row); the slower of the calibration loops
+    before and after it, s; whether other processes were seen to run."""
+
+    cpu: float
+    wall: float
+    loop: float
+    beside_others: bool
+
+
 @dataclass
-class _Entry:
+class Entry:
+    """A contestant at the clock: how it builds, runs and reads back, and what that took so far."""
+
     contestant: Contestant
     build: Callable[[], Any]
     run: Callable[[Any], None]
-    cpu: list[float] = field(default_factory=list)
-    wall: list[float] = field(default_factory=list)
+    read: Callable[[Any], Any] = lambda model: None
+    repeats: list[Repeat] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
-    quiet: list[bool] = field(default_factory=list)
+    reading: list[float] = field(default_factory=list)
+    run_s: float = 0.0  # wall seconds of a build and a run, the last time
+    failure: str = ""
 
     @property
     def repeat_s(self) -> float:
-        """What one more repeat is expected to take."""
-        return self.wall[-1] + self.setup[-1] if self.wall else self.contestant.expected_s
+        """Wall seconds that one more repeat is expected to take."""
+        if not self.repeats:
+            return self.contestant.expected_s
+        return (self.warm_ups + self.row) * self.run_s + (self.reading[-1] if len(self.reading) < _READS else 0.0)
+
+    @property
+    def warm_ups(self) -> int:
+        """Runs off the clock before a repeat."""
+        return int(bool(self.repeats) and self.repeats[-1].cpu < _SHORT_SECONDS)
+
+    @property
+    def row(self) -> int:
+        """Runs in a row of a repeat."""
+        if not self.repeats:
+            return 1
+        return max(1, min(_ROW_RUNS, ceil(_ROW_SECONDS / max(self.repeats[-1].cpu, 1e-9))))
+
+    def undisturbed(self, loop: float) -> list[Repeat]:
+        """The repeats of a quiet machine, whose calibration loop takes `loop` seconds."""
+        return [r for r in self.repeats if not disturbed(r, loop)]
 
 
-def time_case(key: CaseKey, contestants: Sequence[Contestant], budget: float) -> dict[tuple[str, str, str], Timing]:
-    """Timings of a case by (solver, route, setting), within about `budget` wall seconds, the cheapest first.
+def disturbed(repeat: Repeat, loop: float) -> bool:
+    """Whether something else had a part in a repeat; an undisturbed calibration loop takes `loop` seconds."""
+    waited = repeat.wall > _DISTURBED * repeat.cpu + _SWITCH_SECONDS
+    return waited or repeat.beside_others or repeat.loop > _DISTURBED * loop
 
-    Who does not fit in the budget even once is left out.
+
+Who = tuple[str, str, str]  # solver, route, setting
+
+
+def time_case(
+    key: CaseKey, contestants: Sequence[Contestant], budget: float
+) -> tuple[dict[Who, Timing], dict[Who, str]]:
+    """Timings of a case within about `budget` wall seconds, the cheapest first; and the failures, in a sentence each.
+
+    Who does not fit in the budget even once is in neither.
     """
     case, deadline = load(key), time.perf_counter() + budget
-    entries = []
-    for one in sorted(contestants, key=lambda c: c.expected_s):
-        module = solver(one.solver)
-        setting = next(s for s in module.ladder(case, one.route) if str(s) == one.setting)
-        entries.append(_Entry(one, partial(module.build, case, one.route, setting), module.run))
-    take_turns(entries, deadline)
-    return {e.contestant[:3]: _timing(e) for e in entries if e.cpu}
+    entries = [_entry(case, one) for one in sorted(contestants, key=lambda c: c.expected_s)]
+    loop = take_turns(entries, deadline)
+    timings = {e.contestant[:3]: timing(e, loop) for e in entries if e.repeats}
+    return timings, {e.contestant[:3]: e.failure for e in entries if e.failure}
 
 
-def take_turns(entries: Sequence[_Entry], deadline: float) -> None:
-    """Repeat all entries in turn until each median is known or `deadline` (of time.perf_counter) is near."""
-    least = _calibrate()
+def _entry(case: Case, one: Contestant) -> Entry:
+    module = solver(one.solver)
+    setting = next((s for s in module.ladder(case, one.route) if str(s) == one.setting), None)
+    failure = "" if setting else "it is no longer a setting of the solver"
+    return Entry(one, partial(module.build, case, one.route, setting), module.run, module.read, failure=failure)
+
+
+def take_turns(entries: Sequence[Entry], deadline: float) -> float:
+    """Repeat all entries in turn until each median is known or `deadline` (of time.perf_counter) is near; returns how
+    long the calibration loop takes undisturbed, s."""
+    loops = [calibrate()]
+
+    def fits(entry: Entry) -> bool:
+        return not entry.failure and time.perf_counter() + entry.repeat_s < deadline
+
     waiting = list(entries)
     while waiting:
         for entry in waiting:
-            if time.perf_counter() + entry.repeat_s > deadline:
+            if not fits(entry):
                 continue
-            before = _calibrate()
-            warming = not entry.cpu
-            _repeat(entry)
-            after = _calibrate()
-            least = min(least, before, after)
-            entry.quiet.append(max(before, after) < _DISTURBED * least and not _neighbours())
-            if warming and entry.cpu[-1] < _WARM_SECONDS and time.perf_counter() + entry.repeat_s < deadline:
-                for record in (entry.cpu, entry.wall, entry.quiet):
-                    record.clear()
-                _repeat(entry)
-                entry.quiet.append(_calibrate() < _DISTURBED * least and not _neighbours())
-        waiting = [e for e in waiting if not known(e.cpu) and time.perf_counter() + e.repeat_s < deadline]
+            first = not entry.repeats
+            _repeat(entry, loops)
+            if first and entry.repeats and entry.repeats[0].cpu < _FIRST_SECONDS and fits(entry):
+                _repeat(entry, loops)
+                if not entry.failure:
+                    del entry.repeats[0]
+        loop = _undisturbed(loops)
+        waiting = [e for e in waiting if fits(e) and not _enough(e, loop)]
+    return _undisturbed(loops)
+
+
+def _enough(entry: Entry, loop: float) -> bool:
+    return len(entry.repeats) >= MOST_REPEATS or known([r.cpu for r in entry.undisturbed(loop)])
 
 
 def known(seconds: Sequence[float]) -> bool:
     """Whether the median of these repeats is known to `BOUND`, or no more of them would help."""
     if len(seconds) < LEAST_REPEATS:
         return False
+    low, high = interval(seconds)
     # Standard error of a normal sample's median, its deviation taken from the quartiles: 1.253 σ/√n, σ = IQR/1.349.
-    error = 0.929 * spread(seconds) / sqrt(len(seconds))
+    error = 0.929 * (high - low) / sqrt(len(seconds))
     return len(seconds) >= MOST_REPEATS or error <= BOUND * statistics.median(seconds)
 
 
-def spread(seconds: Sequence[float]) -> float:
-    """Interquartile range; NaN of fewer than `LEAST_REPEATS`."""
+def interval(seconds: Sequence[float]) -> tuple[float, float]:
+    """From quartile to quartile, or from least to greatest of few; NaN of fewer than `LEAST_REPEATS`."""
     if len(seconds) < LEAST_REPEATS:
-        return nan
+        return nan, nan
+    if len(seconds) < _QUARTILES_FROM:
+        return min(seconds), max(seconds)
     low, _, high = statistics.quantiles(seconds, n=4, method="inclusive")
-    return high - low
+    return low, high
 
 
-def _repeat(entry: _Entry) -> None:
-    began = time.perf_counter()
-    model = entry.build()
-    entry.setup.append(time.perf_counter() - began)
-    gc.disable()  # as the standard library's timeit does: whose garbage is collected when is chance
+def timing(entry: Entry, loop: float) -> Timing:
+    """What the entry's repeats say; an undisturbed calibration loop takes `loop` seconds."""
+    quiet = entry.undisturbed(loop)
+    few = len(quiet) < LEAST_REPEATS
+    used = entry.repeats if few else quiet
+    setup = statistics.median(entry.setup[1:] or entry.setup)
+    low, high = interval([r.cpu for r in used])
+    return Timing(
+        cpu_s=statistics.median(r.cpu for r in used),
+        cpu_low_s=low,
+        cpu_high_s=high,
+        wall_s=statistics.median(r.wall for r in used),
+        setup_s=setup,
+        compile_s=max(0.0, entry.setup[0] - setup) if len(entry.setup) > 1 else nan,
+        read_s=statistics.median(entry.reading) if entry.reading else nan,
+        repeats=len(used),
+        disturbed_repeats=len(entry.repeats) - len(quiet),
+        disturbed=few and len(quiet) < len(entry.repeats),
+    )
+
+
+def _repeat(entry: Entry, loops: list[float]) -> None:
+    """Build, run and (the first few times) read back; the calibration loops' times go into `loops`."""
     try:
-        cpu, wall = time.process_time(), time.perf_counter()
-        entry.run(model)
-        cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
-    finally:
-        gc.enable()
-    entry.cpu.append(cpu)
-    entry.wall.append(wall)
+        began, warm_ups, models = time.perf_counter(), entry.warm_ups, []
+        for _ in range(warm_ups + entry.row):
+            spent = time.process_time()
+            models.append(entry.build())
+            entry.setup.append(time.process_time() - spent)
+        before, others = calibrate(), neighbours()
+        for model in models[:warm_ups]:
+            entry.run(model)
+        row = models[warm_ups:]
+        gc.disable()  # as the standard library's timeit does: whose garbage is collected when is chance
+        try:
+            cpu, wall = time.process_time(), time.perf_counter()
+            for model in row:
+                entry.run(model)
+            cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+        finally:
+            gc.enable()
+        others, after = others or neighbours(), calibrate()
+        entry.run_s = (time.perf_counter() - began) / len(models)
+        if len(entry.reading) < _READS:
+            spent = time.process_time()
+            entry.read(row[-1])
+            entry.reading.append(time.process_time() - spent)
+    except Exception as problem:  # an engine that fails now and then loses its row, not everyone's
+        entry.failure = f"{type(problem).__name__}: {problem}"
+        return
+    loops += [before, after]
+    entry.repeats.append(Repeat(cpu / len(row), wall / len(row), max(before, after), others))
 
 
-def _timing(entry: _Entry) -> Timing:
-    # A run may be unlucky once; a row is disturbed if more than a quarter of its repeats were.
-    disturbed = 4 * entry.quiet.count(False) > len(entry.quiet)
-    cpu, wall = statistics.median(entry.cpu), statistics.median(entry.wall)
-    return Timing(cpu, spread(entry.cpu), wall, max(entry.setup), len(entry.cpu), disturbed)
-
-
-def _calibrate() -> float:
+def calibrate() -> float:
     """Wall seconds of a loop that is always the same work."""
     began, total = time.perf_counter(), 0
     for i in range(_CALIBRATION):
@@ -156,7 +271,11 @@ def _calibrate() -> float:
     return time.perf_counter() - began
 
 
-def _neighbours() -> bool:
+def _undisturbed(loops: Sequence[float]) -> float:
+    return sorted(loops)[int(_UNDISTURBED * len(loops))]
+
+
+def neighbours() -> bool:
     """Whether all cores but this process's are taken, now (Linux; elsewhere the calibration loop alone is asked)."""
     try:
         running = int(Path("/proc/loadavg").read_text().split()[3].partition("/")[0])

@@ -17,22 +17,38 @@ from __future__ import annotations
 
 import argparse
 import sys
-from math import pi
+from math import cos, pi, sin
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.integrate import cumulative_trapezoid, trapezoid
+from scipy.ndimage import median_filter
 from tabulate import tabulate
 
 import cases
 import reference
-from cases import BadValue, Case, CaseError, CoulombFriction, DoesNotFit, Trajectory, Unilateral
-from cases.contact import find, slip_velocity, start_motion
+from cases import (
+    BadValue,
+    Case,
+    CaseError,
+    CoulombFriction,
+    DoesNotFit,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    Trajectory,
+    Unilateral,
+)
+from cases.contact import Contact, find, slip_velocity, start_motion
 from cases.errors import UnknownName
+from cases.nearest import nearest
 
 from . import metrics, trial
-from .records import CaseKey, Run
+from .records import TRUTH_RTOL, CaseKey, Run, Truth
 
 NEEDED = ("t", "x", "y", "theta")
 OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
@@ -45,6 +61,9 @@ MOST_TURN = 0.2
 # Relative to the plate's size: what a solver's penalty or facets may miss the track by, and what a printed start may
 # be rounded to. Beyond, it is another scene.
 LOOSE = 1e-2
+# Relative to the largest: by how much half of a column may differ from what follows from the others. A solver's own
+# lever or half a step is less; another unit, sign or frame is more.
+OFF = 0.05
 # Velocities good to one percent give energies good to two.
 ENERGY = 2e-2
 # Relative; forces that a file holds with six digits, summed by their writer.
@@ -66,7 +85,11 @@ def read_table(path: str | Path) -> pd.DataFrame:
     table = table.rename(columns=lambda name: str(name).strip())
     missing = [name for name in NEEDED if name not in table]
     if missing:
-        raise BadValue(f"{path.name} has no column {', '.join(missing)}; it needs t, x, y, theta in its first line")
+        first = ",".join(str(name) for name in table.columns)
+        raise BadValue(
+            f"{path.name} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
+            "t, x, y, theta, separated by commas"
+        )
     table = table[[name for name in (*NEEDED, *OPTIONAL) if name in table]]
     for name in table:
         numbers = pd.to_numeric(table[name], errors="coerce")
@@ -98,8 +121,18 @@ def check_start(case: Case, table: pd.DataFrame) -> None:
 
 
 def trajectory_of(case: Case, table: pd.DataFrame) -> Trajectory:
-    """The table as a trajectory, cut where the plate has left its track for good. Raises CaseError."""
+    """The table up to the case's duration as a trajectory, cut where the plate has left its track for good.
+
+    Raises CaseError, in one sentence, if the table is no motion of the case.
+    """
     check_start(case, table)
+    # A printed last time may be rounded up.
+    table = table[table["t"] <= case.duration * (1 + 1e-9)]
+    if len(table) < LEAST_SAMPLES:
+        raise DoesNotFit(
+            f"the case lasts {case.duration:g} s, and within it there are {len(table)} samples, too coarse; "
+            f"give at least {LEAST_SAMPLES}, and t in seconds"
+        )
     columns = {str(name): table[name].to_numpy() for name in table}
     t = columns["t"]
     turns = np.abs(np.diff(columns["theta"]))
@@ -112,14 +145,20 @@ def trajectory_of(case: Case, table: pd.DataFrame) -> Trajectory:
         slope = np.gradient(columns[name], t, edge_order=2)
         given = columns.setdefault(rate, slope)
         # A kink leaves differences off at few samples; a unit, a sign or a frame leaves them off at most.
-        if np.median(np.abs(given - slope)) > 0.05 * np.abs(slope).max() + 1e-9:
+        if np.median(np.abs(given - slope)) > OFF * np.abs(slope).max() + 1e-9:
             raise DoesNotFit(f"{rate} is not the rate of {name}; give it in the same units and the same frame")
     xi1, xi2, gap = _followed(case, columns)
-    kept, status, reason = _ending(case, columns, gap)
-    resolution = 0.0
+    kept, status, reason = _ending(case, columns, xi1, gap)
+    slip, resolution = _slip(case, columns, xi1), 0.0
     if "slip" not in columns:
-        columns["slip"] = _slip(case, columns, xi1)
+        columns["slip"] = slip
         resolution = _resolution(case, columns, xi1)
+    elif np.nanquantile(np.abs(columns["slip"] - slip)[:kept], 0.5) > OFF * np.nanmax(np.abs(slip)) + 1e-9:
+        raise DoesNotFit(
+            "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "
+            "give it so, in m/s, or leave it out"
+        )
+    columns["slip"] = np.where(np.isnan(xi1), slip, columns["slip"])
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
     return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)
@@ -130,28 +169,42 @@ def _size(case: Case) -> float:
 
 
 def _followed(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Contact parameters and gap of every pose; those of a plate far from any point of its track are NaN."""
-    start = start_motion(case)
-    near, rows = (start.xi1, start.xi2), []
-    for x, y, theta in zip(columns["x"].tolist(), columns["y"].tolist(), columns["theta"].tolist(), strict=True):
+    """Contact parameters and gap (m) of every pose; NaN where the plate has none.
+
+    That is beyond the first pose far from its track; where the case has Flight, wherever the plate is off it.
+    """
+    start, flies, off = start_motion(case), case.effect(Flight) is not None, LOOSE * _size(case)
+    near, found = (start.xi1, start.xi2), np.full((len(columns["t"]), 3), np.nan)
+    for place, pose in enumerate(zip(*(columns[name].tolist() for name in ("x", "y", "theta")), strict=True)):
         try:
-            contact = find(case, x, y, theta, near)
+            contact: Contact | None = find(case, pose[0], pose[1], pose[2], near)
         except DoesNotFit:
+            contact = None
+        if flies and (contact is None or contact.gap > off):
+            contact = nearest(case, *pose)
+        if contact is not None:
+            near, found[place] = contact[:2], contact
+        elif not flies:
             break
-        near = (contact.xi1, contact.xi2)
-        rows.append(contact)
-    found = np.full((len(columns["t"]), 3), np.nan)
-    found[: len(rows)] = rows
     xi1, xi2, gap = found.T
-    turn = np.nanmax(np.abs(np.diff(case.track.tangent_angle(xi1[: len(rows)]))), initial=0.0)
+    if flies:
+        aloft = ~(gap <= off)
+        xi1[aloft] = xi2[aloft] = np.nan
+    turns = np.abs(np.diff(case.track.tangent_angle(xi1)))
+    turn = turns[np.isfinite(turns)].max(initial=0.0)
     if turn > MOST_TURN:
         raise DoesNotFit(f"the track turns by {turn:.3g} rad between two samples, too coarse; give more samples")
     return xi1, xi2, gap
 
 
-def _ending(case: Case, columns, gap: np.ndarray) -> tuple[int, str, str]:
-    """How many samples belong to the motion in contact, its status and reason."""
+def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int, str, str]:
+    """How many samples belong to the motion, its status and reason."""
     touching = np.flatnonzero(gap <= LOOSE * _size(case))
+    if case.effect(Flight):
+        landed = np.flatnonzero(np.isnan(xi1[:-1]) & np.isfinite(xi1[1:]))
+        if landed.size and not case.effect(Impact):
+            return int(landed[0]) + 2, "landing", "The plate meets its track again, and the case names no Impact."
+        return len(gap), Trajectory.status, Trajectory.reason
     count = int(touching[-1]) + 1
     if count == len(gap):
         return count, Trajectory.status, Trajectory.reason
@@ -161,8 +214,9 @@ def _ending(case: Case, columns, gap: np.ndarray) -> tuple[int, str, str]:
 
 
 def _slip(case: Case, columns, xi1: np.ndarray) -> np.ndarray:
+    """By (11), NaN in flight; zero where a plate that may not fly has lost its track."""
     known = np.isfinite(xi1)
-    slip = np.zeros(len(xi1))
+    slip = np.full(len(xi1), np.nan if case.effect(Flight) else 0.0)
     x, y, vx, vy, omega = (columns[name][known] for name in ("x", "y", "vx", "vy", "omega"))
     slip[known] = slip_velocity(case, x, y, vx, vy, omega, xi1[known])
     return slip
@@ -173,7 +227,8 @@ def _resolution(case: Case, columns, xi1: np.ndarray) -> float:
     half = {name: columns[name][::2] for name in ("x", "y", "theta")}
     for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
         half[rate] = np.gradient(half[name], columns["t"][::2], edge_order=2)
-    return float(np.quantile(np.abs(_slip(case, half, xi1[::2]) - columns["slip"][::2]), 0.95) / 3)
+    change = np.abs(_slip(case, half, xi1[::2]) - columns["slip"][::2])
+    return float(np.quantile(change[np.isfinite(change)], 0.95) / 3) if np.isfinite(change).any() else 0.0
 
 
 # --- the judgement ---------------------------------------------------------------------------------------------------
@@ -181,27 +236,57 @@ def _resolution(case: Case, columns, xi1: np.ndarray) -> float:
 
 def laws_broken(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
     """Facts of mechanics the motion contradicts, one sentence each."""
-    broken, size, friction = [], _size(case), case.effect(CoulombFriction)
-    if gap.min() < -LOOSE * size:
-        broken.append(f"the plate overlaps its track by {-gap.min():.3g} m at t = {motion.t[np.argmin(gap)]:.6g} s")
-    if gap.max() > LOOSE * size:
+    broken, size = [], _size(case)
+    if np.nanmin(gap) < -LOOSE * size:
+        at = motion.t[np.nanargmin(gap)]
+        broken.append(f"the plate overlaps its track by {-np.nanmin(gap):.3g} m at t = {at:.6g} s")
+    if not case.effect(Flight) and gap.max() > LOOSE * size:
         broken.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
-    known = np.isfinite(motion.normal_force) & np.isfinite(motion.friction_force)
-    if known.any():
-        normal, tangential = motion.normal_force[known], np.abs(motion.friction_force[known])
-        scale = CONE * np.abs(normal).max()
-        beyond = tangential - (friction.stick if friction else 0.0) * np.abs(normal)
-        if beyond.max() > scale:
-            at = motion.t[known][np.argmax(beyond)]
-            broken.append(f"friction exceeds its cone by {beyond.max():.3g} N at t = {at:.6g} s")
-        if case.effect(Unilateral) and normal.min() < -scale:
-            broken.append(
-                f"the track pulls with {-normal.min():.3g} N at t = {motion.t[known][np.argmin(normal)]:.6g} s"
-            )
     growth = energy_growth(case, motion)
-    if growth > ENERGY * kinetic(case, motion).max():
+    if not case.effect(Load) and growth > ENERGY * kinetic(case, motion).max():
         broken.append(f"the energy grows by {growth:.3g} J without a load")
+    if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
+        broken += _forces_broken(case, motion)
     return broken
+
+
+def _forces_broken(case: Case, motion: Trajectory) -> list[str]:
+    """What the forces contradict: the cone, the slip they should oppose, and the motion they should cause."""
+    broken, friction = [], case.effect(CoulombFriction)
+    t, normal, tangential = motion.t, motion.normal_force, motion.friction_force
+    scale = CONE * np.abs(normal).max()
+    beyond = np.abs(tangential) - (friction.stick if friction else 0.0) * np.abs(normal)
+    if not case.effect(PerfectlyRough) and beyond.max() > scale:
+        broken.append(f"friction exceeds its cone by {beyond.max():.3g} N at t = {t[np.argmax(beyond)]:.6g} s")
+    if case.effect(Unilateral) and normal.min() < -scale:
+        broken.append(f"the track pulls with {-normal.min():.3g} N at t = {t[np.argmin(normal)]:.6g} s")
+    power = np.where(np.isnan(motion.slip), 0.0, tangential * motion.slip)
+    # Creep in stick has either sign; it is a small part of the speed.
+    if power.max() > LOOSE * np.abs(tangential).max() * np.hypot(motion.vx, motion.vy).max():
+        broken.append(f"friction drives the slip with {power.max():.3g} W at t = {t[np.argmax(power)]:.6g} s")
+    # The impulse of an impact is in no column.
+    for what, missing, allowed in () if case.effect(Impact) else _momentum(case, motion):
+        if missing > allowed:
+            broken.append(f"the forces do not make the motion: {what} is off by {missing:.3g} kg m/s")
+    return broken
+
+
+def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
+    """Names of m vx and m vy, by how much they differ from what the forces sum up to, and what is allowed (kg m/s)."""
+    gravity, load, mass = case.effect(Gravity) or Gravity(0.0), case.effect(Load), case.plate.mass
+    place = np.where(np.isnan(motion.xi1), case.start.xi1, motion.xi1)  # in flight there are no forces
+    normal, tangent = case.track.normal(place), case.track.tangent(place)
+    applied = np.zeros((3, len(motion.t)))
+    if load:
+        state = (motion.t, motion.x, motion.y, motion.theta, motion.vx, motion.vy, motion.omega)
+        applied = np.array([load.at(*now) for now in zip(*state, strict=True)]).T
+    found = []
+    for axis, rate, pull in ((0, motion.vx, cos(gravity.direction)), (1, motion.vy, sin(gravity.direction))):
+        force = motion.normal_force * normal[axis] + motion.friction_force * tangent[axis] + applied[axis]
+        force = force + mass * gravity.g * pull
+        off = mass * (rate - rate[0]) - cumulative_trapezoid(force, motion.t, initial=0.0)
+        found.append((f"m v{'xy'[axis]}", float(np.abs(off).max()), ENERGY * float(trapezoid(np.abs(force), motion.t))))
+    return found
 
 
 def kinetic(case: Case, motion: Trajectory) -> np.ndarray:
@@ -211,30 +296,27 @@ def kinetic(case: Case, motion: Trajectory) -> np.ndarray:
 
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
-    """The most the energy (J) rises above its least value so far."""
+    """The most the energy (J) rises above its least value so far, but for single samples at impacts."""
     total = metrics.energy(case, motion)
+    if case.effect(Impact):
+        # Differences across an impact are no velocities; it is two samples of any nine that they spoil.
+        total = median_filter(total, size=9, mode="nearest")
     return float((total - np.minimum.accumulate(total)).max())
 
 
 def compare(case: Case, path: str | Path, files: tuple[str, ...] = ()) -> str:
     """The judgement as text. Raises CaseError if the file cannot be judged, or the reference has no truth."""
     motion = trajectory_of(case, read_table(path))
-    key = CaseKey.of(case, files)
-    truth = trial.find_truth(key)
+    row = Run(case.label, Path(path).name, "", "", 0, outcome="")
+    return _text(case, motion, judge(row, case, motion, trial.find_truth(CaseKey.of(case, files))))
+
+
+def judge(row: Run, case: Case, motion: Trajectory, truth: Truth) -> Run:
+    """The row with its verdict, ledger and errors; raises DoesNotFit if there is no truth to judge it by."""
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
-    exact = reference.simulate(case, rtol=trial.TRUTH_RTOL, method=truth.method)
-    row = Run(case.label, Path(path).name, "", "", 0, outcome="")
-    run = trial.judge(row, case, _until(motion, case.duration), exact, truth)
-    return _text(case, motion, run)
-
-
-def _until(motion: Trajectory, end: float) -> Trajectory:
-    """The samples up to `end`, the case's duration (a rounded last time still counts)."""
-    count = int(np.searchsorted(motion.t, end * (1 + 1e-9), side="right"))
-    names = (*NEEDED, *OPTIONAL, "xi1", "xi2")
-    cut: dict[str, Any] = {name: getattr(motion, name)[:count] for name in names}
-    return Trajectory(**cut, status=motion.status, reason=motion.reason, slip_resolution=motion.slip_resolution)
+    exact = reference.simulate(case, rtol=TRUTH_RTOL, method=truth.method)
+    return trial.judge(row, case, motion, exact, truth)
 
 
 def _text(case: Case, motion: Trajectory, run: Run) -> str:

@@ -1,106 +1,95 @@
-"""Runs -> figures. Colour tells the solver (Okabe and Ito's palette, safe for the colour-blind), dashes the route.
+"""Runs -> figures: the scene, the motion as the paper draws it, the error against the steps, and the headline.
 
-Matplotlib without a display; every figure is made from an `Experiment` alone and written as SVG (the headline as PNG
-too). Times in s, lengths in m, angles in rad.
+Every figure is made from an `Experiment` alone. Times in s, lengths in m, angles in rad.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import cos, isfinite, sin
 from pathlib import Path
-from typing import Any
 
 import matplotlib
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
 
-matplotlib.use("Agg")
+from cases import Case, Gravity, Mode
 
-import numpy as np  # noqa: E402
-from matplotlib import pyplot as plt  # noqa: E402
-from matplotlib.axes import Axes  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
+from . import tables, workers
+from .drawing import FAINT, PALETTE, POINTS, STYLE, TRUTH, Drawn, Looks, file_name, logarithmic, save
+from .records import CaseKey, Experiment, Run, Truth
+from .trial import load
 
-from cases import Case, Gravity, Mode  # noqa: E402
-
-from . import tables  # noqa: E402
-from .records import REFERENCE, Experiment, Run, Truth  # noqa: E402
-
-# Okabe & Ito, "Color Universal Design" (2008), without the yellow, which is pale on white.
-_PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
-_TRUTH, _FAINT = "#000000", "#8a8a8a"
-_DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
-_MARKERS = ("o", "s", "^", "D")
 # An error drawn on a logarithmic axis needs a least value; below a double's rounding of quantities of order one there
 # is nothing to see.
 _SMALLEST = 1e-17
-# Points along a line: what a screen can show, so that the page stays light.
-_POINTS = 400
+# Corners of a plate as drawn: a circle's chords then leave it by a thousandth of its radius.
+_CORNERS = 73
+# Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
+_PATIENCE = 120.0
+# A truth that varies by less, in SI units, is level: what varies is rounding.
+_LEVEL = 1e-9
 # Fewer samples than this over a motion are drawn as points.
 _FEW = 100
-_STYLE: Any = {
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "axes.labelsize": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e6e6e6",
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.4,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "savefig.facecolor": "white",
-    "svg.hashsalt": "slip-to-roll",  # equal data give equal files
-    "path.simplify": True,
-}
 # What the paper draws against time: the label, the samples' name, and the name of its difference from the truth.
 _QUANTITIES = (
-    ("slip velocity $v$ / (m/s)", "slip", "slip"),
-    (r"track parameter $\xi_1$", "xi1", "xi1"),
-    (r"outline parameter $\xi_2$", "xi2", "xi2"),
-    (r"rotation $\theta$ / rad", "theta", "angle"),
-    (r"multiplier $\lambda$", "lambda", "lambda"),
+    ("slip velocity v / (m/s)", "slip", "slip"),
+    ("track parameter ξ₁", "xi1", "xi1"),
+    ("outline parameter ξ₂", "xi2", "xi2"),
+    ("rotation θ / rad", "theta", "angle"),
+    ("multiplier λ", "lambda", "lambda"),
 )
 _MODE_WORDS = {
     Mode.SLIDE: "slides",
-    Mode.SLIP_FORWARD: "slip $v>0$",
-    Mode.SLIP_BACKWARD: "slip $v<0$",
+    Mode.SLIP_FORWARD: "slip v > 0",
+    Mode.SLIP_BACKWARD: "slip v < 0",
     Mode.ROLL: "rolls",
+    Mode.STICK: "rests",
     Mode.FLIGHT: "flies",
 }
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A figure that was written: its file's name without ending, the case's label ("" for all), title and caption."""
+def draw(experiment: Experiment, folder: Path, files: tuple[str, ...] = (), jobs: int = 1) -> Iterator[Drawn]:
+    """Write every figure into the folder, `jobs` cases at a time; yields what was written, case by case.
 
-    name: str
-    case: str
-    title: str
-    caption: str
-
-
-def draw(experiment: Experiment, folder: Path) -> Iterator[Drawn]:
-    """Write every figure into the folder, one after the other; yields what was written."""
+    `files` are read before a case of theirs is loaded. A case whose figures fail has one `Drawn` that says so: hours
+    of runs are not lost by a picture.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    looks = _Looks(experiment)
-    with matplotlib.rc_context(_STYLE):
-        main = headline_case(experiment)
-        if main is not None:
-            yield _save(headline(experiment, main, looks), folder, "headline", main.label, *_HEADLINE_WORDS, png=True)
-        for case in experiment.cases:
-            if experiment.truths[case.label].failure:
-                continue
-            name = file_name(case.label)
-            yield _save(scene(experiment, case), folder, f"scene_{name}", case.label, *_SCENE_WORDS)
-            yield _save(motion(experiment, case, looks), folder, f"motion_{name}", case.label, *_MOTION_WORDS)
-            yield _save(errors(experiment, case, looks), folder, f"errors_{name}", case.label, *_ERRORS_WORDS)
+    looks, main = Looks(experiment), headline_case(experiment)
+    shown = [case for case in experiment.cases if not experiment.truths[case.label].failure]
+    calls = [
+        (CaseKey.of(case, files), _part(experiment, case.label), looks, folder.resolve(), case is main)
+        for case in shown
+    ]
+    for index, answer in workers.run(draw_case, calls, jobs, limit=_PATIENCE):
+        if answer.outcome == "done":
+            yield from answer.value
+        else:
+            yield Drawn("", shown[index].label, "Figures", f"They could not be drawn: {answer.reason}")
 
 
-def file_name(label: str) -> str:
-    """A case's label as part of a file name."""
-    return "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
+def _part(experiment: Experiment, label: str) -> Experiment:
+    """What one case's figures are made from; the case itself is loaded where they are drawn."""
+    runs = tuple(run for run in experiment.runs if run.case == label)
+    return Experiment((), {label: experiment.truths[label]}, runs, experiment.seconds)
+
+
+def draw_case(key: CaseKey, part: Experiment, looks: Looks, folder: Path, main: bool) -> list[Drawn]:
+    """The figures of one case: scene, motion, error, and the headline if it is the main one."""
+    case = load(key)
+    name, drawn = file_name(case.label), []
+    with matplotlib.rc_context(STYLE):
+        if main:
+            figure = headline(part, case, looks)
+            drawn.append(save(figure, folder, "headline", case.label, *_HEADLINE_WORDS, png=True))
+        drawn.append(save(scene(part, case), folder, f"scene_{name}", case.label, *_SCENE_WORDS))
+        drawn.append(save(motion(part, case, looks), folder, f"motion_{name}", case.label, *_MOTION_WORDS))
+        drawn.append(save(errors(part, case, looks), folder, f"errors_{name}", case.label, *_ERRORS_WORDS))
+    return drawn
 
 
 def headline_case(experiment: Experiment) -> Case | None:
@@ -123,8 +112,8 @@ _SCENE_WORDS = (
 _MOTION_WORDS = (
     "The motion, as the paper draws it",
     "Left: slip velocity, contact parameters, rotation and multiplier λ = N/‖R_p‖ against time, from the finest "
-    "setting of every route. Right: absolute difference from the truth, largest value in each of 400 stretches of "
-    "time. Where a solver gives no usable normal force its λ is missing.",
+    f"setting of every route. Right: absolute difference from the truth, largest value in each of {POINTS} stretches "
+    "of time. Where a solver gives no usable normal force its λ is missing.",
 )
 _ERRORS_WORDS = (
     "Error against steps",
@@ -132,34 +121,6 @@ _ERRORS_WORDS = (
     "(its first transition may still be right), a hollow marker the engine's own defaults. Below the grey line the "
     "truth itself is not sure.",
 )
-
-
-# --- looks ------------------------------------------------------------------------------------------------------------
-
-
-class _Looks:
-    """Colour by solver, dashes and marker by route, the same in every figure of a report."""
-
-    def __init__(self, experiment: Experiment):
-        solvers = sorted({run.solver for run in experiment.runs} - {REFERENCE})
-        self._colours = {REFERENCE: _FAINT} | {s: _PALETTE[i % len(_PALETTE)] for i, s in enumerate(solvers)}
-        self._routes: dict[str, list[str]] = {}
-        for run in experiment.runs:
-            known = self._routes.setdefault(run.solver, [])
-            if run.route and run.route not in known:
-                known.append(run.route)
-
-    def colour(self, run: Run) -> str:
-        return self._colours[run.solver]
-
-    def line(self, run: Run) -> dict[str, Any]:
-        return {"color": self.colour(run), "linestyle": _DASHES[self._place(run) % len(_DASHES)]}
-
-    def marker(self, run: Run) -> str:
-        return _MARKERS[self._place(run) % len(_MARKERS)]
-
-    def _place(self, run: Run) -> int:
-        return self._routes[run.solver].index(run.route)
 
 
 def _name(run: Run) -> str:
@@ -175,7 +136,7 @@ def _finest(experiment: Experiment, label: str) -> list[Run]:
 def _mark_transitions(ax: Axes, truth: Truth, words: bool = False) -> None:
     times = [t.time for t in truth.transitions]
     for time in times:
-        ax.axvline(time, color=_FAINT, linewidth=0.7, zorder=0.5)
+        ax.axvline(time, color=FAINT, linewidth=0.7, zorder=0.5)
     if not words:
         return
     edges = [float(truth.samples["t"][0]), *times, float(truth.samples["t"][-1])]
@@ -198,15 +159,15 @@ def _mark_transitions(ax: Axes, truth: Truth, words: bool = False) -> None:
 
 
 def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Largest |y| in each of at most _POINTS equal stretches of the samples, at that sample's time."""
+    """Largest |y| in each of at most POINTS equal stretches of the samples, at that sample's time."""
     size = np.where(np.isfinite(y), np.abs(y), 0.0)
-    pieces = np.array_split(np.arange(len(size)), min(_POINTS, len(size)))
+    pieces = np.array_split(np.arange(len(size)), min(POINTS, len(size)))
     top = np.array([piece[np.argmax(size[piece])] for piece in pieces if len(piece)], dtype=int)
     # Where a solver agrees to the last digit there is nothing to draw on a logarithmic axis.
     return t[top], np.where(size[top] > _SMALLEST, size[top], np.nan)
 
 
-def _log_error(ax: Axes, runs: list[Run], name: str, looks: _Looks) -> list[tuple[float, Run]]:
+def _log_error(ax: Axes, runs: list[Run], name: str, looks: Looks) -> list[tuple[float, Run]]:
     """Draw |difference| of each run; returns where each line ends, for labels."""
     ends = []
     for run in runs:
@@ -217,11 +178,11 @@ def _log_error(ax: Axes, runs: list[Run], name: str, looks: _Looks) -> list[tupl
         ax.plot(t, size, **looks.line(run), linewidth=1.0)
         if np.any(np.isfinite(size)):
             ends.append((float(size[np.isfinite(size)][-1]), run))
-    ax.set_yscale("log")
+    logarithmic(ax, "y")
     return ends
 
 
-def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: _Looks) -> None:
+def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: Looks) -> None:
     """Names beside the lines' right ends, moved apart where they would overlap."""
     low, high = np.log10(ax.get_ylim())
     places: list[float] = []
@@ -242,18 +203,10 @@ def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: _Looks) -> None:
         )
 
 
-def _save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
-    figure.savefig(folder / f"{name}.svg", metadata={"Date": None}, bbox_inches="tight")
-    if png:
-        figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
-    plt.close(figure)
-    return Drawn(name, case, title, caption)
-
-
 # --- the figures ------------------------------------------------------------------------------------------------------
 
 
-def headline(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
+def headline(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     """Slip velocity of every route, and its distance from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
     figure, (above, below) = plt.subplots(
@@ -261,7 +214,7 @@ def headline(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
     )
     _curves(above, truth, runs, "slip", looks)
     _mark_transitions(above, truth, words=True)
-    above.axhline(0.0, color=_FAINT, linewidth=0.7)
+    above.axhline(0.0, color=FAINT, linewidth=0.7)
     above.set_ylabel("slip velocity / (m/s)")
     above.set_title(case.label, loc="left", pad=18, fontweight="bold")
     ends = _log_error(below, runs, "slip", looks)
@@ -273,17 +226,17 @@ def headline(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
     return figure
 
 
-def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: _Looks) -> None:
-    ax.plot(truth.samples["t"], truth.samples[name], color=_TRUTH, linewidth=2.6, alpha=0.25, label="truth")
+def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: Looks) -> None:
+    ax.plot(truth.samples["t"], truth.samples[name], color=TRUTH, linewidth=2.6, alpha=0.25, label="truth")
     top, bottom = np.nanmax(truth.samples[name]), np.nanmin(truth.samples[name])
     # The axis belongs to the truth: a noisy force of one engine must not flatten everyone's curve, nor hide it.
-    room = 0.08 * (top - bottom) if top - bottom > 1e-6 * abs(top) else 0.08 * max(abs(top), 1.0)
+    room = 0.08 * (top - bottom if top - bottom > max(1e-6 * abs(top), _LEVEL) else max(abs(top), 1.0))
     ax.set_ylim(bottom - room, top + room)
     for run in runs:
         values = run.samples[name]
         if not np.any(np.isfinite(values)):
             continue
-        every = max(1, len(values) // _POINTS)
+        every = max(1, len(values) // POINTS)
         exact = np.interp(run.samples["t"], truth.samples["t"], truth.samples[name])
         noisy = np.nanquantile(np.abs(values - exact), 0.9) > room
         look = looks.line(run) | ({"linewidth": 0.4, "alpha": 0.5, "zorder": 1.5} if noisy else {})
@@ -292,7 +245,7 @@ def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: _Looks) -
         ax.plot(run.samples["t"][::every], values[::every], **look, label=_name(run))
 
 
-def motion(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
+def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     """The paper's diagrams with every route, and beside each the distance from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
     figure, axes = plt.subplots(len(_QUANTITIES), 2, figsize=(9.2, 10.4), sharex=True, layout="constrained")
@@ -314,7 +267,7 @@ def motion(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
     return figure
 
 
-def errors(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
+def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     """First-transition error (or, without transitions, the centre's) of every rung against its steps."""
     truth = experiment.truths[case.label]
     timed = bool(truth.transitions)
@@ -338,17 +291,17 @@ def errors(experiment: Experiment, case: Case, looks: _Looks) -> Figure:
             hollow = "white" if tables.is_default(run) else look["color"]
             marker = "x" if run.outcome == "wrong" else looks.marker(run)
             ax.plot(steps, size, marker=marker, markersize=6, color=look["color"], markerfacecolor=hollow)
-    ax.set_xscale("log")
-    ax.set_yscale("log")
+    logarithmic(ax, "xy")
     if timed:
         ax.axhspan(_SMALLEST / 10, truth.error_bars[0], color="#eeeeee", zorder=0)
-        ax.axhline(truth.error_bars[0], color=_FAINT, linewidth=0.8)
+        ax.axhline(truth.error_bars[0], color=FAINT, linewidth=0.8)
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _SMALLEST / 3), high)
     ax.set_xlabel("steps")
     ax.set_ylabel("error of the first transition's time / s" if timed else "largest error of the centre / m")
     ax.set_title(case.label, loc="left", fontweight="bold")
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
@@ -357,17 +310,18 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     shown = experiment.truths[case.label].samples
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
     track = case.track.point(_visible(case, shown))
-    ax.plot(*track, color=_TRUTH, linewidth=1.6)
-    outline = case.plate.outline.point(np.linspace(*case.plate.outline.look, 181))
+    ax.plot(*track, color=TRUTH, linewidth=1.6)
+    outline = case.plate.outline.point(np.linspace(*case.plate.outline.look, _CORNERS))
     for shade, i in _instants(experiment.truths[case.label]):
         x, y, theta = (float(shown[name][i]) for name in ("x", "y", "theta"))
         turn = np.array([[cos(theta), -sin(theta)], [sin(theta), cos(theta)]])
         place = turn @ outline + np.array([[x], [y]])
         spoke = turn @ outline[:, :1] + np.array([[x], [y]])
-        ax.fill(*place, color=_PALETTE[0], alpha=0.10 + 0.3 * shade, linewidth=0)
-        ax.plot(*place, color=_PALETTE[0], linewidth=0.9, alpha=0.4 + 0.6 * shade)
-        ax.plot([x, spoke[0, 0]], [y, spoke[1, 0]], color=_PALETTE[0], linewidth=0.9, alpha=0.4 + 0.6 * shade)
-        ax.plot(*case.track.point(float(shown["xi1"][i])), marker="o", markersize=3, color=_PALETTE[1])
+        edge, inside = (to_rgba(PALETTE[0], alpha) for alpha in (0.4 + 0.6 * shade, 0.10 + 0.3 * shade))
+        ax.fill(*place, facecolor=inside, edgecolor=edge, linewidth=0.9)
+        ax.plot([x, spoke[0, 0]], [y, spoke[1, 0]], color=PALETTE[0], linewidth=0.9, alpha=0.4 + 0.6 * shade)
+        if np.isfinite(shown["xi1"][i]):  # no contact in flight
+            ax.plot(*case.track.point(float(shown["xi1"][i])), marker="o", markersize=3, color=PALETTE[1])
     ax.set_aspect("equal")
     ax.locator_params(nbins=5)
     gravity = case.effect(Gravity)
@@ -383,11 +337,19 @@ def _visible(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
     """Track parameters worth drawing: all of a closed track, else what the plate visits and a little more."""
     if case.track.period:
         return np.linspace(*case.track.look, 361)
-    low, high = float(np.min(shown["xi1"])), float(np.max(shown["xi1"]))
+    below = np.where(np.isfinite(shown["xi1"]), shown["xi1"], _below(case, shown))
+    low, high = float(np.min(below)), float(np.max(below))
     size = float(np.ptp(case.plate.outline.point(np.linspace(*case.plate.outline.look, 181)), axis=1).max())
     more = 1.2 * size / float(case.track.speed(0.5 * (low + high)))
     domain = case.track.domain or (-np.inf, np.inf)
     return np.linspace(max(low - more, domain[0]), min(high + more, domain[1]), 361)
+
+
+def _below(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
+    """Roughly the track parameter that is nearest to the centre, for each sample."""
+    grid = np.linspace(*case.track.look, 1001)
+    X, Y = case.track.point(grid)
+    return np.array([grid[np.argmin(np.hypot(X - x, Y - y))] for x, y in zip(shown["x"], shown["y"], strict=True)])
 
 
 def _instants(truth: Truth) -> list[tuple[float, int]]:

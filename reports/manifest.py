@@ -6,52 +6,27 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Sequence
-from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from . import workers
-from .trial import version as solver_version
+from .fingerprint import installed, processor
+from .store import now
 
 _ROOT = Path(__file__).resolve().parent.parent
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "pandas", "matplotlib", "exudyn", "pymunk", "heyoka")
 
 
-def manifest(solvers: Sequence[str], jobs: int, limit: float) -> dict[str, Any]:
-    """Versions, machine, commit and time; the solvers are asked for their versions in workers."""
+def manifest(versions: Mapping[str, str]) -> dict[str, Any]:
+    """Versions, machine, commit and time. `versions` are the solvers' own, "" where one could not tell."""
     return {
-        "made_at": datetime.now(UTC).isoformat(timespec="seconds"),
+        "made_at": now(),
         "python": sys.version.split()[0],
-        "packages": {name: _installed(name) for name in _PACKAGES},
-        "solvers": _versions(solvers, jobs, limit),
-        "machine": f"{platform.platform()}, {_processor()}, {os.cpu_count()} cores",
+        "packages": {name: installed(name) for name in _PACKAGES},
+        "solvers": {name: told or "unknown" for name, told in versions.items()},
+        "machine": f"{platform.platform()}, {processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }
-
-
-def _installed(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def _versions(solvers: Sequence[str], jobs: int, limit: float) -> dict[str, str]:
-    told = dict.fromkeys(solvers, "")
-    for index, answer in workers.run(solver_version, [(name,) for name in solvers], jobs, limit):
-        told[solvers[index]] = answer.value if answer.outcome == "done" else f"unknown ({answer.reason})"
-    return told
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 def _commit() -> str:

@@ -1,36 +1,32 @@
 """What accuracy costs in time: errors of the experiment beside timings of the clock, as rows; who is timed.
 
-Errors are absolute, in s for times and m for the centre. Only right runs count, and only times taken alone.
+Only right runs count, and only times taken alone on a quiet machine are ranked.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import inf, isfinite, nan
-from statistics import median
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
+from cases import Case
 
-import reference
-from cases import Case, CaseError, CoulombFriction
-
-from . import clock, tables, workers
+from . import clock, fits, null_motions, quantities, tables, workers
 from .clock import Contestant, Timing
-from .records import REFERENCE, CaseKey, Experiment, Run, Truth
-from .trial import load
+from .fingerprint import Key as Kept
+from .fingerprint import Keys
+from .quantities import UNITS, error
+from .records import CaseKey, Experiment, Run, is_default_setting
+from .store import Store
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# The unit of each quantity's error.
-QUANTITIES = {"first_transition_time": "s", "all_transitions": "s", "final_centre": "m", "centre_rms": "m"}
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-NEVER, NOT_TIMED, NOT_KNOWN = "never", "not timed", "not known"
-# No error is told below ten times the truth's bar: there one digit of it is the truth's own.
-ABOVE_BAR = 10.0
+NEVER, NOT_TIMED, NOT_KNOWN, DISTURBED = "never", "not timed", "not known", "disturbed"
+# A curve of fewer settings tells no order and no saturation.
+LEAST_SETTINGS = 6
 # Wall seconds for all timings of a default report, and how many cases share them: a full ladder of every route takes
 # some ten seconds a case.
 BUDGET, MOST_CASES = 60.0, 6
@@ -44,19 +40,21 @@ Tell = Callable[[str, int, Iterator], Iterator]
 
 
 class Measured(NamedTuple):
-    """What the timed pass found: the cases timed, timings, null motions' rows, and why a case's timing failed."""
+    """What the timed pass found: the cases timed, timings, null motions and witnessed bars by case, and what could not
+    be timed, with the reason."""
 
     cases: tuple[str, ...] = ()
-    timings: dict[Key, Timing] = {}
-    nulls: tuple[dict[str, Any], ...] = ()
-    failures: dict[str, str] = {}
+    timings: Mapping[Key, Timing] = {}
+    nulls: Mapping[str, null_motions.Told] = {}
+    failures: Mapping[str, str] = {}
 
 
 # --- the timed pass ---------------------------------------------------------------------------------------------------
 
 
 def chosen(experiment: Experiment, full: bool) -> list[Case]:
-    """The cases to time: all, or of each family the variant with most transitions, those that most routes can run."""
+    """The cases to time: all, or of each family the variant with most transitions, those that most routes ran with
+    their whole ladders."""
     able = [case for case in experiment.cases if not experiment.truths[case.label].failure]
     if full:
         return able
@@ -65,19 +63,24 @@ def chosen(experiment: Experiment, full: bool) -> list[Case]:
     for case in able:
         families.setdefault(case.name, []).append(case)
     one_each = [max(family, key=lambda case: events[case.label]) for family in families.values()]
-    routes = {case.label: len({r[:2] for r in _right_routes(experiment, case.label)}) for case in one_each}
-    return sorted(one_each, key=lambda case: (-routes[case.label], -events[case.label]))[:MOST_CASES]
+    whole = {case.label: _whole_ladders(experiment, case.label) for case in one_each}
+    ranked = sorted(one_each, key=lambda case: (-whole[case.label], -events[case.label]))
+    return [case for case in ranked if whole[case.label]][:MOST_CASES]
 
 
-def _right_routes(experiment: Experiment, label: str) -> list[tuple[str, str]]:
-    return [(run.solver, run.route) for run in experiment.runs if run.case == label and run.outcome == "right"]
+def _whole_ladders(experiment: Experiment, label: str) -> int:
+    """How many routes ran enough settings of the case for a curve."""
+    groups = tables.routes(run for run in experiment.runs if run.case == label and run.rung)
+    return sum(len(group) >= LEAST_SETTINGS for group in groups.values())
 
 
-def measure(experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell) -> Measured:
-    """Time the chosen cases one after the other, each in one process with nothing beside it."""
+def measure(
+    experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell, store: Store | None = None
+) -> Measured:
+    """Time the chosen cases one after the other, each in one process with nothing beside it, or take what is kept."""
+    store = store or Store(None)
     cases = chosen(experiment, full)
     timings: dict[Key, Timing] = {}
-    nulls: list[dict[str, Any]] = []
     failures: dict[str, str] = {}
     deadline = time.perf_counter() + BUDGET
 
@@ -86,20 +89,37 @@ def measure(experiment: Experiment, files: tuple[str, ...], full: bool, tell: Te
             left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
             budget = FULL_BUDGET_A_CASE if full else left
             label, key = case.label, CaseKey.of(case, files)
-            call = (key, contestants(experiment, label), budget)
-            (_, answer), *_ = workers.run(clock.time_case, [call], jobs=1, limit=budget + _PATIENCE)
+            asked = contestants(experiment, label)
+            share = FULL_BUDGET_A_CASE if full else BUDGET / len(cases)
+            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in asked], share)
+            answer = _timed(store, kept_under, (key, asked, budget), budget + _PATIENCE)
             if answer.outcome == "done":
-                timings.update({(label, *who): timing for who, timing in answer.value.items()})
+                found, failed = answer.value
+                timings.update({(label, *who): timing for who, timing in found.items()})
+                failures.update({f"{label}, {' '.join(who)}": why for who, why in failed.items()})
             else:
                 failures[label] = answer.reason
             yield label
 
     list(tell("timings", len(cases), one_by_one()))
-    keys = [(CaseKey.of(case, files),) for case in cases]
-    for index, answer in sorted(workers.run(null_scores, keys, jobs=1), key=lambda pair: pair[0]):
-        told = answer.value if answer.outcome == "done" else [_null(cases[index].label, "any", nan, nan, answer.reason)]
-        nulls.extend(told)
-    return Measured(tuple(case.label for case in cases), timings, tuple(nulls), failures)
+    labels = [case.label for case in cases]
+    nulls = dict.fromkeys(labels, null_motions.failed("", ""))
+    calls = workers.run(null_motions.told, [(CaseKey.of(case, files),) for case in cases], jobs=2)
+    for index, answer in tell("null scores", len(cases), calls):
+        done = answer.outcome == "done"
+        nulls[labels[index]] = answer.value if done else null_motions.failed(labels[index], answer.reason)
+    return Measured(tuple(labels), timings, nulls, failures)
+
+
+def _timed(store: Store, kept_under: Kept | None, call: tuple, limit: float) -> workers.Answer:
+    """A case's timings, together as they were taken in turns: those kept, or new ones, kept if none is disturbed."""
+    kept = store.get("timing", kept_under, tuple[dict[clock.Who, Timing], dict[clock.Who, str]])
+    if kept is not None:
+        return workers.Answer("done", value=kept)
+    (_, answer), *_ = workers.run(clock.time_case, [call], jobs=1, limit=limit)
+    if answer.outcome == "done" and not any(timing.disturbed for timing in answer.value[0].values()):
+        store.put("timing", kept_under, answer.value)
+    return answer
 
 
 def contestants(experiment: Experiment, label: str) -> list[Contestant]:
@@ -111,100 +131,182 @@ def contestants(experiment: Experiment, label: str) -> list[Contestant]:
 # --- rows -------------------------------------------------------------------------------------------------------------
 
 
-def error(run: Run, quantity: str) -> float:
-    """The run's error, at least zero; NaN where there is none."""
-    if quantity == "first_transition_time":
-        return abs(tables.first_error(run))
-    if quantity == "all_transitions":
-        return max((abs(row.error) for row in run.ledger), default=nan)
-    if quantity == "final_centre":
-        return float(run.off["centre"][-1]) if len(run.off.get("centre", ())) else nan
-    return run.distance.centre_rms
-
-
-def floor(truth: Truth, quantity: str) -> float:
+def floor(experiment: Experiment, measured: Measured, label: str, quantity: str) -> float:
     """Ten times the truth's error bar: below it no error is told. Infinite where the bar is not known."""
-    if quantity == "first_transition_time":
-        bar = truth.error_bars[0] if truth.error_bars else nan
-    elif quantity == "all_transitions":
-        bar = max(truth.error_bars, default=nan)
-    else:
-        bar = truth.centre_bar
-    return ABOVE_BAR * bar if isfinite(bar) else inf
+    bar = quantities.bar(experiment.truths[label], quantity, measured.nulls[label].witnessed)
+    return fits.ABOVE * bar if isfinite(bar) else inf
 
 
-def quantities(truth: Truth) -> list[str]:
+def asked(experiment: Experiment, measured: Measured, label: str) -> list[str]:
     """What can be asked of a case: nothing about transitions where there are none."""
-    return [q for q in QUANTITIES if isfinite(floor(truth, q))]
+    return [q for q in UNITS if isfinite(floor(experiment, measured, label, q))]
+
+
+def _timed_runs(experiment: Experiment, measured: Measured) -> list[Run]:
+    """The right runs of the timed cases."""
+    return [run for run in experiment.runs if run.case in measured.cases and run.outcome == "right"]
+
+
+def null_error(measured: Measured, label: str, quantity: str) -> tuple[float, str]:
+    """The best that a null motion scores, and which; NaN where none scores anything."""
+    scores = [(row[quantity], row["motion"]) for row in measured.nulls[label].rows if isfinite(row[quantity])]
+    return min(scores, default=(nan, ""))
 
 
 def work_precision_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]:
-    """One row per right run of a timed case and quantity. `cpu_s` is NaN where the budget left no time for it.
+    """One row per right run of a timed case and quantity it tells. Times are empty where the budget left none for it.
 
-    `below_floor`: the error is below ten times the truth's bar, so that its size is not known.
+    `below_floor`: the error is below ten times the truth's bar, so that its size is not known. `null_error`: what the
+    best of the null motions scores, `null_motion`.
     """
     rows = []
-    for run in experiment.runs:
-        if run.case not in measured.cases or run.outcome != "right":
-            continue
-        timing = measured.timings.get((run.case, run.solver, run.route, run.setting))
-        truth = experiment.truths[run.case]
-        for quantity in quantities(truth):
-            size = error(run, quantity)
+    for run in _timed_runs(experiment, measured):
+        timing = measured.timings.get((run.case, run.solver, run.route, run.setting), _UNTIMED)
+        for quantity in asked(experiment, measured, run.case):
+            size, least = error(run, quantity), floor(experiment, measured, run.case, quantity)
+            null, motion = null_error(measured, run.case, quantity)
+            if not isfinite(size):
+                continue
             rows.append(
                 {
                     "case": run.case,
                     "solver": run.solver,
                     "route": run.route,
                     "setting": run.setting,
-                    "cpu_s": timing.cpu_s if timing else nan,
-                    "cpu_spread_s": timing.spread_s if timing else nan,
-                    "wall_s": timing.wall_s if timing else nan,
-                    "setup_s": timing.setup_s if timing else nan,
-                    "repeats": timing.repeats if timing else 0,
+                    "cpu_s": timing.cpu_s,
+                    "cpu_low_s": timing.cpu_low_s,
+                    "cpu_high_s": timing.cpu_high_s,
+                    "wall_s": timing.wall_s,
+                    "setup_s": timing.setup_s,
+                    "compile_s": timing.compile_s,
+                    "read_s": timing.read_s,
+                    "repeats": timing.repeats,
+                    "disturbed_repeats": timing.disturbed_repeats,
+                    "disturbed": timing.disturbed,
                     "steps": run.cost.steps,
                     "error": size,
                     "quantity": quantity,
-                    "floor_error": floor(truth, quantity),
-                    "below_floor": size <= floor(truth, quantity),
-                    "disturbed": timing.disturbed if timing else False,
+                    "floor_error": least,
+                    "below_floor": size <= least,
+                    "null_error": null,
+                    "null_motion": motion,
                 }
             )
     return rows
+
+
+_UNTIMED = Timing(*7 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
+
+
+def fit_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]:
+    """One row per route and quantity of a timed case: order in steps and in CPU time, each with its 95 % interval, and
+    where and why the error saturates (`fits`). The engine's own defaults are no rung; disturbed times do not count."""
+    rows = []
+    groups = tables.routes(run for run in _timed_runs(experiment, measured) if not is_default_setting(run.setting))
+    for (case, solver, route), group in groups.items():
+        for quantity in asked(experiment, measured, case):
+            bar = floor(experiment, measured, case, quantity) / fits.ABOVE
+            ladder = [
+                fits.Point(
+                    run.setting,
+                    run.cost.steps,
+                    error(run, quantity),
+                    bar,
+                    quantities.doubt(run, quantity),
+                    quantities.rounding(run, quantity),
+                )
+                for run in group
+            ]
+            if not any(isfinite(point.error) for point in ladder):
+                continue
+            by_steps, settled = fits.order(ladder), fits.saturation(ladder)
+            by_time = fits.order(
+                [p._replace(spent=_ranked_cpu(measured, (case, solver, route, p.setting))) for p in ladder]
+            )
+            rows.append(
+                {
+                    "case": case,
+                    "solver": solver,
+                    "route": route,
+                    "quantity": quantity,
+                    "settings": len(ladder),
+                    "order": by_steps.order,
+                    "order_low": by_steps.low,
+                    "order_high": by_steps.high,
+                    "order_in_time": by_time.order,
+                    "order_in_time_low": by_time.low,
+                    "order_in_time_high": by_time.high,
+                    "saturation": settled.cause,
+                    "saturated_from": settled.setting,
+                    "saturated_error": settled.error,
+                    "settings_used": " | ".join(by_steps.settings),
+                    "note": by_steps.note,
+                }
+            )
+    return rows
+
+
+def _ranked_cpu(measured: Measured, key: Key) -> float:
+    """CPU time, s, or NaN if there is none to be ranked by."""
+    timing = measured.timings.get(key, _UNTIMED)
+    return nan if timing.disturbed else timing.cpu_s
 
 
 def time_to_accuracy_rows(points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """The cheapest setting of each route for each accuracy, and its ratio to the fastest route's.
 
     `cpu_s` is a number, or: never (no setting is as accurate), not timed (one is, and the budget did not reach it),
-    not known (the truth itself is not that sure). The ratio's interval is that of both interquartile ranges.
+    not known (the truth itself is not that sure), disturbed (the machine was, so that nothing is ranked by it). The
+    ratio's interval is that of both times. `rank` counts the routes that are faster for sure, their intervals being
+    apart, and one: routes that share it cannot be told apart. `null_reaches`: a null motion is as accurate.
     """
     rows = []
-    for (case, quantity), of_quantity in _groups(points, "case", "quantity").items():
+    for (case, quantity), of_quantity in groups(points, "case", "quantity").items():
         for accuracy in ACCURACIES:
-            best = {who: _cheapest(group, accuracy) for who, group in _groups(of_quantity, "solver", "route").items()}
-            timed = [p for p in best.values() if not isinstance(p, str)]
-            fastest = min(timed, key=lambda p: p["cpu_s"], default=None)
+            best = {who: _cheapest(group, accuracy) for who, group in groups(of_quantity, "solver", "route").items()}
+            found = [p for p in best.values() if not isinstance(p, str)]
+            ranked = [p for p in found if not p["disturbed"]]
+            fastest = min(found, key=lambda p: p["cpu_s"], default=None)
             for (solver, route), point in best.items():
-                row = {"case": case, "quantity": quantity, "accuracy": accuracy, "solver": solver, "route": route}
-                if isinstance(point, str) or fastest is None:
-                    told = {"cpu_s": point, "setting": "", "ratio": nan, "ratio_low": nan, "ratio_high": nan}
-                else:
-                    low, middle, high = ratio(point, fastest)
-                    told = {"cpu_s": point["cpu_s"], "setting": point["setting"], "ratio": middle}
-                    told |= {"ratio_low": low, "ratio_high": high}
-                rows.append({**row, **told, "disturbed": not isinstance(point, str) and point["disturbed"]})
+                told: dict[str, Any] = {
+                    "case": case,
+                    "quantity": quantity,
+                    "accuracy": accuracy,
+                    "solver": solver,
+                    "route": route,
+                    "cpu_s": DISTURBED,
+                    "cpu_low_s": nan,
+                    "cpu_high_s": nan,
+                    "setting": "",
+                    "ratio": nan,
+                    "ratio_low": nan,
+                    "ratio_high": nan,
+                    "rank": nan,
+                }
+                if isinstance(point, str):
+                    told["cpu_s"] = point
+                elif not point["disturbed"]:
+                    told |= {"cpu_s": point["cpu_s"], "setting": point["setting"]}
+                    told |= {"cpu_low_s": point["cpu_low_s"], "cpu_high_s": point["cpu_high_s"]}
+                    told["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
+                    # Who is the fastest is not known if it may be one that was disturbed.
+                    if fastest is not None and not fastest["disturbed"]:
+                        told |= dict(
+                            zip(("ratio_low", "ratio", "ratio_high"), ratio_of_intervals(point, fastest), strict=True)
+                        )
+                rows.append({**told, "null_reaches": of_quantity[0]["null_error"] <= accuracy})
     return rows
 
 
-def ratio(one: dict[str, Any], other: dict[str, Any]) -> tuple[float, float, float]:
-    """CPU time of one row in units of the other's: from quartiles, of medians, from quartiles."""
+def ratio_of_intervals(one: dict[str, Any], other: dict[str, Any]) -> tuple[float, float, float]:
+    """CPU time of one row in units of the other's: least, of medians, greatest that both intervals allow."""
     if one is other:
         return 1.0, 1.0, 1.0
-    (low, high), (least, most) = (
-        (row["cpu_s"] - row["cpu_spread_s"] / 2, row["cpu_s"] + row["cpu_spread_s"] / 2) for row in (one, other)
+    return (
+        one["cpu_low_s"] / other["cpu_high_s"],
+        one["cpu_s"] / other["cpu_s"],
+        one["cpu_high_s"] / other["cpu_low_s"],
     )
-    return low / most, one["cpu_s"] / other["cpu_s"], high / least if least > 0 else nan
 
 
 def _cheapest(group: Sequence[dict[str, Any]], accuracy: float) -> dict[str, Any] | str:
@@ -218,116 +320,12 @@ def _cheapest(group: Sequence[dict[str, Any]], accuracy: float) -> dict[str, Any
     return NOT_TIMED if able else NEVER
 
 
-def _groups(rows: Iterable[dict[str, Any]], *columns: str) -> dict[tuple, list[dict[str, Any]]]:
-    groups: dict[tuple, list[dict[str, Any]]] = {}
+def groups(rows: Iterable[dict[str, Any]], *columns: str) -> dict[tuple, list[dict[str, Any]]]:
+    """Rows by the values of some columns, in the order in which they come."""
+    found: dict[tuple, list[dict[str, Any]]] = {}
     for row in rows:
-        groups.setdefault(tuple(row[c] for c in columns), []).append(row)
-    return groups
-
-
-# --- null scores ------------------------------------------------------------------------------------------------------
-
-
-def null_scores(key: CaseKey) -> list[dict[str, Any]]:
-    """What motions that know nothing of friction's law would score: centre errors, m, over the true motion's time."""
-    case = load(key)
-    truth = reference.simulate(case)
-    rows = []
-    for name, motion in (("never moves", None), ("no friction", frictionless), ("rolls from the start", rolling)):
-        try:
-            other = reference.simulate(motion(case)) if motion else None
-        except CaseError as problem:
-            rows.append(_null(case.label, name, nan, nan, str(problem)))
-            continue
-        # A null motion that ends early is compared while it lasts.
-        times = np.linspace(0.0, min(truth.t[-1], other.t[-1] if other else inf), 1001)
-        state, exact = (other or truth)(times if other else np.zeros_like(times)), truth(times)
-        off = np.hypot(np.asarray(state.x) - exact.x, np.asarray(state.y) - exact.y)
-        note = "" if times[-1] == truth.t[-1] else f"until {times[-1]:.4g} s, where it ends: {other and other.status}"
-        rows.append(_null(case.label, name, float(off[-1]), float(np.sqrt(np.mean(off**2))), note))
-    return rows
-
-
-def frictionless(case: Case) -> Case:
-    """The case without friction; raises CaseError if it has none to leave out."""
-    if case.effect(CoulombFriction) is None:
-        raise CaseError("the case has no friction to leave out")
-    return replace(case, effects=tuple(e for e in case.effects if not isinstance(e, CoulombFriction)))
-
-
-def rolling(case: Case) -> Case:
-    """The case with friction that never gives way, its centre as fast as at the start; a disc only (else CaseError)."""
-    if case.plate.radius is None or case.effect(CoulombFriction) is None:
-        raise CaseError("only a disc with friction has a rolling twin here")
-    # Far beyond every cone a disc's rolling friction asks for, where the normal force stays positive.
-    strong = tuple(CoulombFriction(1e3) if isinstance(e, CoulombFriction) else e for e in case.effects)
-    omega = case.start.omega - case.start.slip / case.plate.radius
-    return replace(case, effects=strong, start=replace(case.start, slip=0.0, omega=omega))
-
-
-def _null(label: str, motion: str, final: float, rms: float, note: str) -> dict[str, Any]:
-    return {"case": label, "motion": motion, "final_centre_error": final, "centre_rms": rms, "note": note}
-
-
-# --- in words ---------------------------------------------------------------------------------------------------------
-
-
-class Verdict(NamedTuple):
-    """At the finest level of a case that any engine reaches: that engine's CPU time over the reference's method's."""
-
-    case: str
-    quantity: str
-    accuracy: float
-    engine: str
-    ratios: dict[str, float]
-
-
-def verdicts(rows: Sequence[dict[str, Any]]) -> list[Verdict]:
-    """One for each case where both an engine and the reference were timed: by the first transition, or the centre."""
-    found = []
-    for (case,), of_case in _groups(rows, "case").items():
-        asked = {row["quantity"] for row in of_case}
-        quantity = next(q for q in ("first_transition_time", "final_centre") if q in asked)
-        timed = [r for r in of_case if r["quantity"] == quantity and not isinstance(r["cpu_s"], str)]
-        engines = [r for r in timed if r["solver"] != REFERENCE]
-        if not engines:
-            continue
-        finest = min(r["accuracy"] for r in engines)
-        best = min((r for r in engines if r["accuracy"] == finest), key=lambda r: r["cpu_s"])
-        own = {r["route"]: r["cpu_s"] for r in timed if r["solver"] == REFERENCE and r["accuracy"] == finest}
-        if own:
-            ratios = {route: best["cpu_s"] / cpu for route, cpu in own.items()}
-            found.append(Verdict(case, quantity, finest, f"{best['solver']} {best['route']}", ratios))
+        found.setdefault(tuple(row[c] for c in columns), []).append(row)
     return found
-
-
-def headline(rows: Sequence[dict[str, Any]]) -> str:
-    """The section's first sentences: by what factor the reference is cheaper, and where it is not."""
-    found = verdicts(rows)
-    if not found:
-        return "No case was timed with both an engine and the reference."
-    parts = []
-    for method in dict.fromkeys(method for verdict in found for method in verdict.ratios):
-        ratios = [v.ratios[method] for v in found if method in v.ratios]
-        parts.append(f"{method} {median(ratios):.2g} times (from {min(ratios):.2g} to {max(ratios):.2g})")
-    told = (
-        "At the finest accuracy that any engine reaches, the engine that gets there first takes, in units of the "
-        f"reference's CPU time, in the median over {len(found)} case{'s' * (len(found) != 1)}: {'; '.join(parts)}."
-    )
-    dearer = [
-        f"{v.case} at {v.accuracy:g} {QUANTITIES[v.quantity]} "
-        f"({v.engine} takes {v.ratios[method]:.2g} of {method}'s time)"
-        for v in found
-        for method in v.ratios
-        if v.ratios[method] < 1.0
-    ]
-    if dearer:
-        told += f" The reference is not the cheaper one on: {'; '.join(dearer)}."
-    timed = [row for row in rows if not isinstance(row["cpu_s"], str)]
-    if any(row["disturbed"] for row in timed):
-        part = sum(row["disturbed"] for row in timed) / len(timed)
-        told += f" The machine was disturbed during {part:.0%} of these timings: make them again on a quiet one."
-    return told
 
 
 def frames(experiment: Experiment, measured: Measured) -> dict[str, pd.DataFrame]:
@@ -339,6 +337,7 @@ def frames(experiment: Experiment, measured: Measured) -> dict[str, pd.DataFrame
     points = work_precision_rows(experiment, measured)
     return {
         "work_precision": pd.DataFrame(points),
+        "work_precision_fits": pd.DataFrame(fit_rows(experiment, measured)),
         "time_to_accuracy": pd.DataFrame(time_to_accuracy_rows(points)),
-        "null_scores": pd.DataFrame(measured.nulls),
+        "null_scores": pd.DataFrame([row for told in measured.nulls.values() for row in told.rows]),
     }

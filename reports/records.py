@@ -68,7 +68,8 @@ class Run:
     """One row of the experiment: who ran what, what came of it, and how it compares with the truth.
 
     `outcome` is one of right, wrong, refused, crashed, timed_out. `samples` and `off` (solver minus truth) are for
-    figures, thinned; `spreads` (s) tell how sure the reading of each of the solver's transitions is.
+    figures, thinned; `spreads` (s) tell how sure the reading of each of the solver's transitions is. `when` it was
+    run: times of another day are that day's.
     """
 
     case: str
@@ -86,16 +87,24 @@ class Run:
     cost: Cost = Cost()
     samples: dict[str, np.ndarray] = field(default_factory=dict)
     off: dict[str, np.ndarray] = field(default_factory=dict)
+    when: str = ""
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """Everything that was found out, in the order asked for: truths by case label, and the runs."""
+    """Everything that was found out, in the order asked for: truths by case label, and the runs. Only the finest run
+    of each route still has its `samples` and `off`. `versions`: of the solvers, "" where one could not tell."""
 
     cases: tuple[Case, ...]
     truths: dict[str, Truth]
     runs: tuple[Run, ...]
     seconds: float
+    versions: dict[str, str] = field(default_factory=dict)
+
+
+def gives_motion(run: Run) -> bool:
+    """Whether a rung of the ladder, not the engine as it comes, gave a motion."""
+    return run.outcome in ("right", "wrong") and not is_default_setting(run.setting)
 
 
 def is_default_setting(setting: Setting | str) -> bool:

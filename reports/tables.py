@@ -6,38 +6,24 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from reference.errata import errata
 
-from .records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, is_default_setting
+from . import fits
+from .records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, gives_motion, is_default_setting
 
 if TYPE_CHECKING:
     import pandas as pd
 
 # Columns that hold errors, by the end of their names.
-_ERRORS = ("error", "error_bar", "_max", "_rms")
+_ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt", "accuracy")
 OUTCOMES = ("right", "wrong", "refused", "crashed", "timed_out")
 
-# A rung counts towards the order where its error stands this far above what truth and reading can tell.
-_ABOVE_FLOOR = 10.0
-# Fewer rungs, or rungs that differ less in steps, make a slope of noise.
-_LEAST_RUNGS, _LEAST_SPAN = 3, 4.0
 # Rounding of a time read at the end of a run of very many steps, in units of its last place.
 _ULPS = 16
-
-
-class Order(NamedTuple):
-    """Observed order p of error ~ steps**-p, its smallest and largest value between neighbouring rungs, the settings
-    it was fitted to, and why there is none (then NaN)."""
-
-    order: float
-    low: float
-    high: float
-    settings: tuple[str, ...]
-    note: str
 
 
 def is_default(run: Run) -> bool:
@@ -60,7 +46,7 @@ def routes(runs: Iterable[Run]) -> dict[tuple[str, str, str], list[Run]]:
 
 def finest(group: Sequence[Run]) -> Run | None:
     """The finest rung that gave a motion, or None."""
-    return next((run for run in reversed(group) if run.outcome in ("right", "wrong") and not is_default(run)), None)
+    return next((run for run in reversed(group) if gives_motion(run)), None)
 
 
 def default(group: Sequence[Run]) -> Run | None:
@@ -98,11 +84,12 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per transition of the truth or of a run: matched, missed or spurious."""
+    """One row per transition of the truth or of a run: matched, missed or spurious. `reading_doubt`, s: how far the
+    time moves when it is read from other samples; empty for a solver that locates its transitions itself."""
     rows = []
     for run in experiment.runs:
-        bars = experiment.truths[run.case].error_bars
-        for row in run.ledger:
+        bars, doubts = experiment.truths[run.case].error_bars, _reading_doubts(run)
+        for place, row in enumerate(run.ledger):
             rows.append(
                 {
                     "case": run.case,
@@ -117,9 +104,18 @@ def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "error": row.error,
                     "truth_error_bar": nan if row.verdict == "spurious" else bars[row.event - 1],
                     "verdict": row.verdict,
+                    "reading_doubt": doubts.get(place, nan),
                 }
             )
     return rows
+
+
+def _reading_doubts(run: Run) -> dict[int, float]:
+    """The doubt of each of the solver's own transitions by its place in the ledger."""
+    own = [place for place, row in enumerate(run.ledger) if isfinite(row.time)]
+    # `spreads` are in the order in which the solver has them.
+    own.sort(key=lambda place: run.ledger[place].time)
+    return dict(zip(own, run.spreads, strict=False))
 
 
 def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
@@ -145,13 +141,15 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "cpu_s": run.cost.cpu_s,
                 "setup_s": run.cost.setup_s,
                 "steps": run.cost.steps,
+                "run_at": run.when,
             }
         )
     return rows
 
 
 def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per route and quantity: the observed order, and the error of the finest rung."""
+    """One row per route and quantity: the observed order with its confidence interval, the error of the finest rung,
+    and what keeps the finest rungs from improving (`fits`)."""
     rows = []
     for (case, solver, route), group in routes(experiment.runs).items():
         fine = finest(group)
@@ -164,7 +162,8 @@ def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
             errors = [first_error(run) for run in ladder]
             quantities.insert(0, ("first_transition_time", errors, _floor(truth), first_error(fine)))
         for quantity, errors, floor, finest_error in quantities:
-            fit = order(ladder, errors, floor)
+            points = _points(ladder, errors, floor)
+            fit, settled = fits.order(points), fits.saturation(points)
             rows.append(
                 {
                     "case": case,
@@ -177,6 +176,8 @@ def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "finest_error": finest_error,
                     "settings_used": " | ".join(fit.settings),
                     "note": fit.note,
+                    "saturation": settled.cause,
+                    "saturated_from": settled.setting,
                 }
             )
     return rows
@@ -186,21 +187,11 @@ def _floor(truth: Truth) -> float:
     return max(truth.error_bars[0], _ULPS * float(np.spacing(truth.transitions[0].time)))
 
 
-def order(ladder: Sequence[Run], errors: Sequence[float], floor: float) -> Order:
-    """Least-squares slope of log |error| against log steps, over the rungs whose error stands well above its floor."""
-    least = [_ABOVE_FLOOR * max(floor, _doubt(run), _rounding(run)) for run in ladder]
-    used = [(run, abs(e)) for run, e, bound in zip(ladder, errors, least, strict=True) if abs(e) > bound]
-    settings = tuple(run.setting for run, _ in used)
-    if len(used) < _LEAST_RUNGS:
-        note = f"no order: {len(used)} of {len(ladder)} right rungs stand above the floor, {_LEAST_RUNGS} are needed"
-        return Order(nan, nan, nan, settings, note)
-    steps, sizes = np.array([run.cost.steps for run, _ in used], dtype=float), np.array([e for _, e in used])
-    if steps.max() < _LEAST_SPAN * steps.min():
-        return Order(nan, nan, nan, settings, f"no order: steps differ by less than a factor {_LEAST_SPAN:g}")
-    slope = -float(np.polyfit(np.log(steps), np.log(sizes), 1)[0])
-    grown = np.diff(np.log(steps)) > 0
-    between = -np.diff(np.log(sizes))[grown] / np.diff(np.log(steps))[grown]
-    return Order(slope, float(between.min()), float(between.max()), settings, "")
+def _points(ladder: Sequence[Run], errors: Sequence[float], floor: float) -> list[fits.Point]:
+    return [
+        fits.Point(run.setting, run.cost.steps, abs(size), floor, _doubt(run), rounding(run))
+        for run, size in zip(ladder, errors, strict=True)
+    ]
 
 
 def _doubt(run: Run) -> float:
@@ -208,7 +199,7 @@ def _doubt(run: Run) -> float:
     return run.spreads[0] if run.spreads and isfinite(run.spreads[0]) else 0.0
 
 
-def _rounding(run: Run) -> float:
+def rounding(run: Run) -> float:
     """Rounding of a sum of as many terms as the run has steps, of the order one."""
     return float(np.finfo(float).eps) * max(run.cost.steps, 1) ** 0.5
 

@@ -16,7 +16,7 @@ import adapters
 import cases
 import reference
 from adapters import EngineFailure, Setting
-from cases import Case, CoulombFriction, NotSupported, Trajectory
+from cases import Case, CoulombFriction, NotSupported, PerfectlyRough, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
 from . import metrics
@@ -121,7 +121,10 @@ def _evenly(motion: Trajectory) -> Trajectory:
 
 
 def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
-    """Run one setting of one route and judge it. Only `run` of the solver is on the clock."""
+    """Run one setting of one route and judge it. Only `run` of the solver is on the clock.
+
+    Raises what is the machine's fault and may be mended (ImportError, MemoryError, OSError): it is no result to keep.
+    """
     case = load(key)
     row = Run(case.label, name, route, str(setting), rung, outcome="")
     try:
@@ -130,6 +133,8 @@ def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, tr
         return replace(row, outcome="refused", reason=str(refusal))
     except EngineFailure as failure:
         return replace(row, outcome="crashed", reason=str(failure))
+    except (ImportError, MemoryError, OSError):
+        raise
     except Exception as problem:
         return replace(row, outcome="crashed", reason=_sentence(problem))
     row = replace(row, status=trajectory.status, cost=trajectory.cost)
@@ -157,9 +162,7 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
     """Compare a sound trajectory with the truth: ledger, distances, right or wrong."""
     reading = read(case, trajectory)
     ledger = metrics.match(truth.transitions, reading.transitions)
-    off = metrics.differences(trajectory, motion)
-    with np.errstate(invalid="ignore"):
-        off["lambda"] = off.pop("normal_force") / case.track.speed(np.interp(off["t"], trajectory.t, trajectory.xi1))
+    off = metrics.differences(trajectory, motion, case)
     wrong = _faults(reading, ledger, trajectory, truth)
     return replace(
         row,
@@ -180,7 +183,8 @@ def read(case: Case, trajectory: Trajectory) -> metrics.Reading:
         own = tuple(trajectory.transitions)
         return metrics.Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
     friction = case.effect(CoulombFriction)
-    return metrics.read(trajectory, friction.stick if friction else 0.0)
+    bound = friction.stick if friction else None if case.effect(PerfectlyRough) else 0.0
+    return metrics.read(trajectory, bound)
 
 
 def _faults(reading: metrics.Reading, ledger, trajectory: Trajectory, truth: Truth) -> list[str]:
@@ -199,8 +203,10 @@ def _faults(reading: metrics.Reading, ledger, trajectory: Trajectory, truth: Tru
 
 
 def _sound(trajectory: Trajectory) -> bool:
-    names = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip")
+    names = ("t", "x", "y", "theta", "vx", "vy", "omega")
     finite = all(np.all(np.isfinite(getattr(trajectory, name))) for name in names)
+    # In flight there is no slip, and then no place of contact either.
+    finite = finite and bool(np.all(np.isfinite(trajectory.slip) | np.isnan(trajectory.xi1)))
     return finite and len(trajectory.t) > 1 and bool(np.all(np.diff(trajectory.t) >= 0))
 
 

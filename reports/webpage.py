@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
 from html import escape
+from math import isfinite
 from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -13,13 +13,16 @@ import numpy as np
 
 from cases import Case, entry
 
-from . import precision, tables
-from .figures import Drawn
+from . import precision, tables, verdicts
+from .drawing import Drawn
 from .precision import Measured
+from .quantities import UNITS
 from .records import TRUTH_RTOL, Experiment
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from .studies import Study
 
 _PAGE = Path(__file__).parent / "page"
 _TABLE_WORDS = {
@@ -30,11 +33,17 @@ _TABLE_WORDS = {
     "truth": "The certified transitions the runs are judged by",
     "errata": "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
     "work_precision": "Error and CPU time of every right run of the timed cases",
+    "work_precision_fits": "Orders in steps and in CPU time, and where and why the error saturates",
     "time_to_accuracy": "CPU time to each accuracy, and its ratio to the fastest route",
+    "effect_costs": "What each effect costs, and what would be wrong without it",
+    "error_parts": "How much of an error is the step's, how much the model's, and which knob to turn next",
+    "stability": "Hard scenes, solver by solver: outcome, residuals, conditioning",
+    "unstable_steps": "The step at which each engine turns unstable, by bisection",
+    "formulation_study": "Ten coordinates plain, stabilised, projected; independent coordinates: drift and cost",
     "null_scores": "What motions that know nothing of friction's law would score",
 }
 # Rows of a table that are shown on the page; the files hold the rest.
-_SHOWN_ROWS = 400
+_SHOWN_ROWS = 150
 
 
 def render(
@@ -42,19 +51,22 @@ def render(
     measured: Measured,
     frames: dict[str, pd.DataFrame],
     drawn: Sequence[Drawn],
+    studied: tuple[Sequence[Study], dict[str, list[Drawn]]],
     figures: Path,
     manifest: dict[str, Any],
 ) -> str:
-    """The page as text. `figures` is the folder with the drawn SVG files; `manifest` as written beside the page."""
+    """The page as text. `studied` are the studies and their pictures by name; `figures` is the folder with the drawn
+    SVG files; `manifest` as written beside the page."""
     command = manifest["command"]
     parts = {
         "style": (_PAGE / "style.css").read_text(encoding="utf-8"),
         "summary": escape(_summary(experiment)),
-        "contents": _contents(experiment),
+        "contents": _contents(experiment, studied[0]),
         "warnings": _warnings(experiment),
         "headline": _headline(frames["headline"], drawn, figures, command),
         "precision": _precision(measured, frames, drawn, figures, command),
         "cases": "\n".join(_case(experiment, case, frames, drawn, figures, manifest) for case in experiment.cases),
+        "studies": "\n".join(_study(study, studied[1][study.name], figures) for study in studied[0]),
         "failures": _failures(frames["trajectories"]),
         "tables": "\n".join(_whole_table(name, frame, command) for name, frame in frames.items()),
         "manifest": _manifest(manifest),
@@ -74,8 +86,9 @@ def _summary(experiment: Experiment) -> str:
     return f"{cases} case{'s' * (cases != 1)}, {len(experiment.runs)} runs. {told}."
 
 
-def _contents(experiment: Experiment) -> str:
+def _contents(experiment: Experiment, studies: Sequence[Study]) -> str:
     links = [("headline", "First transition"), ("precision", "What accuracy costs in time")]
+    links += [(study.name, study.title) for study in studies]
     links += [(_anchor(case.label), case.label) for case in experiment.cases]
     links += [
         ("failures", "What did not work"),
@@ -130,28 +143,68 @@ def _headline_cell(row: dict[str, Any] | None) -> str:
     return escape(finest) + (f"<br><small>{escape(own)}</small>" if own else "")
 
 
+def _study(study: Study, drawn: Sequence[Drawn], figures: Path) -> str:
+    """A study's pictures and links to its tables, or why it failed."""
+    pictures = "".join(_figure(d, figures, study.command) for d in drawn)
+    links = ", ".join(f'<a href="tables/{name}.csv">{name}.csv</a>' for name in study.frames)
+    told = f"<p>Tables: {links}.</p>" if links else ""
+    if study.failure:
+        told += f'<div class="warning">This study failed: {escape(study.failure)}</div>'
+    return (
+        f'<section id="{study.name}"><h2>{escape(study.title)}</h2>{told}{pictures}{_remake(study.command)}</section>'
+    )
+
+
 def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
-    """The sentence, the picture over all cases, and the time to each accuracy."""
+    """The sentences, the picture over all cases, the time to each accuracy, the orders and the null scores."""
     if not measured.cases:
         return "<p>Not measured: a quick report takes no timings. Leave out <code>--quick</code>.</p>"
     told = _records(frames["time_to_accuracy"])
-    quantity = {verdict.case: verdict.quantity for verdict in precision.verdicts(told)}
-    frame = frames["time_to_accuracy"]
-    shown = frame[[quantity.get(row["case"]) == row["quantity"] for row in told]]
+    first, _, rest = verdicts.headline(told).partition(". ")
     picture = "".join(_figure(d, figures, command) for d in drawn if d.name == "work_precision")
     failed = "".join(
         f"<p>{escape(case)} could not be timed: {escape(why)}</p>" for case, why in measured.failures.items()
     )
-    columns = {c: c.replace("_", " ") for c in frame.columns}
-    points, times, nulls = (
-        f'<a href="tables/{name}.csv">{name}.csv</a>' for name in ("work_precision", "time_to_accuracy", "null_scores")
+    fits = frames["work_precision_fits"]
+    main = verdicts.main_quantity(told)
+    fits = fits[[main.get(row["case"]) == row["quantity"] for row in _records(fits)]] if len(fits) else fits
+    hidden = ("settings_used", "settings")
+    links = ", ".join(
+        f'<a href="tables/{name}.csv">{name}.csv</a>'
+        for name in ("time_to_accuracy", "work_precision", "work_precision_fits", "null_scores")
     )
     return (
-        f"<p><strong>{escape(precision.headline(told))}</strong></p>{failed}{picture}"
-        f'<p class="note">Timed: {escape(", ".join(measured.cases))}. All quantities: {times}, {points}; what a motion '
-        f"that knows nothing of friction would score: {nulls}.</p>"
-        f"<details><summary>Time to accuracy</summary>{_table(shown, columns)}</details>{_remake(command)}"
+        f"<p><strong>{escape(first)}.</strong> {escape(rest)}</p>{failed}{picture}"
+        f"<h3>CPU time to an accuracy, and its ratio to the fastest</h3>{_accuracies(told, main)}"
+        "<details><summary>Orders, and where the error saturates and why</summary>"
+        f"{_table(fits, {c: c.replace('_', ' ') for c in fits.columns if c not in hidden})}</details>"
+        "<details><summary>What motions score that know nothing of friction's law</summary>"
+        f"{_table(frames['null_scores'], {c: c.replace('_', ' ') for c in frames['null_scores'].columns})}</details>"
+        f'<p class="note">All quantities, all digits: {links}.</p>{_remake(command)}'
     )
+
+
+def _accuracies(told: Sequence[dict[str, Any]], main: dict[str, str]) -> str:
+    """Cases and routes against accuracies, in each case's main quantity."""
+    head = "".join(f"<th>{accuracy:g}</th>" for accuracy in precision.ACCURACIES)
+    body = ""
+    for (case,), rows in precision.groups([r for r in told if main[r["case"]] == r["quantity"]], "case").items():
+        unit = f"{escape(case)}<br><small>{main[case].replace('_', ' ')} / {UNITS[main[case]]}</small>"
+        routes = precision.groups(rows, "solver", "route")
+        for place, ((solver, route), levels) in enumerate(routes.items()):
+            cells = "".join(f"<td>{_accuracy_cell(level)}</td>" for level in levels)
+            first = f'<th rowspan="{len(routes)}">{unit}</th>' if place == 0 else ""
+            body += f"<tr{_class('first') if place == 0 else ''}>{first}<td>{solver} {route}</td>{cells}</tr>"
+    table = f"<thead><tr><th>case</th><th>solver</th>{head}</tr></thead><tbody>{body}</tbody>"
+    return f'<div class="scroll"><table class="short">{table}</table></div>'
+
+
+def _accuracy_cell(row: dict[str, Any]) -> str:
+    if isinstance(row["cpu_s"], str):
+        return f"<small>{escape(row['cpu_s'])}</small>"
+    ratio = f" <small>{row['ratio']:.3g} ×</small>" if isfinite(row["ratio"]) else ""
+    null = "*" if row["null_reaches"] else ""
+    return f"{row['cpu_s'] * 1e3:.2g} ms{null}{ratio}"
 
 
 def _records(frame: pd.DataFrame) -> list[dict[str, Any]]:
@@ -234,14 +287,25 @@ def _command(label: str, manifest: dict[str, Any]) -> str:
 
 
 def _figure(drawn: Drawn, folder: Path, command: str) -> str:
-    data = base64.b64encode((folder / f"{drawn.name}.svg").read_bytes()).decode()
+    if not drawn.name:
+        return f'<div class="warning"><strong>{escape(drawn.title)}.</strong> {escape(drawn.caption)}</div>'
     title = f"{drawn.title}: {drawn.case}" if drawn.case else drawn.title
     return (
-        f'<figure><a href="figures/{drawn.name}.svg"><img alt="{escape(title)}" '
-        f'src="data:image/svg+xml;base64,{data}"></a>'
+        f'<figure><a href="figures/{drawn.name}.svg"><img loading="lazy" alt="{escape(title)}" '
+        f'src="{_address((folder / f"{drawn.name}.svg").read_text(encoding="utf-8"))}"></a>'
         f"<figcaption><strong>{escape(drawn.title)}.</strong> {escape(drawn.caption)}</figcaption></figure>"
         f"{_remake(command)}"
     )
+
+
+# What an address or an attribute of HTML would take for its own. Escaping no more than that keeps a picture a quarter
+# smaller than base64 would.
+_ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "'", "\n": " "})
+
+
+def _address(svg: str) -> str:
+    """The picture itself as an address. No attribute of ours holds an apostrophe, so that quotes may become such."""
+    return f"data:image/svg+xml;charset=utf-8,{svg.strip().translate(_ESCAPES)}"
 
 
 def _remake(command: str) -> str:

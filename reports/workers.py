@@ -10,9 +10,10 @@ import multiprocessing
 import os
 import shutil
 import signal
+import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -22,12 +23,17 @@ from typing import Any
 _FILE_BYTES = 32 * 2**20
 # Far above what a plane body needs, far below what would bring the machine to its knees.
 _MEMORY_BYTES = 8 * 2**30
+# A worker grows by what it compiles and keeps for later cases. Two that have grown by so much since their first call,
+# and the process that asks them, stay well below a gigabyte; a fresh one costs a second or two.
+_GROWTH_BYTES = 150 * 2**20
 # What is kept of a call's output: enough for the last error message of an engine.
 _OUTPUT_CHARACTERS = 2000
 # A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
 _STARTUP_SECONDS = 60.0
 # What a worker says when it begins with a call; its time runs from then.
 _BEGUN = "begun"
+# Signals a process brings on itself; any other came from outside (a user, the system when memory ran out).
+_OWN_FAULTS = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, signal.SIGBUS, signal.SIGSYS}
 # One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -35,12 +41,14 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 @dataclass(frozen=True)
 class Answer:
     """What came of a call: `outcome` is "done" (then `value` holds), "raised", "died" or "timed_out"; `reason` is one
-    sentence for the last three; `output` is the end of what the call printed."""
+    sentence for the last three; `output` is the end of what the call printed; `lasting` is whether the call itself
+    brought it about, so that it would come out the same again."""
 
     outcome: str
     value: Any = None
     reason: str = ""
     output: str = ""
+    lasting: bool = True
 
 
 def run(
@@ -49,41 +57,73 @@ def run(
     jobs: int = 1,
     limit: float = 60.0,
     instead: Callable[[int], Answer | None] = lambda index: None,
-) -> Iterator[tuple[int, Answer]]:
-    """Call `function(*arguments[i])` for every i, `jobs` at a time, each for at most `limit` seconds of wall time.
+) -> Generator[tuple[int, Answer]]:
+    """The calls of `Pool.run` by workers of their own."""
+    with Pool(jobs) as pool:
+        yield from pool.run(function, arguments, limit, instead)
 
-    Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin, may
-    give an answer in its place. The function and its arguments travel by pickle, so the function
-    lives at the top of a module. Workers are killed and scratch directories removed when the iterator ends.
-    """
-    scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
-    waiting = list(reversed(list(enumerate(arguments))))
-    workers: list[_Worker] = []
-    try:
-        while waiting or any(worker.busy for worker in workers):
-            while waiting and len([worker for worker in workers if worker.busy]) < jobs:
-                index, args = waiting.pop()
-                given = instead(index)
-                if given is not None:
-                    yield index, given
-                    continue
-                worker = next((w for w in workers if not w.busy), None)
-                if worker is None:
-                    workers.append(worker := _Worker(scratch))
-                worker.start(index, function, args, limit)
-            busy = [worker for worker in workers if worker.busy]
-            if not busy:
-                break
-            wait([w.pipe for w in busy], timeout=max(0.0, min(w.deadline for w in busy) - time.monotonic()))
-            for worker in busy:
-                answer = worker.answer()
-                if answer is not None:
-                    yield worker.index, answer
-            workers = [worker for worker in workers if worker.alive]
-    finally:
-        for worker in workers:
+
+class Pool:
+    """Workers that make calls, `jobs` at a time. When it is left they are killed and their scratch directories gone."""
+
+    def __init__(self, jobs: int):
+        self._jobs = jobs
+        self._scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
+        self._workers: list[_Worker] = []
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(self, *_) -> None:
+        for worker in self._workers:
             worker.kill()
-        shutil.rmtree(scratch, ignore_errors=True)
+        shutil.rmtree(self._scratch, ignore_errors=True)
+
+    def run(
+        self,
+        function: Callable,
+        arguments: Sequence[tuple],
+        limit: float = 60.0,
+        instead: Callable[[int], Answer | None] = lambda index: None,
+    ) -> Generator[tuple[int, Answer]]:
+        """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
+
+        Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin,
+        may give an answer in its place. The function and its arguments travel by pickle, so the function lives at the
+        top of a module. Calls that are still running when the iterator ends are killed.
+        """
+        waiting = list(reversed(list(enumerate(arguments))))
+        try:
+            while waiting or self._busy():
+                while waiting and len(self._busy()) < self._jobs:
+                    index, args = waiting.pop()
+                    given = instead(index)
+                    if given is not None:
+                        yield index, given
+                        continue
+                    self._idle().start(index, function, args, limit)
+                busy = self._busy()
+                if not busy:
+                    break
+                wait([w.pipe for w in busy], timeout=max(0.0, min(w.deadline for w in busy) - time.monotonic()))
+                for worker in busy:
+                    answer = worker.answer()
+                    if answer is not None:
+                        yield worker.index, answer
+                self._workers = [worker for worker in self._workers if worker.alive]
+        finally:
+            for worker in self._busy():
+                worker.kill()
+            self._workers = [worker for worker in self._workers if worker.alive]
+
+    def _busy(self) -> list[_Worker]:
+        return [worker for worker in self._workers if worker.busy]
+
+    def _idle(self) -> _Worker:
+        worker = next((w for w in self._workers if not w.busy), None)
+        if worker is None:
+            self._workers.append(worker := _Worker(self._scratch))
+        return worker
 
 
 class _Worker:
@@ -92,7 +132,7 @@ class _Worker:
     def __init__(self, scratch: Path):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self.pipe, far_end = context.Pipe()
-        self.process = context.Process(target=_serve, args=(far_end, str(scratch)), daemon=True)
+        self.process = context.Process(target=_serve, args=(far_end, str(scratch), os.getpid()), daemon=True)
         before = dict(os.environ)
         os.environ.update(_ONE_THREAD)
         try:
@@ -101,11 +141,11 @@ class _Worker:
             os.environ.clear()
             os.environ.update(before)
         far_end.close()
-        self.busy, self.alive, self.index, self.deadline = False, True, -1, 0.0
+        self.busy, self.begun, self.alive, self.index, self.deadline = False, False, True, -1, 0.0
 
     def start(self, index: int, function: Callable, args: tuple, limit: float) -> None:
         """Hand the process a call."""
-        self.index, self.busy, self.limit = index, True, limit
+        self.index, self.busy, self.begun, self.limit = index, True, False, limit
         self.deadline = time.monotonic() + _STARTUP_SECONDS
         try:
             self.pipe.send((function, args, limit))
@@ -119,16 +159,20 @@ class _Worker:
             try:
                 told = self.pipe.recv()
                 if told == _BEGUN:
-                    self.deadline = time.monotonic() + self.limit
+                    self.begun, self.deadline = True, time.monotonic() + self.limit
                     return None
-                result = told
+                result, grown = told
+                if grown > _GROWTH_BYTES:
+                    self.kill()
             except (EOFError, ConnectionResetError):
                 self.process.join(5.0)
-                result = Answer("died", reason=_death(self.process.exitcode))
+                result = _death(self.process.exitcode)
                 self.kill()
         elif time.monotonic() >= self.deadline:
             self.kill()
             result = Answer("timed_out", reason=f"it was still running after {self.limit:g} s")
+            if not self.begun:
+                result = Answer("died", reason=f"its process had not begun after {_STARTUP_SECONDS:g} s", lasting=False)
         self.busy = result is None
         return result
 
@@ -144,31 +188,56 @@ class _Worker:
         self.pipe.close()
 
 
-def _death(exitcode: int | None) -> str:
-    if exitcode is not None and exitcode < 0:
-        return f"the process was ended by signal {signal.Signals(-exitcode).name}"
-    return f"the process ended with exit code {exitcode}"
+def _death(exitcode: int | None) -> Answer:
+    if exitcode is None or exitcode >= 0:
+        return Answer("died", reason=f"the process ended with exit code {exitcode}")
+    own = -exitcode in _OWN_FAULTS
+    named = -exitcode in set(signal.Signals)
+    reason = f"the process was ended by signal {signal.Signals(-exitcode).name if named else -exitcode}"
+    return Answer("died", reason=reason + ("" if own else ", from outside"), lasting=own)
 
 
-def _serve(pipe: Connection, scratch: str) -> None:
+def _serve(pipe: Connection, scratch: str, parent: int) -> None:
     """The worker's loop: take a call, answer it, until the pipe is closed."""
     import resource
 
     os.setsid()
+    _end_with(parent)
     for what, most in ((resource.RLIMIT_FSIZE, _FILE_BYTES), (resource.RLIMIT_AS, _MEMORY_BYTES)):
         hard = resource.getrlimit(what)[1]
         resource.setrlimit(what, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    at_first = None
     while True:
         try:
             function, args, limit = pipe.recv()
         except (EOFError, OSError):
             return
+        at_first = at_first or _resident()
         pipe.send(_BEGUN)
         # The system's own alarm ends the process even if the parent is gone and the engine holds the interpreter.
         signal.alarm(int(limit) + 10)
         answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
         signal.alarm(0)
-        pipe.send(answer)
+        pipe.send((answer, _resident() - at_first))
+
+
+def _end_with(parent: int) -> None:
+    """Let the system kill this process when its parent is killed: nobody waits for its answer (Linux)."""
+    if sys.platform == "linux":
+        import ctypes
+
+        PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:
+            os._exit(1)  # it died before it could be asked for
+
+
+def _resident() -> int:
+    """Bytes of memory this process holds; 0 where the system does not tell (it is then never too much)."""
+    try:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, ValueError, IndexError):
+        return 0
 
 
 def _call(function: Callable, args: tuple, folder: Path) -> Answer:
@@ -200,8 +269,6 @@ class _captured:
         return self
 
     def __exit__(self, *_):
-        import sys
-
         for python_stream in (sys.stdout, sys.stderr):
             try:
                 python_stream.flush()

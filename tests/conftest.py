@@ -27,11 +27,11 @@ def pytest_configure(config):
 
 
 def pytest_generate_tests(metafunc):
-    """`any_case`: one test for each variant of each case, of the catalogue or of the case files."""
+    """`any_case`: a test for each variant of each case of the catalogue (hard ones have `test_atlas`) or of files."""
     if "any_case" not in metafunc.fixturenames:
         return
     try:
-        chosen = [case for name in metafunc.config.own_cases or cases.names() for case in cases.select(name)]
+        chosen = [case for name in metafunc.config.own_cases or cases.names(hard=False) for case in cases.select(name)]
     except CaseError as problem:
         raise pytest.UsageError(str(problem)) from None
     metafunc.parametrize("any_case", chosen, ids=[case.label for case in chosen])
@@ -41,6 +41,14 @@ def pytest_collection_modifyitems(config, items):
     """With --case-file only the tests of those cases run."""
     if config.own_cases:
         items[:] = [item for item in items if "any_case" in item.fixturenames]
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _store(tmp_path_factory):
+    """The command keeps what the tests run in a folder of theirs, not where somebody works."""
+    from reports import plan
+
+    plan.STORE = str(tmp_path_factory.mktemp("kept") / "store")
 
 
 @pytest.fixture

@@ -9,10 +9,11 @@ from math import pi
 import numpy as np
 
 import reference
-from cases import Case, Curve, Gravity, Start, Trajectory
+from cases import Case, Curve, Gravity, Load, RollingResistance, Start, Trajectory
 from cases import curves as c
 from cases.contact import start_motion
 from cases.curves import PARAMETER
+from cases.effects import MOTION
 
 
 @lru_cache(maxsize=256)
@@ -21,11 +22,32 @@ def motion_of(case: Case) -> Trajectory:
     return reference.simulate(case, rtol=1e-12)
 
 
-def _gravity(case: Case, strength: float, turned):
-    return tuple(
-        Gravity(strength * e.g, turned(e.direction)) if isinstance(e, Gravity) else e  # friction has no direction
-        for e in case.effects
-    )
+def _effects(case: Case, how: dict):
+    """The case's effects, those of a kind in `how` changed."""
+    return tuple(how.get(type(e), lambda same: same)(e) for e in case.effects)
+
+
+def _mirrored_load(load: Load) -> Load:
+    seen = {s: -s for s in MOTION if s.name in ("x", "theta", "vx", "omega")}
+    fx, fy, moment = (e.subs(seen, simultaneous=True) for e in load.expression)
+    return Load(-fx, fy, -moment)
+
+
+def _turned_load(load: Load, length: float, time: float, mass: float, turn: float) -> Load:
+    t, x, y, theta, vx, vy, omega = MOTION
+    a, b = c.cos(turn), c.sin(turn)
+    back = {
+        t: t / time,
+        x: (a * x + b * y) / length,
+        y: (a * y - b * x) / length,
+        theta: theta - turn,
+        vx: (a * vx + b * vy) * time / length,
+        vy: (a * vy - b * vx) * time / length,
+        omega: omega * time,
+    }
+    fx, fy, moment = (e.subs(back, simultaneous=True) for e in load.expression)
+    force = mass * length / time**2
+    return Load(force * (a * fx - b * fy), force * (b * fx + a * fy), force * length * moment)
 
 
 def _mirrored_curve(curve: Curve) -> Curve:
@@ -41,8 +63,8 @@ def mirrored(case: Case) -> Case:
         case,
         track=_mirrored_curve(case.track),
         plate=replace(case.plate, outline=_mirrored_curve(case.plate.outline)),
-        effects=_gravity(case, 1.0, lambda direction: pi - direction),
-        start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega),
+        effects=_effects(case, {Gravity: lambda e: Gravity(e.g, pi - e.direction), Load: _mirrored_load}),
+        start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega, case.start.gap, case.start.lift),
     )
 
 
@@ -62,8 +84,22 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
         plate=replace(
             plate, outline=moved(plate.outline, 0), mass=mass * plate.mass, inertia=mass * length**2 * plate.inertia
         ),
-        effects=_gravity(case, length / time**2, lambda direction: direction + turn),
-        start=Start(start.xi1, start.xi2, start.slip * length / time, start.omega / time),
+        effects=_effects(
+            case,
+            {
+                Gravity: lambda e: Gravity(e.g * length / time**2, e.direction + turn),
+                Load: lambda e: _turned_load(e, length, time, mass, turn),
+                RollingResistance: lambda e: RollingResistance(e.arm * length),
+            },
+        ),
+        start=Start(
+            start.xi1,
+            start.xi2,
+            start.slip * length / time,
+            start.omega / time,
+            case.start.gap * length,
+            case.start.lift * length / time,
+        ),
         duration=case.duration * time,
     )
 
@@ -76,15 +112,24 @@ def energy(case: Case, state) -> np.ndarray:
     return kinetic + case.plate.mass * gravity.g * height
 
 
-def work_of_friction(motion: Trajectory) -> float:
-    """∫ T v dt, J, by Gauss's rule between transitions."""
+def work_done(case: Case, motion: Trajectory) -> float:
+    """Work of friction, load and rolling resistance, J, by Gauss's rule phase by phase."""
+    load, resistance = case.effect(Load), case.effect(RollingResistance)
     nodes, weights = np.polynomial.legendre.leggauss(10)
-    ends = [0.0, *(t.time for t in motion.transitions), float(motion.t[-1])]
+    # Two equal times mark what is not smooth, also where no mode changes (a guide that presses from its other side).
+    ends = [0.0, *motion.t[1:][np.diff(motion.t) == 0.0], float(motion.t[-1])]
     total = 0.0
     for low, high in zip(ends[:-1], ends[1:], strict=True):
         edges = np.linspace(low, high, 41)
         half = np.diff(edges)[:, None] / 2
         times = (edges[:-1, None] + half + half * nodes).ravel()
         state = motion(times)
-        total += float(np.sum((half * weights).ravel() * state.friction_force * state.slip))
+        power = state.friction_force * state.slip
+        if resistance:
+            power -= resistance.arm * np.abs(state.normal_force * state.omega)
+        if load:
+            moves = np.array([state.x, state.y, state.theta, state.vx, state.vy, state.omega])
+            forces = np.array([load.at(t, *column) for t, column in zip(times, moves.T, strict=True)])
+            power += np.sum(forces * moves[3:].T, axis=1)
+        total += float(np.sum((half * weights).ravel() * power))
     return total

@@ -8,11 +8,11 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Mode, Unilateral
+from cases import Case, Flight, Load, Mode
 from cases.contact import overlap, start_motion
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
-from tests.motions import energy, in_other_units, mirrored, motion_of, work_of_friction
+from tests.motions import energy, in_other_units, mirrored, motion_of, work_done
 
 FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FACTS]
 SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
@@ -20,8 +20,6 @@ SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_
 
 def second(case: Case, times) -> contact_frame.Answer:
     """The second formulation, looking closely enough not to miss a short phase."""
-    if case.effect(Unilateral) is None and case.effect(CoulombFriction) is not None:
-        pytest.skip("the second formulation knows no two-sided guide with friction")
     return contact_frame.solve(case, rtol=1e-12, times=times, looks=200)
 
 
@@ -34,10 +32,14 @@ def compare(case: Case, answer: contact_frame.Answer, times, sign=1.0, time=1.0,
     assert answer.status == motion.status
     # Transitions and states of two integrations at 1e-12; a grazing slip loses the square root of that.
     assert [t.time / time for t in answer.transitions] == pytest.approx([t.time for t in motion.transitions], abs=1e-8)
+    # In flight there is no contact; an instant that the two put on different sides of an impact is left out.
     state = motion(times)
     there = sign * np.array([state.xi1, state.xi2, state.omega / time, velocity * state.slip])
-    size = np.max(np.abs(there), axis=1, keepdims=True) + np.array([[1.0], [1.0], [1 / time], [velocity]])
-    assert np.nanmax(np.abs(answer.states - there) / size) <= 1e-8
+    assert np.mean(np.isnan(there[0]) != np.isnan(answer.states[0])) <= 0.1
+    size = np.nanmax(np.abs(there), axis=1, keepdims=True) + np.array([[1.0], [1.0], [1 / time], [velocity]])
+    off = np.abs(answer.states - there) / size
+    assert np.max(off[:, np.isfinite(off[0])]) <= 1e-8
+    assert np.max(np.abs(answer.states[2] - there[2]) / size[2]) <= 1e-8
 
 
 def times_of(case: Case) -> np.ndarray:
@@ -65,8 +67,11 @@ def test_the_reference_runs_and_says_how_it_ended(any_case):
     motion = motion_of(any_case)
     assert motion.reason.endswith(".")
     assert len(motion.t) > 1 and motion.t[-1] <= any_case.duration
-    for name in ("x", "y", "theta", "normal_force", "slip"):
+    for name in ("x", "y", "theta", "normal_force"):
         assert np.all(np.isfinite(getattr(motion, name)))
+    off_the_track = ~np.isfinite(motion.slip)
+    assert np.all(motion.normal_force[off_the_track] == 0.0)
+    assert any_case.effect(Flight) is not None or not off_the_track.any()
 
 
 def test_two_formulations_agree(any_case):
@@ -74,13 +79,18 @@ def test_two_formulations_agree(any_case):
     compare(any_case, second(any_case, times), times)
 
 
-def test_friction_takes_the_energy_that_is_lost(any_case):
+def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case):
     motion = motion_of(any_case)
-    lost = energy(any_case, motion(float(motion.t[-1]))) - energy(any_case, motion(0.0))
+    if any_case.effect(Flight):
+        assert any_case.effect(Load) is None
+        energies = energy(any_case, motion)
+        assert np.all(np.diff(energies) <= 1e-9 * np.ptp(energies)), "no impact and no mode adds energy"
+        return
+    gained = energy(any_case, motion(float(motion.t[-1]))) - energy(any_case, motion(0.0))
     state = motion(times_of(any_case))
     scale = float(np.ptp(energy(any_case, state))) + float(np.max(state.vx**2 + state.vy**2)) * any_case.plate.mass
     # The reference's 1e-12 and Gauss's rule over forty panels a phase; what is left is far above either.
-    assert lost == pytest.approx(work_of_friction(motion), abs=1e-9 * scale)
+    assert gained == pytest.approx(work_done(any_case, motion), abs=1e-9 * scale)
 
 
 def test_the_mirror_image_moves_in_the_mirror(any_case):

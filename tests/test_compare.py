@@ -56,8 +56,10 @@ def test_rolling_phases_are_found_from_poses_alone(tmp_path, capsys):
 def test_transition_three_percent_late_is_told_with_its_error(tmp_path, capsys):
     first = MOTION.transitions[0].time
     frame = table()
-    # A slip that reads as the true one did three percent earlier.
-    frame["slip"] = MOTION(frame["t"].to_numpy() / 1.03).slip
+    # The same motion, three percent slower throughout.
+    slow = MOTION(frame["t"].to_numpy() / 1.03)
+    frame = frame.assign(**{name: getattr(slow, name) for name in ("x", "y", "theta")})
+    frame = frame.assign(**{name: getattr(slow, name) / 1.03 for name in ("vx", "vy", "omega", "slip")})
     status, text, _ = judged(tmp_path, capsys, frame)
     assert status == 0
     assert float(ledger(text)[0][5]) == pytest.approx(0.03 * first, rel=1e-6)
@@ -76,7 +78,15 @@ def _with(column: str, change):
     [
         (_with("friction_force", lambda T: 1.2 * T), "friction exceeds its cone"),
         (_with("normal_force", lambda N: N - 5.0), "the track pulls"),
-        (lambda frame: frame.assign(x=frame.x * (1 + 0.05 * frame.t), y=frame.y * (1 + 0.05 * frame.t)), "overlaps"),
+        (_with("friction_force", lambda T: -T), "friction drives the slip"),
+        (_with("friction_force", lambda T: 0.5 * T), "the forces do not make the motion: m vx"),
+        (_with("normal_force", lambda N: 1.1 * N), "the forces do not make the motion: m vy"),
+        (
+            lambda frame: frame.drop(columns="slip").assign(
+                x=frame.x * (1 + 0.05 * frame.t), y=frame.y * (1 + 0.05 * frame.t)
+            ),
+            "overlaps",
+        ),
     ],
 )
 def test_broken_law_is_told(tmp_path, capsys, spoil, law):
@@ -89,6 +99,10 @@ def test_broken_law_is_told(tmp_path, capsys, spoil, law):
     ("spoil", "sentence"),
     [
         (lambda frame: frame.drop(columns=["y", "theta"]), "has no column y, theta"),
+        (lambda frame: frame.rename(columns=str.upper), "its first line is 'T,X,Y,THETA,"),
+        (lambda frame: frame.assign(t=1e3 * frame.t), "give at least 50, and t in seconds"),
+        (_with("slip", lambda slip: 1e3 * slip), "give it so, in m/s, or leave it out"),
+        (_with("slip", lambda slip: -slip), "along the track's increasing parameter"),
         (lambda frame: frame.iloc[::-1], "does not grow"),
         (lambda frame: frame.iloc[:20], "too coarse"),
         (lambda frame: frame.iloc[::40], "too coarse"),
@@ -142,6 +156,33 @@ def test_plate_that_leaves_its_track_ends_there(tmp_path, monkeypatch, capsys):
     (row,) = ledger(text)
     # The last sample that is pressed, of 2500 in the motion.
     assert float(row[5]) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("columns", [FULL[:4], FULL[:7]])
+def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
+    case = cases.load("bouncing_disc", e=0.5)
+    motion = reference.simulate(case, rtol=1e-12)
+    frame = table(columns, motion, samples=3001)
+    frame.to_csv(tmp_path / "bounces.csv", index=False)
+    told = compare.trajectory_of(case, compare.read_table(tmp_path / "bounces.csv"))
+    assert told.status == "completed" and len(told.t) == 3001
+    flying = np.isnan(motion(told.t).slip)
+    # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
+    assert np.mean(np.isnan(told.slip) != flying) < 0.02
+    gap = np.where(flying, 1.0, 0.0)
+    assert compare.laws_broken(case, told, gap) == []
+
+
+def test_landing_without_impact_ends_the_motion(tmp_path):
+    level = cases.Curve(lambda s: (s, 0))
+    effects = (cases.Gravity(9.81), cases.Unilateral(), cases.Flight())
+    case = cases.Case(level, cases.disc(0.1, 1.0), effects, cases.Start(0.0, gap=0.3), 0.5)
+    t = np.linspace(0.0, 0.5, 501)
+    y = np.maximum(0.4 - 4.905 * t**2, 0.1)
+    pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
+    told = compare.trajectory_of(case, compare.read_table(tmp_path / "fall.csv"))
+    assert told.status == "landing"
+    assert told.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
 
 
 def test_unknown_case_or_file_is_told(tmp_path, capsys):

@@ -4,7 +4,20 @@ import numpy as np
 import pytest
 
 import cases
-from cases import Case, Curve, Gravity, Start, Unilateral, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    RollingResistance,
+    Start,
+    Unilateral,
+    disc,
+)
 from reports.metrics import read_transitions
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 from tests.scenes import ellipse
@@ -52,6 +65,16 @@ def test_plate_that_is_no_disc_and_two_sided_guide_are_refused():
     elliptic = Case(circle, plate, (Gravity(9.81), Unilateral()), Start(0.0, xi2=0.0), 1.0)
     assert "both sides" in pybullet.refuses(guided, "assisted")
     assert "no circle" in pybullet.refuses(elliptic, "assisted")
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [(Load(fx=1.0),), (PerfectlyRough(),), (CoulombFriction(0.1), RollingResistance(0.01)), (Flight(), Impact(0.5))],
+)
+def test_effects_nobody_told_the_engine_are_refused_by_name(effects):
+    case = Case(ellipse(1.0, 1.0), disc(0.1, 1.0), (Gravity(9.81), Unilateral(), *effects), Start(0.0), 1.0)
+    reason = pybullet.refuses(case, "assisted")
+    assert all(type(effect).__name__ in reason for effect in effects if not isinstance(effect, CoulombFriction))
 
 
 def test_track_that_ends_ends_the_motion():

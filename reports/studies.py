@@ -1,0 +1,93 @@
+"""The studies that stand beside the comparison, each with a question, tables and pictures of its own.
+
+A study that fails is told in its place; it takes nothing else with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from .drawing import Drawn
+    from .plan import Plan
+
+Tell = Callable[[str, int, Iterator], Iterator]
+Calls = Callable[..., Iterator]
+Draw = Callable[[Path], Iterator["Drawn"]]
+
+
+class Study(NamedTuple):
+    """What a study found: its anchor and title on the page, the command that makes it alone, tables by name, how its
+    pictures are drawn into a folder; or why it failed, in a sentence."""
+
+    name: str
+    title: str
+    command: str
+    frames: dict[str, pd.DataFrame]
+    draw: Draw
+    failure: str = ""
+
+
+def _effects(plan: Plan, tell: Tell, calls: Calls):
+    from . import effect_costs
+
+    rows = effect_costs.measure(plan.solvers, plan.jobs, tell=tell, calls=calls)
+    return {"effect_costs": effect_costs.frame(rows)}, lambda folder: effect_costs.draw(rows, folder)
+
+
+def _parts(plan: Plan, tell: Tell, calls: Calls):
+    from . import error_parts, error_parts_figure
+
+    engines = [name for name in plan.solvers if name != "reference"]
+    cells = error_parts.measure(error_parts.chosen(plan.cases), engines, plan.files, plan.jobs, tell, calls)
+    return {"error_parts": error_parts.frame(cells)}, lambda folder: error_parts_figure.draw(cells, folder)
+
+
+def _hard(plan: Plan, tell: Tell, calls: Calls):
+    from . import stability
+
+    full = plan.effort == "full"
+    found = stability.measure(stability.atlas(full), plan.solvers, full, plan.jobs, tell=tell, calls=calls)
+    return stability.frames(found), lambda folder: stability.draw(found, folder)
+
+
+def _formulations(plan: Plan, tell: Tell, calls: Calls):
+    from . import formulations
+
+    (rows,) = tell("formulations", 1, iter([formulations.rows()]))
+    return {"formulation_study": formulations.frame(rows)}, lambda folder: formulations.draw(rows, folder)
+
+
+_STUDIES: dict[str, tuple[str, Callable]] = {
+    "effect_costs": ("What each effect costs", _effects),
+    "error_parts": ("The parts of an error", _parts),
+    "stability": ("Hard scenes", _hard),
+    "formulations": ("Which coordinates to integrate", _formulations),
+}
+
+
+def run(plan: Plan, tell: Tell, calls: Calls) -> list[Study]:
+    """All studies of a plan: none in a quick report, nor where cases were named, unless it is a full one.
+
+    `calls` makes what each study runs, as `workers.run` does."""
+    if plan.effort == "quick" or (plan.asked and plan.effort != "full"):
+        return []
+    return [_one(name, title, find, plan, tell, calls) for name, (title, find) in _STUDIES.items()]
+
+
+def _one(name: str, title: str, find: Callable, plan: Plan, tell: Tell, calls: Calls) -> Study:
+    command = f"python -m reports.{name}"
+    try:
+        frames, draw = find(plan, tell, calls)
+    except Exception as problem:  # whatever it is, the report goes on without this study and says so
+        return Study(name, title, command, {}, lambda folder: iter(()), f"{type(problem).__name__}: {problem}")
+    return Study(name, title, command, frames, draw)
+
+
+def drawn(studies: Sequence[Study], folder: Path) -> dict[str, list[Drawn]]:
+    """Every study's pictures, written into the folder, by the study's name."""
+    return {study.name: list(study.draw(folder)) for study in studies}

@@ -1,0 +1,169 @@
+"""A case gets the equations, events and cost of the effects it names, and of no other."""
+
+import statistics
+import time
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import reference
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    PerfectlyRough,
+    RollingResistance,
+    Start,
+    Unilateral,
+    disc,
+)
+from cases.library import circle, line
+from reference import course, dop853, taylor
+from reference.modes import candidates, phase
+
+G = 9.81
+needs_heyoka = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
+
+
+def scene(*effects, track=None):
+    return Case(track or circle(1.0), disc(0.1, 1.0), effects, Start(xi1=-1.0), 2.0)
+
+
+def frictionless():
+    case = scene(Gravity(G))
+    return phase(case, candidates(case)[0])
+
+
+def by_hand():
+    """A frictionless disc in a circle, as one would write it for heyoka: (R − r) ξ̈ = gravity along the tangent."""
+    import heyoka as hy
+
+    xi1, xi2, u1, u2 = hy.make_vars("xi1", "xi2", "u1", "u2")
+    gx, gy, r, R = (hy.par[i] for i in range(4))
+    along = (gx * hy.sin(xi1) - gy * hy.cos(xi1)) / (r - R)
+    return hy.taylor_adaptive(
+        [(xi1, u1), (xi2, u2), (u1, along), (u2, along)], [0.0] * 4, tol=taylor.FINEST, compact_mode=False
+    )
+
+
+@needs_heyoka
+def test_frictionless_disc_compiles_to_the_operations_written_by_hand():
+    compiled, hand = taylor.compiled(frictionless().system, taylor.FINEST), by_hand()
+    assert len(compiled.decomposition) == len(hand.decomposition)
+    assert sorted(_operation(e) for e, _ in compiled.decomposition) == sorted(
+        _operation(e) for e, _ in hand.decomposition
+    )
+    assert not compiled.with_events
+
+
+def _operation(expression) -> str:
+    return str(expression).split("(")[0] if "(" in str(expression) else "variable"
+
+
+@needs_heyoka
+def test_frictionless_disc_runs_as_fast_as_by_hand():
+    now = frictionless()
+    contestants = [taylor.compiled(now.system, taylor.FINEST), by_hand()]
+    contestants[0].pars[:] = now.parameters
+    contestants[1].pars[:] = [0.0, -G, 0.1, 1.0]
+    seconds = [[], []]
+    for _ in range(200):
+        for integrator, record in zip(contestants, seconds, strict=True):
+            integrator.time, integrator.state[:] = 0.0, [-1.0, -1.0, 0.0, 0.0]
+            began = time.perf_counter()
+            integrator.propagate_until(2.0)
+            record.append(time.perf_counter() - began)
+    ours, hand = (statistics.median(record) for record in seconds)
+    # The same operations; what is left is where their code lies in memory. A fifth is far above that.
+    assert 0.8 <= ours / hand <= 1.25
+    assert contestants[0].state == pytest.approx(contestants[1].state, rel=1e-14)
+
+
+def test_rolling_disc_on_a_line_has_no_more_operations_than_its_textbook_formula():
+    case = scene(Gravity(G), PerfectlyRough(), track=line())
+    rates = phase(case, candidates(case)[0]).system.rates
+    gx, r, k2 = sp.symbols("gx outline_c0 G", positive=True)
+    assert sp.count_ops(rates[-1]) <= sp.count_ops(gx * r**2 / (k2 + r**2))
+
+
+@pytest.mark.parametrize(
+    "effects, events",
+    [
+        ((Gravity(G),), set()),
+        ((Gravity(G), Unilateral()), {"normal_force"}),
+        ((Gravity(G), PerfectlyRough()), set()),
+        ((Gravity(G), PerfectlyRough(), Unilateral()), {"normal_force"}),
+        ((Gravity(G), CoulombFriction(0.1), Unilateral()), {"slip", "normal_force", "cone_forward", "cone_backward"}),
+        (
+            (Gravity(G), PerfectlyRough(), RollingResistance(0.001), Unilateral()),
+            {"turn", "couple_forward", "couple_backward", "normal_force"},
+        ),
+    ],
+    ids=lambda value: "+".join(type(e).__name__ for e in value) if isinstance(value, tuple) else None,
+)
+def test_only_the_events_of_named_effects_are_watched(effects, events):
+    case = scene(*effects)
+    watched = {name for regime in candidates(case) for name in phase(case, regime).system.guards}
+    # A disc at rest has no state that changes, and so nothing to watch but time.
+    assert watched <= events and (watched == events or "turn" in events)
+    assert {name for regime in candidates(case) for name in phase(case, regime).system.conditions} == events
+
+
+class Calls:
+    """Counts calls of what it stands for."""
+
+    def __init__(self, function):
+        self.function, self.count = function, 0
+
+    def __call__(self, *arguments, **options):
+        self.count += 1
+        return self.function(*arguments, **options)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_absent_effects_are_asked_nothing(monkeypatch, method):
+    landings, impacts, guards = Calls(course.first_landing), Calls(course.collide), Calls(dop853._guards)
+    monkeypatch.setattr(course, "first_landing", landings)
+    monkeypatch.setattr(course, "collide", impacts)
+    monkeypatch.setattr(dop853, "_guards", guards)
+    decisions = Calls(course.decide)
+    monkeypatch.setattr(course, "decide", decisions)
+    reference.simulate(scene(Gravity(G)), method=method)
+    assert (landings.count, impacts.count, guards.count, decisions.count) == (0, 0, 0, 0)
+    reference.simulate(scene(Gravity(G), CoulombFriction(0.1), Unilateral()), method=method)
+    assert landings.count == impacts.count == 0 < decisions.count
+    bouncing = Case(line(), disc(0.1, 1.0), (Gravity(G), Unilateral(), Flight(), Impact(0.5)), Start(0.0, gap=0.1), 0.2)
+    reference.simulate(bouncing, method=method)
+    assert landings.count > 0 and impacts.count > 0
+
+
+def test_parameters_of_absent_effects_are_not_there():
+    names = {s.name for s in frictionless().system.parameters}
+    assert names == {"gx", "gy", "outline_c0", "track_c0"}
+
+
+def test_frictionless_motion_keeps_its_energy():
+    motion = reference.simulate(scene(Gravity(G)), rtol=1e-13)
+    energies = 0.5 * (motion.vx**2 + motion.vy**2) + 0.25 * 0.01 * motion.omega**2 + G * motion.y
+    assert np.ptp(energies) <= 1e-13 * G
+
+
+def test_without_friction_the_matrix_is_symmetric_and_with_it_it_is_not():
+    # Rows of the constraints combined so that q̈₂ drops out leave [M, −A; wᵀB, 0]: symmetric where wᵀB is parallel to A.
+    from scipy.linalg import null_space
+
+    from cases import Mode
+    from reference.augmented import augmented_system
+    from reference.modes import start_state
+
+    def turn_between(case, mode):
+        matrix, _ = augmented_system(case, mode, start_state(case))
+        combination = null_space(matrix[3:, 3:5].T)[:, 0]
+        row, column = combination @ matrix[3:, :3], -matrix[:3, 5]
+        return 1 - abs(row @ column) / np.linalg.norm(row) / np.linalg.norm(column)
+
+    assert turn_between(scene(Gravity(G)), Mode.SLIDE) <= 1e-15
+    assert turn_between(scene(Gravity(G), CoulombFriction(0.3)), Mode.SLIP_FORWARD) > 1e-3

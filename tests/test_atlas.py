@@ -1,0 +1,351 @@
+"""The atlas of hard scenes: what the reference does there, and what is known exactly of it."""
+
+import signal
+from contextlib import contextmanager
+from functools import lru_cache
+from math import atan, cos, exp, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import cases
+import reference
+from cases import Case, CoulombFriction, Gravity, Mode, Plate, Start, Unilateral
+from reference import contact_frame
+from reports import health
+from tests.authorities.paper_application import FIRST_TRANSITION
+from tests.hard_scenes import shifted_ellipse
+
+# A hard scene of a second or so takes the reference well below a second; on a busy machine, and with the derivation of
+# its equations, a few.
+PATIENCE = 60
+
+# The Taylor method's tolerance is one for all of the state; a flat plate's parameters differ by thousands. DOP853 meets
+# rounding below 1e-11 where forces grow without bound.
+FINEST = {"taylor": 1e-14, "dop853": 1e-11}
+
+# Where one unit in the last place decides what happens: nothing can be right there, and nothing is asked.
+CHAOTIC = ("touching_slip[above=0]", "balanced_on_its_tip[duration=6]")
+
+# What the second formulation cannot say, and why. It looks at its steps' ends, so a dip below zero inside a step, which
+# these scenes are about, passes unseen; and it has no floor under Painlevé's number.
+SECOND_CANNOT = {
+    "almost_rolling[slip=1e-17]": "takes a slip below its speeds' rounding for one, and ends it at time zero",
+    "almost_rolling[slip=-1e-17]": "takes a slip below its speeds' rounding for one, and ends it at time zero",
+    "touching_slip[above=-1e-09]": "misses a dip of 1e-9 m/s that lasts 1e-5 s",
+    "grazing_loop[part=-1e-09]": "misses a dip of 1e-9 of the weight that lasts 1e-5 s",
+    "pendulum_at_the_cone[part=-1e-09]": "misses friction beyond its cone by 1e-9 for 3e-5 s",
+    "nearly_conforming[gap=1e-08]": "takes half a minute: its steps meet rounding",
+    "rod_into_the_paradox[mu=2]": "steps into the singularity and raises FloatingPointError",
+    "rod_into_the_paradox[mu=5]": "steps into the singularity for minutes",
+    "rod_into_the_paradox[mu=10]": "steps into the singularity for minutes",
+}
+
+
+# Their equations take ten seconds to derive, or their tracks have to be searched for second contacts.
+TAKE_THEIR_TIME = ("flat_sided", "over_inflections", "released_at_an_inflection", "tightest_fit")
+
+
+@contextmanager
+def within(seconds: int):
+    """Raises TimeoutError where the block takes longer (a loop in Python, as the reference's is)."""
+
+    def late(*_):
+        raise TimeoutError(f"still running after {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def variants() -> list:
+    """Every variant of every hard case; the last of each family runs by default, if it takes seconds."""
+    found = []
+    for name in cases.names(hard=True):
+        chosen = cases.select(name)
+        for case in chosen:
+            short = case is chosen[-1] and name not in TAKE_THEIR_TIME
+            found.append(pytest.param(case, marks=() if short else pytest.mark.slow, id=case.label))
+    return found
+
+
+@lru_cache(maxsize=64)
+def motion_of(label: str, method: str | None = None):
+    with within(PATIENCE):
+        return reference.simulate(
+            cases.load(label), rtol=FINEST.get(method or reference.METHODS[0], 1e-14), method=method
+        )
+
+
+def kinds(transitions):
+    return [(t.before, t.after) for t in transitions]
+
+
+@lru_cache(maxsize=64)
+def last_bit(label: str) -> health.Spread:
+    with within(PATIENCE):
+        return health.spread(cases.load(label))
+
+
+# --- every scene ------------------------------------------------------------------------------------------------------
+
+
+def test_a_hard_case_says_what_makes_it_hard_and_what_is_right():
+    assert len(cases.names(hard=True)) >= 20
+    for name in cases.names(hard=True):
+        entry = cases.entry(name)
+        assert len(entry.hard) > 30 and len(entry.outcome) > 15
+        assert "Source:" in entry.function.__doc__ and "Known exactly:" in entry.function.__doc__
+
+
+@pytest.mark.parametrize("case", variants())
+def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
+    motion = motion_of(case.label)
+    for name in ("x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force", "xi1", "xi2"):
+        assert np.all(np.isfinite(getattr(motion, name))), name
+    found = health.examine(case, motion)
+    # Poses are rounded to the last digit of the coordinates they lie at, over the plate's own size.
+    far = max(float(np.abs([motion.x, motion.y]).max()), float(np.abs(motion.xi1).max())) / health.size(case)
+    rounding = 4 * np.finfo(float).eps * max(far, 1.0)
+    assert found.gap <= 1e-12 + rounding
+    assert found.tangency <= 1e-12 + rounding * max(1.0, float(np.abs(motion.theta).max()))
+    # Energy is as sure as the equations are conditioned, and as the little that moves is of the coordinates' digits.
+    if case.label not in CHAOTIC:
+        condition = health.conditioning(case, motion).scaled
+        assert found.energy <= 1e-12 + 1e2 * np.finfo(float).eps * min(condition, 1e9)
+
+
+@pytest.mark.parametrize("case", variants())
+def test_methods_and_formulations_agree_on_what_happens(case):
+    if case.label in CHAOTIC:
+        pytest.skip("one unit in the last place decides")
+    best, spread = motion_of(case.label), last_bit(case.label)
+    # A grazing event is located to the square root of the integrators' 1e-13; where the inputs' last bit does more, so
+    # may a method.
+    sure = 1e-7 * case.duration + 1e3 * spread.time
+    for method in reference.METHODS[1:]:
+        other = motion_of(case.label, method)
+        assert other.status == best.status
+        assert kinds(other.transitions) == kinds(best.transitions)
+        assert [t.time for t in other.transitions] == pytest.approx([t.time for t in best.transitions], abs=sure)
+    if case.label not in SECOND_CANNOT:
+        second = contact_frame.solve(case, rtol=1e-12, looks=200)
+        assert second.status == best.status
+        assert kinds(second.transitions) == kinds(best.transitions)
+        assert [t.time for t in second.transitions] == pytest.approx([t.time for t in best.transitions], abs=sure)
+
+
+@pytest.mark.parametrize("case", variants())
+def test_only_scenes_that_hang_on_the_last_bit_are_flagged(case):
+    spread = last_bit(case.label)
+    flagged = bool(spread.sequence) or spread.centre > 1e-6
+    assert flagged == (case.label in CHAOTIC), spread
+
+
+# --- what is known exactly --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("slip", [1e-12, -1e-12])
+def test_a_slip_just_above_rounding_ends_and_does_not_lift_the_plate_off(slip, method):
+    motion = reference.simulate(cases.load("almost_rolling", slip=slip), method=method)
+    assert motion.status == "completed"
+    assert [t.after for t in motion.transitions] == [Mode.ROLL]
+    assert motion.transitions[0].time <= 1e-12
+
+
+@pytest.mark.parametrize("slip", [1e-17, -1e-17])
+def test_a_slip_below_rounding_is_none(slip):
+    motion = motion_of(cases.load("almost_rolling", slip=slip).label)
+    assert motion.first_mode is Mode.ROLL and not motion.transitions
+
+
+@pytest.mark.parametrize("part", [1e-9, -1e-9])
+def test_an_incline_at_the_cone_is_decided_to_a_billionth(part):
+    case = cases.load("incline_at_the_cone", part=part)
+    motion = motion_of(case.label)
+    assert not motion.transitions
+    assert motion.first_mode is (Mode.ROLL if part > 0 else Mode.SLIP_FORWARD)
+    expected = 0.0 if part > 0 else -part * 9.81 * sin(0.3)
+    assert motion(1.0).slip == pytest.approx(expected, abs=1e-14)
+
+
+def test_the_cone_touched_from_inside_at_each_swing_begins_no_slip():
+    motion = motion_of("pendulum_at_the_cone[part=1e-09]")
+    assert motion.first_mode is Mode.ROLL and not motion.transitions
+    use = np.abs(motion.friction_force / motion.normal_force) / (np.tan(0.8) / 3)
+    assert use.max() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_slip_that_touches_zero_is_no_transition_and_slip_that_crosses_it_by_a_billionth_is():
+    assert not motion_of("touching_slip[above=1e-09]").transitions
+    dip = motion_of("touching_slip[above=-1e-09]").transitions
+    assert [t.after for t in dip] == [Mode.ROLL, Mode.SLIP_FORWARD]
+    # v falls below zero by 1e-9 m/s with v'' of some 20 m/s³ about its lowest place.
+    assert dip[1].time - dip[0].time < 2e-5
+
+
+def test_the_lowest_slip_is_what_the_quadrature_says():
+    motion = motion_of("touching_slip[above=1e-09]")
+    around = motion(np.linspace(0.3202, 0.3203, 2001)).slip
+    assert around.min() == pytest.approx(1e-9, abs=1e-13)
+
+
+@pytest.mark.parametrize("part", [1e-9, -1e-9])
+def test_a_loop_at_the_critical_speed_is_decided_to_a_billionth(part):
+    motion = motion_of(f"grazing_loop[part={part:g}]")
+    if part > 0:
+        assert motion.status == "completed" and not motion.transitions
+        return
+    assert motion.status == "lift_off"
+    # It leaves where cos φ = −1 − 5 part/3, φ from the bottom: sqrt(10/3·1e-9) before the top. N's own error of 1e-15
+    # moves that by 1e-15 over the slope of N, which is as small as the angle.
+    from_top = pi - (motion.xi1[-1] + pi / 2)
+    assert from_top == pytest.approx(sqrt(-10 * part / 3), rel=1e-5)
+
+
+def test_a_slide_of_nine_hours_ends_to_the_last_digits():
+    (end,) = motion_of("long_slide").transitions
+    # Gravity along −π/2 as a double has a component along the line, of 6e-17 of itself: over nine hours it shows.
+    brake = 3 * 1e-6 * 9.81 - 9.81 * cos(-pi / 2)
+    assert end.time == pytest.approx(1.0 / brake, rel=1e-13)
+    assert end.xi1 == pytest.approx(5.0 / (18 * 1e-6 * 9.81), rel=1e-10)
+
+
+@pytest.mark.parametrize("label", ["at_any_size[length=1e-06,mass=1e-09]", "at_any_size[length=1000,mass=1e+09]"])
+def test_sizes_and_masses_change_no_digit(label):
+    case = cases.load(label)
+    time, xi1, _ = FIRST_TRANSITION[0.2]
+    first = motion_of(label).transitions[0]
+    assert first.time / sqrt(case.parameters["length"]) == pytest.approx(time, rel=1e-12)
+    assert abs(first.xi1 + pi) == pytest.approx(xi1, rel=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_a_shaft_in_its_bearing_moves_as_the_papers_disc(gap):
+    case = cases.load("nearly_conforming", gap=gap)
+    clear = 1.0 - case.plate.radius
+    time, _, _ = FIRST_TRANSITION[0.2]
+    first = motion_of(case.label).transitions[0]
+    # Of the sixteen digits of R and r their difference keeps those of the gap.
+    assert first.time / sqrt(clear / 0.9) == pytest.approx(time, rel=1e-13 + 1e-15 / gap)
+
+
+def test_an_unstable_balance_grows_as_its_eigenvalue_says():
+    motion = motion_of("balanced_on_its_tip[duration=6]")
+    a, b = 0.2, 0.1
+    rate = sqrt(9.81 * (a - b * b / a) / (a * a + (a * a + b * b) / 4))
+    early, late = abs(motion(3.0).omega), abs(motion(4.0).omega)
+    assert late / early == pytest.approx(exp(rate), rel=1e-3)
+
+
+def paradox_angle(mu: float) -> float:
+    """The rod's angle (rad) at which 1 + 3 cos²φ = 3 μ cos φ (sin φ + 2 tip/length) first."""
+    return brentq(lambda f: 1 + 3 * cos(f) ** 2 - 3 * mu * cos(f) * (sin(f) + 2e-3), 0.0, atan(2.0), xtol=1e-15)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("mu", [2.0, 5.0, 10.0])
+def test_a_rod_runs_into_the_paradox_at_the_angle_of_the_formula(mu, method):
+    with within(PATIENCE):
+        motion = reference.simulate(cases.load("rod_into_the_paradox", mu=mu), rtol=1e-10, method=method)
+    assert motion.status == "paradox" and not motion.transitions
+    assert motion.theta[-1] == pytest.approx(paradox_angle(mu), abs=1e-9)
+    assert "Painlev" in motion.reason
+
+
+@pytest.mark.parametrize("mu", [1.0, 1.3])
+def test_below_four_thirds_a_rod_meets_no_paradox_at_any_angle(mu):
+    # The threshold of the slender rod on a point; on a tip of a thousandth of its length it lies a little lower.
+    for angle in np.linspace(0.05, 1.5, 12):
+        with within(PATIENCE):
+            motion = reference.simulate(cases.load("rod_into_the_paradox", mu=mu, angle=float(angle)))
+        assert motion.status != "paradox", angle
+
+
+def test_above_four_thirds_the_paradox_begins_at_atan_two():
+    with within(PATIENCE):
+        at_rest = [reference.simulate(cases.load("rod_into_the_paradox", mu=mu, angle=atan(2.0))) for mu in (1.3, 1.36)]
+    assert [motion.status for motion in at_rest] == ["lift_off", "paradox"]
+
+
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
+def test_a_track_of_fifth_power_can_be_started_at_its_inflection():
+    case = cases.load("released_at_an_inflection", power=5.0)
+    motion, exact = (motion_of(case.label, method) for method in reference.METHODS)
+    assert motion.status == exact.status == "completed"
+    assert motion.x[-1] == pytest.approx(exact.x[-1], abs=1e-10)
+
+
+@pytest.mark.parametrize("mu", [0.0, 1.0])
+def test_swings_end_where_they_began(mu):
+    case = cases.load("many_swings", mu=mu, periods=10.0)
+    motion = motion_of(case.label)
+    assert motion.xi1[-1] == pytest.approx(case.start.xi1, abs=1e-13)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
+@pytest.mark.parametrize("mu", [0.0, 1.0])
+def test_a_thousand_swings_end_where_they_began(mu):
+    case = cases.load("many_swings", mu=mu, periods=1000.0)
+    motion = reference.simulate(case, rtol=1e-14)
+    # Near its turning point the swing moves with the square of time: a phase error of 1e-9 would be 1e-18.
+    assert motion(motion.t[-1] - 0.25 * case.duration / 1000).xi1 == pytest.approx(-pi / 2, abs=1e-9)
+    assert health.examine(case, motion).energy <= 1e-11
+
+
+@pytest.mark.slow
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
+@pytest.mark.parametrize("label", ["limping_wheel[duration=1120]", "rocking_to_rest[duration=5800]"])
+def test_energy_is_closed_over_ten_thousand_transitions(label, accuracy):
+    case: Case = cases.load(label)
+    motion = reference.simulate(case, rtol=1e-13)
+    assert motion.status == "completed" and len(motion.transitions) >= 9900
+    error = health.examine(case, motion).energy
+    common = dict(case=label, solver="reference", route="taylor")
+    accuracy(**common, quantity="energy not accounted for, of what moves", error=error, tolerance=1e-9)
+
+
+def test_energy_is_closed_over_a_hundred_transitions(accuracy):
+    case = cases.load("limping_wheel", duration=14.0)
+    motion = reference.simulate(case, rtol=1e-13)
+    assert len(motion.transitions) >= 100
+    error = health.examine(case, motion).energy
+    common = dict(case=case.label, solver="reference", route="best")
+    accuracy(**common, quantity="energy not accounted for, of what moves", error=error, tolerance=1e-9)
+
+
+# --- what random scenes found -----------------------------------------------------------------------------------------
+
+
+def found_by_chance(A, B, a, b, shift, inertia, direction, mu, start) -> Case:
+    """An elliptic plate in an ellipse, as the random hard scenes have it."""
+    plate = Plate(shifted_ellipse(a, b, shift), 1.0, inertia)
+    effects = (Gravity(9.81, direction), CoulombFriction(mu), Unilateral())
+    return Case(shifted_ellipse(A, B, 0.0), plate, effects, start, 1.0)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_plate_that_moves_off_by_itself_meets_no_paradox(method):
+    start = Start(1.1232089339924007, 1.6660723407709188, omega=-0.568740677332062)
+    ellipses = (1.065811252237898, 0.839922021029403, 0.29450673120734533, 0.2092246847742892, 0.028364477990656434)
+    case = found_by_chance(*ellipses, 0.03343183947301649, 2.9487837516394517, 5.021423923864688, start)
+    assert contact_frame.solve(case).status == "lift_off"
+    assert reference.simulate(case, method=method).status == "lift_off"
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_slip_that_cannot_begin_is_not_listed(method):
+    start = Start(0.5231863931565326, -0.8888164912688383, omega=-2.044724728348796)
+    ellipses = (1.1467166512688496, 0.8786102366811571, 0.19548014806455738, 0.2992280121106903, 0.0005991391171655258)
+    case = found_by_chance(*ellipses, 0.03193783184744589, -1.06467073361922, 2.5499552544945985, start)
+    motion = reference.simulate(case, method=method)
+    second = contact_frame.solve(case)
+    assert motion.status == second.status == "lift_off"
+    assert kinds(motion.transitions) == kinds(second.transitions)

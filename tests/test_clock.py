@@ -1,0 +1,243 @@
+"""The clock: what is timed and what is not, in which order, until when, and what counts as disturbed."""
+
+import statistics
+import time
+from functools import partial
+from itertools import groupby
+from math import isnan
+
+import pytest
+
+import cases
+from reports import clock, trial
+from reports.clock import Contestant, Entry, Repeat
+from reports.records import CaseKey
+
+LOOP = 1e-3  # s, of an undisturbed calibration
+
+
+def work(amount: int, model=None) -> int:
+    return sum(range(amount))
+
+
+def entry(name: str, build=lambda: None, run=lambda model: None, **more) -> Entry:
+    return Entry(Contestant(name, "r", "s", 0.01), build, run, **more)
+
+
+def repeated(*repeats: Repeat, setup=(0.0,)) -> Entry:
+    one = entry("x")
+    one.repeats, one.setup = list(repeats), list(setup)
+    return one
+
+
+def quiet(cpu: float) -> Repeat:
+    return Repeat(cpu, cpu, LOOP, False)
+
+
+# Ten times slower in CPU time too, as beside a greedy neighbour: whoever counts it sees it.
+SLOW_LOOP, BESIDE_OTHERS, WAITED = (
+    Repeat(10.0, 10.0, 1.5 * LOOP, False),
+    Repeat(10.0, 10.0, LOOP, True),
+    Repeat(10.0, 15.0, LOOP, False),
+)
+
+
+@pytest.fixture
+def quiet_machine(monkeypatch):
+    """A machine on which nothing else is seen to run, whatever runs."""
+    monkeypatch.setattr(clock, "neighbours", lambda: False)
+    monkeypatch.setattr(clock, "calibrate", lambda: LOOP)
+
+
+def test_set_up_and_reading_are_off_the_clock():
+    one = entry("slow to build", lambda: work(2_000_000), partial(work, 50_000), read=lambda model: work(2_000_000))
+    clock.take_turns([one], time.perf_counter() + 2.0)
+    timing = clock.timing(one, LOOP)
+    assert 0.0 < timing.cpu_s < timing.setup_s / 4
+    assert timing.cpu_s < timing.read_s / 4
+    assert len(one.repeats) >= clock.LEAST_REPEATS
+
+
+def test_compilation_is_what_the_first_build_took_more():
+    one = repeated(quiet(1.0), quiet(1.0), quiet(1.0), setup=(5.0, 0.2, 0.1, 0.3))
+    timing = clock.timing(one, LOOP)
+    assert (timing.setup_s, timing.compile_s) == pytest.approx((0.2, 4.8))
+    assert isnan(clock.timing(repeated(quiet(1.0), setup=(5.0,)), LOOP).compile_s)
+
+
+def test_ratio_of_timings_is_the_ratio_of_work():
+    entries = [entry(str(n), run=partial(work, n)) for n in (100_000, 400_000)]
+    clock.take_turns(entries, time.perf_counter() + 2.0)
+    small, large = (clock.timing(e, LOOP).cpu_s for e in entries)
+    # Four times the work; half of that and twice that leave room for a busy machine.
+    assert 2.0 < large / small < 8.0
+
+
+def test_contestants_take_turns(quiet_machine):
+    order: list[str] = []
+
+    def run(name: str, model) -> None:
+        order.append(name)
+        work(200_000)
+
+    entries = [entry(name, run=partial(run, name)) for name in "abc"]
+    clock.take_turns(entries, time.perf_counter() + 1.0)
+    turns = [name for name, _ in groupby(order)]
+    assert turns[:9] == list("abcabcabc")
+
+
+def test_short_runs_are_warmed_up_and_run_in_a_row_of_models_of_their_own(quiet_machine):
+    built, ran = [], []
+
+    def build():
+        built.append(object())
+        return built[-1]
+
+    one = entry("short", build, ran.append)
+    clock.take_turns([one], time.perf_counter() + 0.5)
+    assert len(ran) == len(built) == len(set(map(id, built)))
+    assert len(ran) >= clock._ROW_RUNS * len(one.repeats)
+
+
+def test_long_runs_are_run_once_a_repeat(quiet_machine):
+    ran: list[int] = []
+
+    def run(model) -> None:
+        ran.append(work(2_000_000))  # some 20 ms
+
+    one = entry("long", run=run)
+    clock.take_turns([one], time.perf_counter() + 0.5)
+    assert len(ran) == len(one.repeats) + 1  # the very first is thrown away
+
+
+def test_what_does_not_fit_in_the_budget_is_left_out():
+    dear, cheap = (Entry(Contestant("s", "r", "x", s), lambda: None, lambda model: None) for s in (100.0, 0.001))
+    clock.take_turns([cheap, dear], time.perf_counter() + 0.3)
+    assert cheap.repeats and not dear.repeats
+
+
+def test_an_engine_that_fails_at_the_clock_loses_its_own_row_only():
+    def fail(model):
+        raise RuntimeError("no more")
+
+    bad, good = entry("bad", run=fail), entry("good")
+    clock.take_turns([bad, good], time.perf_counter() + 0.5)
+    assert bad.failure == "RuntimeError: no more" and not bad.repeats
+    assert good.repeats and not good.failure
+
+
+def test_median_is_known_when_its_spread_is_small():
+    assert not clock.known([1.0, 1.0])
+    assert clock.known([1.0, 1.0, 1.0])
+    assert not clock.known([1.0, 1.5, 2.0])
+    assert clock.known([1.0, 1.5, 2.0] * clock.MOST_REPEATS)
+
+
+def test_interval_is_of_the_extremes_while_there_are_few_and_of_the_quartiles_then():
+    assert all(isnan(end) for end in clock.interval([1.0, 2.0]))
+    assert clock.interval([3.0, 1.0, 2.0]) == (1.0, 3.0)
+    low, high = clock.interval([float(i) for i in range(101)])
+    assert (low, high) == (25.0, 75.0)
+
+
+@pytest.mark.parametrize("repeat", [SLOW_LOOP, BESIDE_OTHERS, WAITED])
+def test_disturbed_repeats_are_seen_and_have_no_part_in_the_median(repeat):
+    assert clock.disturbed(repeat, LOOP) and not clock.disturbed(quiet(1.0), LOOP)
+    timing = clock.timing(repeated(*[repeat] * 5, quiet(1.0), quiet(1.1), quiet(1.2)), LOOP)
+    assert (timing.cpu_s, timing.cpu_low_s, timing.cpu_high_s) == (1.1, 1.0, 1.2)
+    assert (timing.repeats, timing.disturbed_repeats, timing.disturbed) == (3, 5, False)
+
+
+def test_row_with_too_few_undisturbed_repeats_is_marked():
+    timing = clock.timing(repeated(quiet(1.0), quiet(1.0), SLOW_LOOP, SLOW_LOOP), LOOP)
+    assert timing.disturbed and timing.repeats == 4
+    # Two repeats are few, but nothing disturbed them.
+    assert not clock.timing(repeated(quiet(1.0), quiet(1.0)), LOOP).disturbed
+
+
+def test_a_short_boost_of_the_clock_disturbs_nobody(monkeypatch):
+    # One loop in twenty is half as long as the others.
+    loops = iter([0.5 * LOOP if i % 20 == 0 else LOOP for i in range(100_000)])
+    monkeypatch.setattr(clock, "neighbours", lambda: False)
+    monkeypatch.setattr(clock, "calibrate", lambda: next(loops))
+    one = entry("x", run=partial(work, 20_000))
+    undisturbed = clock.take_turns([one], time.perf_counter() + 0.3)
+    assert undisturbed == LOOP
+    assert not clock.timing(one, undisturbed).disturbed
+
+
+def test_a_neighbour_is_seen():
+    import subprocess
+    import sys
+    from pathlib import Path
+
+    if not Path("/proc/loadavg").exists():
+        pytest.skip("the load is told by Linux alone")
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(clock.os.cpu_count() or 1)]
+    try:
+        time.sleep(0.5)
+        seen = [clock.neighbours() for _ in range(20)]
+    finally:
+        for process in busy:
+            process.kill()
+            process.wait()
+    assert statistics.fmean(seen) > 0.5
+
+
+def test_reference_is_timed_without_its_sampling():
+    case = cases.load("disc_on_line", mu=0.1)
+    module = trial.solver("reference")
+    route = module.routes[0]
+    model = module.build(case, route, module.ladder(case, route)[3])
+    module.run(model)
+    assert model.result is not None and not hasattr(model, "motion")
+    assert module.read(model).transitions[0].time == pytest.approx(1.0 / (3 * 0.1 * 9.81), abs=1e-12)
+
+
+def test_a_case_is_timed_by_solver_route_and_setting():
+    key = CaseKey.of(cases.load("disc_on_line", mu=0.1))
+    module = trial.solver("reference")
+    route = module.routes[-1]
+    setting = str(module.ladder(trial.load(key), route)[0])
+    timings, failures = clock.time_case(key, [Contestant("reference", route, setting, 0.01)], 1.0)
+    assert timings.keys() == {("reference", route, setting)} and not failures
+    assert 0.0 < timings["reference", route, setting].cpu_s < 1.0
+    assert timings["reference", route, setting].read_s > 0.0
+
+
+def ratios(timings) -> dict[tuple, tuple[float, float, float]]:
+    """Of each pair, the CPU time of the one over the other's: least, middle, greatest."""
+    found = {}
+    for a, one in timings.items():
+        for b, other in timings.items():
+            if a < b:
+                low, high = one.cpu_low_s / other.cpu_high_s, one.cpu_high_s / other.cpu_low_s
+                found[a, b] = low, one.cpu_s / other.cpu_s, high
+    return found
+
+
+@pytest.mark.slow
+def test_two_passes_rank_alike_and_agree_within_their_intervals():
+    """Each pass in a process of its own, as in two builds. A test of the machine as well: it must be quiet."""
+    from reports import workers
+
+    case = cases.load("disc_on_line", mu=0.1)
+    key = CaseKey.of(case)
+    who = []
+    for name in ("reference", "pymunk"):
+        module = trial.solver(name)
+        for route in module.routes:
+            who += [Contestant(name, route, str(s), 0.05) for s in module.ladder(case, route)[:3]]
+    call = (key, who, 20.0)
+    passes = [answer.value[0] for _ in range(2) for _, answer in workers.run(clock.time_case, [call], limit=60.0)]
+    if any(timing.disturbed or isnan(timing.cpu_low_s) for timings in passes for timing in timings.values()):
+        pytest.skip("the machine was disturbed")
+    first, second = (ratios(timings) for timings in passes)
+    assert first.keys() == second.keys() and len(first) >= 15
+    for pair, (low, _, high) in first.items():
+        again_low, _, again_high = second[pair]
+        # No pair is told apart one way in one pass and the other way in the other.
+        assert not (high < 1.0 < again_low or again_high < 1.0 < low), pair
+    # A quartile to quartile interval of each of two times holds the next median nearly always, not always.
+    agree = [low <= second[pair][2] and second[pair][0] <= high for pair, (low, _, high) in first.items()]
+    assert statistics.fmean(agree) >= 0.95
