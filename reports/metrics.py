@@ -20,12 +20,12 @@ from cases import Case, Gravity, Mode, State, Trajectory, Transition
 
 # A slip below this part of the motion's speed is rounding for every double-precision solver that sticks exactly: ten
 # digits are lost at worst where a slip velocity is the difference of two speeds and a thousand steps add up.
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 # Creep stays below the resolution a solver declares while friction is inside its cone; slip surely exceeds its double.
-_SURELY = 2.0
+SURELY = 2.0
 # A crossing of zero leaves at most one sample in the band and so two gaps between slipping samples; a roll needs more.
 # Likewise a slip that lasts less, between others, is the overshoot of one step.
-_RESOLVABLE_GAPS = 2.5
+RESOLVABLE_GAPS = 2.5
 # Degrees tried for the local polynomial, and widths: so many samples beyond those the degree needs (smooth branches),
 # and such parts of the branch (noisy ones, where only many samples average the noise out).
 _DEGREES, _SPARE, _PARTS = (1, 2, 3, 4, 5), (1, 3, 12), (16, 6, 3)
@@ -71,7 +71,7 @@ def read(trajectory: Trajectory, mu: float | None = None) -> Reading:
     if mu == 0.0:
         return _with_lift_off(Reading(Mode.SLIDE, (), ()), trajectory)
     speed = float(np.max(np.hypot(trajectory.vx, trajectory.vy), initial=0.0))
-    band = max(_SURELY * trajectory.slip_resolution, _ROUNDING * speed)
+    band = max(SURELY * trajectory.slip_resolution, ROUNDING * speed)
     phases = _phases(t, v, band)
     events = [_event(t, v, force, a, b, trajectory.slip_resolution, band) for a, b in _pairs(phases)]
     transitions = tuple(
@@ -135,7 +135,7 @@ def _is_overshoot(t: np.ndarray, runs: list[_Phase], i: int) -> bool:
     if not 0 < i < len(runs) - 1:
         return False
     around = t[runs[i].start - 1 : runs[i].stop + 1]
-    return bool(around[-1] - around[0] <= _RESOLVABLE_GAPS * np.max(np.diff(around)))
+    return bool(around[-1] - around[0] <= RESOLVABLE_GAPS * np.max(np.diff(around)))
 
 
 def _is_roll(t: np.ndarray, v: np.ndarray, runs: list[_Phase], i: int, band: float) -> bool:
@@ -148,7 +148,7 @@ def _is_roll(t: np.ndarray, v: np.ndarray, runs: list[_Phase], i: int, band: flo
     if i > 0:
         crossing += band / _slope(t, v, slice(max(begin - 2, runs[i - 1].start), begin + 1))
     gap = float(np.max(np.diff(t[begin : end + 1])))
-    return bool(t[end] - t[begin] > crossing + _RESOLVABLE_GAPS * gap)
+    return bool(t[end] - t[begin] > crossing + RESOLVABLE_GAPS * gap)
 
 
 def _slope(t: np.ndarray, v: np.ndarray, where: slice) -> float:
@@ -165,7 +165,7 @@ def _event(t, v, use, before: _Phase, after: _Phase, resolution: float, band: fl
     # Contaminated: the sample that may straddle the kink. Three are kept where there are no more.
     used = slipping[:-1] if len(slipping) > 3 else slipping
     end = t[after.start] + band / _slope(t, v, slice(int(used[-1]) - 1, int(used[-1]) + 1))
-    found = _zero(t[used], np.abs(v[used]), float(end))
+    found = branch_zero(t[used], np.abs(v[used]), float(end))
     cause = "slip ends" if after.sign == 0 else "slip reverses"
     if found is None:
         return (*_between(t, before.stop), cause)
@@ -187,13 +187,13 @@ def _onset(t, v, use, before: _Phase, after: _Phase, resolution: float) -> tuple
         breaks = np.flatnonzero(np.diff(saturated) > 1)
         rolling = rolling[: saturated[breaks[-1] + 1] if len(breaks) else saturated[0]]
     if len(rolling) > 3 and np.all(np.isfinite(use[rolling])):
-        found = _zero(t[rolling], 1.0 - use[rolling], float(t[after.start]))
+        found = branch_zero(t[rolling], 1.0 - use[rolling], float(t[after.start]))
         if found:
             estimates.append((*found, "friction reaches its bound"))
     index = np.arange(after.start + 1, after.stop)[::-1]
     # A regularised law's slip grows from its creep, another's from zero; the one that fits moves less.
     for creep in {0.0, resolution} if len(index) > 3 else ():
-        found = _zero(-t[index], np.sqrt(np.maximum(np.abs(v[index]) - creep, 0.0)), float(-t[before.start]))
+        found = branch_zero(-t[index], np.sqrt(np.maximum(np.abs(v[index]) - creep, 0.0)), float(-t[before.start]))
         if found:
             estimates.append((-found[0], found[1], "slip grows from zero"))
     if not estimates:
@@ -206,7 +206,7 @@ def _between(t: np.ndarray, i: int) -> tuple[float, float]:
     return 0.5 * float(t[i - 1] + t[i]), 0.5 * float(t[i] - t[i - 1])
 
 
-def _zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | None:
+def branch_zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | None:
     """Where the branch y >= 0 reaches zero after its last sample and by about `end`, and how sure that is.
 
     Local polynomials of several degrees and widths are tried, each on the last samples and on windows an eighth and

@@ -16,10 +16,10 @@ import adapters
 import cases
 import reference
 from adapters import EngineFailure, Setting
-from cases import Case, CoulombFriction, NotSupported, PerfectlyRough, Trajectory
+from cases import Case, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
-from . import metrics
+from . import metrics, reading
 from .records import REFERENCE, TRUTH_RTOL, CaseKey, Offer, Run, Truth
 
 # What a figure can show; samples beyond are left out at even distances.
@@ -160,17 +160,17 @@ def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Traje
 
 def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth) -> Run:
     """Compare a sound trajectory with the truth: ledger, distances, right or wrong."""
-    reading = read(case, trajectory)
-    ledger = metrics.match(truth.transitions, reading.transitions)
+    told = read(case, trajectory)
+    ledger = metrics.match(truth.transitions, told.transitions)
     off = metrics.differences(trajectory, motion, case)
-    wrong = _faults(reading, ledger, trajectory, truth)
+    wrong = _faults(told, ledger, trajectory, truth)
     return replace(
         row,
         outcome="wrong" if wrong else "right",
         reason="; ".join(wrong),
-        first_mode=str(reading.first_mode),
+        first_mode=str(told.first_mode),
         ledger=ledger,
-        spreads=reading.spreads,
+        spreads=told.spreads,
         distance=metrics.distance(off),
         samples=_shown(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
@@ -182,16 +182,14 @@ def read(case: Case, trajectory: Trajectory) -> metrics.Reading:
     if trajectory.first_mode is not None:
         own = tuple(trajectory.transitions)
         return metrics.Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
-    friction = case.effect(CoulombFriction)
-    bound = friction.stick if friction else None if case.effect(PerfectlyRough) else 0.0
-    return metrics.read(trajectory, bound)
+    return reading.read(case, trajectory)
 
 
-def _faults(reading: metrics.Reading, ledger, trajectory: Trajectory, truth: Truth) -> list[str]:
+def _faults(told: metrics.Reading, ledger, trajectory: Trajectory, truth: Truth) -> list[str]:
     """Why a run is wrong, in phrases; an empty list means right."""
     faults = []
-    if reading.first_mode != truth.first_mode:
-        faults.append(f"begins with {reading.first_mode}, not {truth.first_mode}")
+    if told.first_mode != truth.first_mode:
+        faults.append(f"begins with {told.first_mode}, not {truth.first_mode}")
     for verdict in ("missed", "spurious"):
         kinds = [f"{row.before} to {row.after}" for row in ledger if row.verdict == verdict]
         if kinds:
