@@ -97,7 +97,7 @@ def test_rough_contact_rolls():
 def thrown(*effects, duration: float = 1.0) -> Case:
     effects = effects or (Gravity(G), Impact(0.5))
     return Case(
-        line(), disc(R, 1.0), (CoulombFriction(0.2), Unilateral(), Flight(), *effects), Start(gap=1.0), duration
+        line(), disc(R, 1.0), (CoulombFriction(0.2), Unilateral(), Flight(), *effects), Start(0.0, gap=1.0), duration
     )
 
 
@@ -192,7 +192,7 @@ def test_contacts_between_flights_are_read_each_for_itself():
     second = int(np.flatnonzero(np.diff(t) == 0.0)[0]) + 1
     contact = (t < 0.4 - 1e-9) | (np.arange(len(t)) >= second)
     slip = np.where(np.arange(len(t)) < second, np.maximum(0.2 - t, 0.0), np.maximum(0.7 - t, 0.0))
-    made = motion(t, R, np.where(contact, 0.0, -0.5), contact=contact, slip=slip)
+    made = motion(t, R, np.where(contact, 0.0, -G * (t - 0.4)), contact=contact, slip=slip)
     made = replace(made, normal_force=np.where(contact & (t < 0.45), 40.0 * (0.4 - t), made.normal_force))
     told = reading.read(thrown(), made)
     assert told.first_mode is FORWARD
@@ -201,7 +201,7 @@ def test_contacts_between_flights_are_read_each_for_itself():
 
 
 def test_landing_that_ends_the_motion_is_no_contact():
-    case = Case(line(), disc(R, 1.0), (Gravity(G), Unilateral(), Flight()), Start(gap=1.0), 1.0)
+    case = Case(line(), disc(R, 1.0), (Gravity(G), Unilateral(), Flight()), Start(0.0, gap=1.0), 1.0)
     t = np.append(np.linspace(0.0, 0.3, 31), 0.3)
     y, v = bounce(t, 0.3, 3.0, 0.0)
     told = reading.read(case, motion(t, y, v, contact=np.arange(32) == 31, status="landing"))
@@ -213,7 +213,7 @@ def test_landing_that_ends_the_motion_is_no_contact():
 
 def resisted(friction=None) -> Case:
     effects = (Gravity(G), friction or CoulombFriction(0.3), RollingResistance(0.005), Unilateral())
-    return Case(line(), disc(R, 1.0), effects, Start(omega=-1.0), 2.0)
+    return Case(line(), disc(R, 1.0), effects, Start(0.0, omega=-1.0), 2.0)
 
 
 def turning(omega, slip=0.0, count: int = 201, **how) -> Trajectory:
