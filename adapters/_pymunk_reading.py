@@ -48,12 +48,16 @@ class _Contacts(NamedTuple):
 
 
 class _Rows(NamedTuple):
-    """What the engine did: pose, velocities at the poses, velocities half a step later, contact force (N), by row."""
+    """What the engine did, by row: pose, velocities at it, contact force (N).
+
+    `falling`, `rising`: the velocities there if the plate flew from, or flies to, those half a step before, or after.
+    """
 
     pose: np.ndarray
     rates: np.ndarray
-    after: np.ndarray
     force: np.ndarray
+    falling: np.ndarray
+    rising: np.ndarray
 
 
 class _Ending(NamedTuple):
@@ -81,10 +85,6 @@ def read(model: Model) -> Trajectory:
         ending = _let_go(ending, strength, np.flatnonzero(pressed[: ending.kept]), first, model.h)
     if ending.status == "landing":
         ending = _touched(ending, contacts.gap, model.h)
-    for _, landing in flown:
-        # An impact without duration: the velocities are those after it, and a force it has none.
-        if landing < len(rows.rates):
-            rows.rates[landing], rows.force[landing] = rows.after[landing], np.nan
     return _trajectory(model, rows, contacts, flown, ending)
 
 
@@ -97,10 +97,14 @@ def _rows(model: Model) -> _Rows:
     before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
     kick = np.full((len(rows), 1), model.h)
     kick[0] *= 0.5
-    force = case.plate.mass * ((after - before)[:, :2] / kick - native.pull(case))
+    pushed = np.broadcast_to(case.plate.mass * native.pull(case), (len(rows), 2))
     if model.drive:
-        force -= _driven(model.drive)
-    return _Rows(pose, rates_at_poses(before, after, native.radii(case)[1]), after, force)
+        pushed = pushed + _driven(model.drive)
+    force = case.plate.mass * (after - before)[:, :2] / kick - pushed
+    half = np.zeros_like(after)
+    half[:, :2] = 0.5 * model.h * pushed / case.plate.mass
+    rates = rates_at_poses(before, after, native.radii(case)[1])
+    return _Rows(pose, rates, force, before + half, after - half)
 
 
 def _trajectory(model: Model, rows: _Rows, contacts: _Contacts, flown: list[tuple[int, int]], ending: _Ending):
@@ -125,7 +129,10 @@ def _trajectory(model: Model, rows: _Rows, contacts: _Contacts, flown: list[tupl
                 values[leaves:lands] = 0.0
     t = np.linspace(0.0, case.duration, model.steps + 1)[:kept]
     columns = [t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2]
+    if case.effect(Flight):
+        columns = _both_sides(columns, rows, flown)
     if np.isfinite(ending.time):
+        t = columns[0]
         share = (ending.time - t[-2]) / (t[-1] - t[-2])
         columns = [np.append(values[:-1], values[-2] + share * (values[-1] - values[-2])) for values in columns]
         # Where contact ends, or has not begun, nothing presses.
@@ -138,6 +145,24 @@ def _trajectory(model: Model, rows: _Rows, contacts: _Contacts, flown: list[tupl
         cost=Cost(steps=model.steps + 1),
         slip_resolution=creep,
     )
+
+
+def _both_sides(columns: list[np.ndarray], rows: _Rows, flown: list[tuple[int, int]]) -> list[np.ndarray]:
+    """The columns with two rows for every landing that is no end: as the plate flew there, and as it goes on.
+
+    An impact has no duration, so the force of its step is none of a contact: it is not known (NaN).
+    """
+    table, kept = np.column_stack(columns), len(columns[0])
+    landings = [landing for _, landing in flown if landing < kept - 1]
+    nowhere = [np.nan, 0.0, 0.0, np.nan, np.nan]
+    for landing in reversed(landings):
+        flying = [*table[landing, :4], *rows.falling[landing], *nowhere]
+        bounces = any(start == landing + 1 for start, _ in flown)
+        if bounces:
+            table[landing, 4:7], table[landing, 7:] = rows.rising[landing], [np.nan, np.nan, np.nan, np.nan, np.nan]
+        table[landing, 8:10] = np.nan
+        table = np.insert(table, landing, flying, axis=0)
+    return list(table.T)
 
 
 def _let_go(ending: _Ending, strength: np.ndarray, pushes: np.ndarray, first: int, h: float) -> _Ending:

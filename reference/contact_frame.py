@@ -335,8 +335,10 @@ class _March:
         if limit is not None:
             self.t = limit.time
             return self._settled(limit.z, turns)
-        self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2)
-        return self._leaps(z, turns, result.lift)
+        after = self._leaps(z, turns, result.lift)
+        if isinstance(after, Flying):
+            self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2)
+        return after
 
     def _leaps(self, z, turns: int, lift: float) -> Touching | Flying | Stopped:
         """Flight from the track with a normal velocity."""

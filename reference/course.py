@@ -159,8 +159,17 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
         # Friction or its like has reached its bound from inside; the motion that begins is against it.
         slip, turn = (_BEGINS[guard], turn) if guard.startswith("cone") else (slip, _BEGINS[guard])
         begun = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
+        begun = [r for r in begun if _unique_force(phase(case, r), t, y)]
         return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
     return decide(case, t, y, LOCATED, able(case, 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn))
+
+
+def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
+    """Whether a slip that begins has a force at all: not beyond Painlevé's paradox."""
+    names = list(now.system.guards)
+    if "painleve" not in names:
+        return True
+    return now.system.guards_of_numbers(t, state_in(now, y), now.parameters)[names.index("painleve")] > 0.0
 
 
 _BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}

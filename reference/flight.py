@@ -85,7 +85,7 @@ def _first_look(case: Case, arc: Arc, start: float, end: float, size: float) -> 
         look = _look(case, arc, start + part)
         if look.rate > 0.0 and look.gap > 0.0:
             return look
-        # Half the time in which the rate falls to zero, as it has fallen until now; it may have begun at a mere rounding.
+        # Half the time in which the rate falls to zero, as it has fallen until now (it may begin at a mere rounding).
         part *= min(max(0.5 * lift / (lift - look.rate), 1e-3), 0.5) if lift > 0.0 > look.rate else 0.25
     return None
 

@@ -69,13 +69,14 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _build(plan: Plan, store: Store) -> None:
     from . import experiment as xp
     from . import studies
+    from .recall import Recall
 
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
     found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, progress, store)
     measured = _measure(plan, found, store)
-    studied = studies.run(plan, progress)
+    studied = studies.run(plan, progress, Recall(store, found.versions).run)
     shown = _with_trajectories(plan, found)
     plan.out.parent.mkdir(parents=True, exist_ok=True)
     _sweep(plan.out)

@@ -194,14 +194,15 @@ def measure(
     jobs: int = 2,
     budget: float = BUDGET,
     tell: Callable[[str, int, Iterator], Iterator] = lambda step, total, answers: answers,
+    calls: Callable = workers.run,
 ) -> list[dict[str, Any]]:
-    """The rows of all scenes: one for each stage and route."""
+    """The rows of all scenes: one for each stage and route. `calls` makes what is not timed, as `workers.run` does."""
     rows = []
     for scene in SCENES:
         count = len(stages(scene))
-        calls = [(scene, i, name, route) for name in solvers for route in _routes(name) for i in range(count)]
-        answers = tell(f"effects {scene}", len(calls), workers.run(probe, calls, jobs, LIMIT))
-        probes = {calls[k][1:]: _probe(answer) for k, answer in answers}
+        asked = [(scene, i, name, route) for name in solvers for route in _routes(name) for i in range(count)]
+        answers = tell(f"effects {scene}", len(asked), calls(probe, asked, jobs, LIMIT))
+        probes = {asked[k][1:]: _probe(answer) for k, answer in answers}
         timed = [(*who, p.seconds) for who, p in probes.items() if p.outcome == "done"]
         (_, answer), *_ = workers.run(prices, [(scene, timed, budget)], 1, budget + 2 * LIMIT)
         told = answer.value if answer.outcome == "done" else {}

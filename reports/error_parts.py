@@ -80,13 +80,16 @@ def measure(
     files: tuple[str, ...] = (),
     jobs: int = 2,
     tell: Tell = lambda step, total, answers: answers,
+    calls: Callable = workers.run,
 ) -> list[Cell]:
-    """Run every grid of every route of the solvers on every case, each run in a process of its own."""
+    """Run every grid of every route of the solvers on every case, each run in a process of its own.
+
+    `calls` makes them: `workers.run`, or what stands in for it."""
     keys = [CaseKey.of(case, files) for case in asked]
 
     def step(name: str, function: Callable, arguments: list[tuple]) -> list[workers.Answer]:
-        calls = workers.run(function, arguments, jobs, LIMIT_SECONDS)
-        return [answer for _, answer in sorted(tell(name, len(arguments), calls), key=lambda pair: pair[0])]
+        coming = calls(function, arguments, jobs, LIMIT_SECONDS)
+        return [answer for _, answer in sorted(tell(name, len(arguments), coming), key=lambda pair: pair[0])]
 
     truths = [_value(answer) for answer in step("truth", trial.find_truth, [(key,) for key in keys])]
     pairs = [(key, truth, name) for key, truth in zip(keys, truths, strict=True) for name in solvers]
@@ -137,7 +140,9 @@ def grids(key: CaseKey, name: str) -> list[tuple[str, tuple[Setting, ...], str]]
     return found
 
 
-def errors(key: CaseKey, name: str, route: str, setting: Setting, truth: Truth) -> tuple[str, str, dict]:
+def errors(
+    key: CaseKey, name: str, route: str, setting: Setting, truth: Truth
+) -> tuple[str, str, dict[str, np.ndarray]]:
     """One run of the grid, in a worker: outcome, reason, and its signed errors by quantity."""
     case = trial.load(key)
     motion = trial.timed(trial.solver(name), case, route, setting)

@@ -56,7 +56,7 @@ class Keys:
 
     def run(self, solver: str, route: str, setting: Setting, truth: str) -> Key | None:
         """Of one run and its verdict; `truth` as for `of`."""
-        return self.of("reports.trial", {"route": route, "setting": _plain(setting)}, (solver,), truth)
+        return self.of("reports.trial", {"route": route, "setting": plain(setting)}, (solver,), truth)
 
     def timing(self, contestants: Iterable[tuple[str, str, str]], budget: float) -> Key | None:
         """Of the timings of (solver, route, setting) taken in turns within about so many seconds."""
@@ -72,11 +72,16 @@ class Keys:
         return self._key({**what, "code": sources(module, _TRUTHS_OWN), "truth": truth}, solvers)
 
     def _key(self, what: Key, solvers: Iterable[str] = ()) -> Key | None:
-        engines = {name: self._versions.get(name) for name in solvers}
-        if self._case["content"] is None or not all(engines.values()):
-            return None
-        adapters = {name: sources(_module(name)) for name in engines}
-        return {**self._case, **what, "engines": engines, "adapters": adapters, **_surroundings()}
+        engines = made_with(self._versions, solvers)
+        return None if self._case["content"] is None or engines is None else {**self._case, **what, **engines}
+
+
+def made_with(versions: Mapping[str, str], solvers: Iterable[str]) -> Key | None:
+    """Solvers, their versions and adapters, packages, machine; None if one of the solvers did not tell its version."""
+    engines = {name: versions.get(name) for name in solvers}
+    if not all(engines.values()):
+        return None
+    return {"engines": engines, "adapters": {name: sources(_module(name)) for name in engines}, **_surroundings()}
 
 
 @lru_cache(maxsize=1)
@@ -130,25 +135,25 @@ def content(case: Case) -> str | None:
 
     None if it has something that cannot be compared, such as a function for a parameter."""
     try:
-        return digest(_plain(case))
+        return digest(plain(case))
     except TypeError:
         return None
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Numbers, texts and formulas of a record, whatever its kind; TypeError for what has no content to compare."""
     if isinstance(value, Curve):
-        return ["Curve", [sp.srepr(part) for part in value.expression], _plain(value.domain)]
+        return ["Curve", [sp.srepr(part) for part in value.expression], plain(value.domain)]
     if isinstance(value, sp.Basic):
         return sp.srepr(value)
     if value is None or isinstance(value, bool | int | float | str):
         return [type(value).__name__, repr(value)]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return [type(value).__name__, {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}]
+        return [type(value).__name__, {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}]
     if isinstance(value, Mapping):
-        return [[_plain(key), _plain(v)] for key, v in value.items()]
+        return [[plain(key), plain(v)] for key, v in value.items()]
     if isinstance(value, tuple | list):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     raise TypeError(f"{value!r} has no content that can be compared")
 
 

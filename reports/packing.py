@@ -32,6 +32,8 @@ def unpack(kind: Any, data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
     if origin is tuple:
         kinds = (arguments[0],) * len(data) if arguments[-1] is ... else arguments
         return tuple(unpack(k, d, arrays) for k, d in zip(kinds, data, strict=True))
+    if origin is list:
+        return [unpack(arguments[0], d, arrays) for d in data]
     if origin is dict:
         pairs = data.items() if arguments[0] is str else data
         return {unpack(arguments[0], k, arrays): unpack(arguments[1], d, arrays) for k, d in pairs}

@@ -101,14 +101,17 @@ def measure(
     jobs: int = 2,
     files: tuple[str, ...] = (),
     tell: Tell = lambda step, total, answers: answers,
+    calls: Callable = workers.run,
 ) -> Stability:
-    """Run the cases through the solvers; every call in a process of its own, every failure a row."""
+    """Run the cases through the solvers; every call in a process of its own, every failure a row.
+
+    `calls` makes them: `workers.run`, or what stands in for it."""
     keys = {case.label: CaseKey.of(case, files) for case in chosen}
     limit = _FULL_LIMIT if full else _LIMIT
 
-    def step(name: str, function: Callable, calls: list[tuple], seconds: float) -> list[workers.Answer]:
-        answers: dict[int, workers.Answer] = dict(tell(name, len(calls), workers.run(function, calls, jobs, seconds)))
-        return [answers[i] for i in range(len(calls))]
+    def step(name: str, function: Callable, asked: list[tuple], seconds: float) -> list[workers.Answer]:
+        answers: dict[int, workers.Answer] = dict(tell(name, len(asked), calls(function, asked, jobs, seconds)))
+        return [answers[i] for i in range(len(asked))]
 
     looks = step("scenes", look, [(key, REFERENCE in solvers, full) for key in keys.values()], limit + _DERIVING)
     scenes = {label: _scene(label, answer) for label, answer in zip(keys, looks, strict=True)}
@@ -118,9 +121,9 @@ def measure(
     for case in chosen:
         for name in engines:
             for offer in trial.survey(keys[case.label], name):
-                runs_of, calls = _plan(keys[case.label], name, offer, scenes[case.label], full)
+                runs_of, more = _plan(keys[case.label], name, offer, scenes[case.label], full)
                 runs += runs_of
-                todo += calls
+                todo += more
     for call, answer in zip(todo, step("engines", assess, todo, limit), strict=True):
         runs.append(answer.value if answer.outcome == "done" else (_failed(call, answer), Health()))
     brackets = _brackets(chosen, keys, engines, full, step)

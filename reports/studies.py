@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .plan import Plan
 
 Tell = Callable[[str, int, Iterator], Iterator]
+Calls = Callable[..., Iterator]
 Draw = Callable[[Path], Iterator["Drawn"]]
 
 
@@ -31,30 +32,30 @@ class Study(NamedTuple):
     failure: str = ""
 
 
-def _effects(plan: Plan, tell: Tell):
+def _effects(plan: Plan, tell: Tell, calls: Calls):
     from . import effect_costs
 
-    rows = effect_costs.measure(plan.solvers, plan.jobs, tell=tell)
+    rows = effect_costs.measure(plan.solvers, plan.jobs, tell=tell, calls=calls)
     return {"effect_costs": effect_costs.frame(rows)}, lambda folder: effect_costs.draw(rows, folder)
 
 
-def _parts(plan: Plan, tell: Tell):
+def _parts(plan: Plan, tell: Tell, calls: Calls):
     from . import error_parts, error_parts_figure
 
     engines = [name for name in plan.solvers if name != "reference"]
-    cells = error_parts.measure(error_parts.chosen(plan.cases), engines, plan.files, plan.jobs, tell)
+    cells = error_parts.measure(error_parts.chosen(plan.cases), engines, plan.files, plan.jobs, tell, calls)
     return {"error_parts": error_parts.frame(cells)}, lambda folder: error_parts_figure.draw(cells, folder)
 
 
-def _hard(plan: Plan, tell: Tell):
+def _hard(plan: Plan, tell: Tell, calls: Calls):
     from . import stability
 
     full = plan.effort == "full"
-    found = stability.measure(stability.atlas(full), plan.solvers, full, plan.jobs, tell=tell)
+    found = stability.measure(stability.atlas(full), plan.solvers, full, plan.jobs, tell=tell, calls=calls)
     return stability.frames(found), lambda folder: stability.draw(found, folder)
 
 
-def _formulations(plan: Plan, tell: Tell):
+def _formulations(plan: Plan, tell: Tell, calls: Calls):
     from . import formulations
 
     (rows,) = tell("formulations", 1, iter([formulations.rows()]))
@@ -69,17 +70,19 @@ _STUDIES: dict[str, tuple[str, Callable]] = {
 }
 
 
-def run(plan: Plan, tell: Tell) -> list[Study]:
-    """All studies of a plan: none in a quick report, nor where cases were named, unless it is a full one."""
+def run(plan: Plan, tell: Tell, calls: Calls) -> list[Study]:
+    """All studies of a plan: none in a quick report, nor where cases were named, unless it is a full one.
+
+    `calls` makes what each study runs, as `workers.run` does."""
     if plan.effort == "quick" or (plan.asked and plan.effort != "full"):
         return []
-    return [_one(name, title, find, plan, tell) for name, (title, find) in _STUDIES.items()]
+    return [_one(name, title, find, plan, tell, calls) for name, (title, find) in _STUDIES.items()]
 
 
-def _one(name: str, title: str, find: Callable, plan: Plan, tell: Tell) -> Study:
+def _one(name: str, title: str, find: Callable, plan: Plan, tell: Tell, calls: Calls) -> Study:
     command = f"python -m reports.{name}"
     try:
-        frames, draw = find(plan, tell)
+        frames, draw = find(plan, tell, calls)
     except Exception as problem:  # whatever it is, the report goes on without this study and says so
         return Study(name, title, command, {}, lambda folder: iter(()), f"{type(problem).__name__}: {problem}")
     return Study(name, title, command, frames, draw)

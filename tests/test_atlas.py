@@ -11,10 +11,11 @@ from scipy.optimize import brentq
 
 import cases
 import reference
-from cases import Case, Mode
+from cases import Case, CoulombFriction, Gravity, Mode, Plate, Start, Unilateral
 from reference import contact_frame
 from reports import health
 from tests.authorities.paper_application import FIRST_TRANSITION
+from tests.hard_scenes import shifted_ellipse
 
 # A hard scene of a second or so takes the reference well below a second; on a busy machine, and with the derivation of
 # its equations, a few.
@@ -318,3 +319,33 @@ def test_energy_is_closed_over_a_hundred_transitions(accuracy):
     error = health.examine(case, motion).energy
     common = dict(case=case.label, solver="reference", route="best")
     accuracy(**common, quantity="energy not accounted for, of what moves", error=error, tolerance=1e-9)
+
+
+# --- what random scenes found -----------------------------------------------------------------------------------------
+
+
+def found_by_chance(A, B, a, b, shift, inertia, direction, mu, start) -> Case:
+    """An elliptic plate in an ellipse, as the random hard scenes have it."""
+    plate = Plate(shifted_ellipse(a, b, shift), 1.0, inertia)
+    effects = (Gravity(9.81, direction), CoulombFriction(mu), Unilateral())
+    return Case(shifted_ellipse(A, B, 0.0), plate, effects, start, 1.0)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_plate_that_moves_off_by_itself_meets_no_paradox(method):
+    start = Start(1.1232089339924007, 1.6660723407709188, omega=-0.568740677332062)
+    ellipses = (1.065811252237898, 0.839922021029403, 0.29450673120734533, 0.2092246847742892, 0.028364477990656434)
+    case = found_by_chance(*ellipses, 0.03343183947301649, 2.9487837516394517, 5.021423923864688, start)
+    assert contact_frame.solve(case).status == "lift_off"
+    assert reference.simulate(case, method=method).status == "lift_off"
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_slip_that_cannot_begin_is_not_listed(method):
+    start = Start(0.5231863931565326, -0.8888164912688383, omega=-2.044724728348796)
+    ellipses = (1.1467166512688496, 0.8786102366811571, 0.19548014806455738, 0.2992280121106903, 0.0005991391171655258)
+    case = found_by_chance(*ellipses, 0.03193783184744589, -1.06467073361922, 2.5499552544945985, start)
+    motion = reference.simulate(case, method=method)
+    second = contact_frame.solve(case)
+    assert motion.status == second.status == "lift_off"
+    assert kinds(motion.transitions) == kinds(second.transitions)
