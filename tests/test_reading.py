@@ -265,6 +265,9 @@ def test_without_rolling_resistance_nothing_sticks():
 def test_bounces_of_an_engine_are_read(name):
     adapter = pytest.importorskip(f"adapters.{name}")
     case = cases.load("bouncing_disc")
+    refusal = adapter.refuses(case, "native")
+    if refusal:
+        pytest.skip(refusal)
     setting = adapter.ladder(case, "native")[3]
     told = reading.read(case, trial.timed(adapter, case, "native", setting))
     rows = metrics.match(motion_of(case).transitions, told.transitions)
