@@ -1,6 +1,7 @@
 """What a trajectory is worth: its transitions read from samples, matched with the truth's.
 
-Pure functions of trajectories. The same reading serves every solver that does not locate its transitions itself.
+Pure functions of trajectories. The same reading serves every solver that does not locate its transitions itself; that
+of one contact stands here, `reading` splits a motion into contacts and flights.
 SI units. Source of the reading's two laws: while slipping, (34) makes v smooth up to its zero, so a branch
 extrapolates to it; after the cone saturates at t0, v' grows from zero, so v ~ (t - t0)^2 and sqrt(v) is linear.
 """
@@ -55,7 +56,7 @@ def read_transitions(trajectory: Trajectory, mu: float | None = None) -> tuple[T
 
 
 def read(trajectory: Trajectory, mu: float | None = None) -> Reading:
-    """First mode and transitions of a sampled motion, from t, slip, forces and slip_resolution alone.
+    """First mode and transitions of one sampled contact, from t, slip, forces and slip_resolution alone.
 
     The end of slip (to roll, or a reversal) is where the slipping branch, extrapolated by a local polynomial, reaches
     zero; its last sample is left out, since it may straddle the kink. The onset of slip is where |T|/(mu N),
