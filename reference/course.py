@@ -109,7 +109,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         arc = integrate(now, t, state_in(now, y), case.duration, rtol)
         step = _after_flight(case, arc, bounces, near) if regime == FLIGHT else _after_contact(case, arc)
         idle = idle + 1 if step.time == t else 0
-        if idle > IDLE and step.regime:
+        if idle > IDLE and step.regime not in (None, FLIGHT):
             step = _moved_on(case, regime, step)
         arcs.extend(step.arcs)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
