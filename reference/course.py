@@ -37,6 +37,10 @@ MOST_PHASES = 100_000
 # Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
 LOCATED = 1e-12
 
+# So many phases of no length one after the other are no motion any more (a slip that begins, ends and begins), and how
+# far from a bound counts as being at it then: a thousand times the location's error.
+IDLE, ROUGH = 4, 1e-9
+
 Ending = tuple[str, str]  # status and sentence
 COMPLETED: Ending = (Trajectory.status, Trajectory.reason)
 
@@ -99,11 +103,14 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if step.regime is None:
             return arcs, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces, near = Bounces(case), case.start.xi1
+    bounces, near, idle = Bounces(case), case.start.xi1, 0
     while len(arcs) < MOST_PHASES:
         now = phase(case, regime)
         arc = integrate(now, t, state_in(now, y), case.duration, rtol)
         step = _after_flight(case, arc, bounces, near) if regime == FLIGHT else _after_contact(case, arc)
+        idle = idle + 1 if step.time == t else 0
+        if idle > IDLE and step.regime not in (None, FLIGHT):
+            step = _moved_on(case, regime, step)
         arcs.extend(step.arcs)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime):
@@ -112,6 +119,15 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return arcs, _listed(case, transitions, step.time), step.ending
         t, y, regime, near = step.time, step.state, step.regime, step.place[0]
     return arcs, _listed(case, transitions, t), TOO_MANY
+
+
+def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
+    """The same step where phases of no length follow each other: what began is too small to be told from rounding.
+
+    What lies within `ROUGH` of its bound counts as being there, and its rate decides.
+    """
+    others = [r for r in candidates(case) if r != regime]
+    return step._replace(regime=decide(case, step.time, step.state, ROUGH, others) or step.regime)
 
 
 def _listed(case: Case, transitions: list[Transition], end: float) -> list[Transition]:

@@ -10,6 +10,10 @@ import numpy as np
 NODES = 8
 RATIO = 1.6
 
+# Slip or spin that goes to zero in proportion to the bounces is zero in the limit; what extrapolation leaves of it is
+# below this part of the last bounce's velocity, and would be gone in a billionth of its duration.
+VANISHED = 1e-9
+
 
 class Bounce(NamedTuple):
     """One impact: time, contact state (ξ₁, ξ₂, ω, v) and normal velocity after it, and how it ended."""
@@ -58,4 +62,8 @@ def limit(bounces: list[Bounce]) -> Limit | None:
     steps = [abs(float(b[0] - a[0])) for a, b in zip(diagonal[:-1], diagonal[1:], strict=True)]
     best = int(np.argmin(steps[1:])) + 1
     chosen = diagonal[best + 1]
-    return Limit(nodes[0].time + float(chosen[0]), (np.array(nodes[0].z) + chosen[1:]).tolist(), steps[best])
+    z = (np.array(nodes[0].z) + chosen[1:]).tolist()
+    for velocity in (2, 3):
+        if abs(z[velocity]) <= VANISHED * nodes[0].lift:
+            z[velocity] = 0.0
+    return Limit(nodes[0].time + float(chosen[0]), z, steps[best])

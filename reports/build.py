@@ -132,15 +132,16 @@ def _write(
     folder: Path,
 ) -> None:
     """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
-    from . import elsewhere, figures, precision, precision_figures, studies, tables, webpage
+    from . import drawing, elsewhere, figures, precision, precision_figures, studies, tables, webpage
     from .manifest import manifest
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
     frames = tables.frames(found) | precision.frames(timed, measured)
+    tables.write(frames, folder / "tables", _command(plan))
     for study in studied:
+        tables.write(study.frames, folder / "tables", study.command)
         frames |= study.frames
-    tables.write(frames, folder / "tables")
     count = 1 + 3 * len(found.cases)
     drawn = list(progress("figures", count, figures.draw(found, folder / "figures", plan.files, plan.jobs)))
     drawn += precision_figures.draw(timed, measured, folder / "figures")
@@ -158,6 +159,11 @@ def _write(
         "seconds": found.seconds,
         "cases": {case.label: dict(case.parameters) for case in found.cases},
     }
+    for figure in drawn:
+        drawing.sign(folder / "figures", figure, webpage.command_of(figure.case, told))
+    for study in studied:
+        for figure in pictures[study.name]:
+            drawing.sign(folder / "figures", figure, study.command)
     page = webpage.render(found, measured, frames, drawn, (studied, pictures), folder / "figures", told)
     (folder / "index.html").write_text(page, encoding="utf-8")
     files = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())

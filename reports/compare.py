@@ -47,7 +47,7 @@ from cases.contact import Contact, find, slip_velocity, start_motion
 from cases.errors import UnknownName
 from cases.nearest import nearest
 
-from . import metrics, trial
+from . import distances, trial
 from .records import TRUTH_RTOL, CaseKey, Run, Truth
 
 NEEDED = ("t", "x", "y", "theta")
@@ -297,7 +297,7 @@ def kinetic(case: Case, motion: Trajectory) -> np.ndarray:
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
     """The most the energy (J) rises above its least value so far, but for single samples at impacts."""
-    total = metrics.energy(case, motion)
+    total = distances.energy(case, motion)
     if case.effect(Impact):
         # Differences across an impact are no velocities; it is two samples of any nine that they spoil.
         total = median_filter(total, size=9, mode="nearest")
@@ -324,7 +324,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
     ledger = [(r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, r.verdict) for r in run.ledger]
     head = ("event", "before", "after", "time", "reference_time", "error", "verdict")
     distance = [(name, value) for name, value in run.distance._asdict().items()]
-    total = metrics.energy(case, motion)
+    total = distances.energy(case, motion)
     energy = [
         ("energy at the start (J)", total[0]),
         ("energy at the end (J)", total[-1]),

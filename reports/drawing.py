@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass
+from html import escape
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -134,21 +135,58 @@ def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption
     return Drawn(name, case, title, caption)
 
 
+def sign(folder: Path, drawn: Drawn, command: str) -> None:
+    """Write into the figure's file by which command it is made again; a figure that failed has none."""
+    if not drawn.name:
+        return
+    file = folder / f"{drawn.name}.svg"
+    text = file.read_text(encoding="utf-8")
+    start = text.index(">", text.index("<svg")) + 1
+    words = f"<desc>{escape(drawn.title)}. Make it again: {escape(command)}</desc>"
+    file.write_text(text[:start] + words + text[start:], encoding="utf-8")
+
+
 def small(svg: str) -> str:
     """The same picture in fewer characters: coordinates to a hundredth of a point, what many parts share said once,
     nothing that only tools read."""
     svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'( (?:d|x|y)=")([^"]*)"', lambda m: f'{m[1]}{_short(m[2])}"', svg)
+    svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
+    svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{_short(float(m[2]))}"', svg)
     svg = re.sub(r"\s*\n\s*", "\n", svg)
     svg = re.sub(r"<g id=[^ >]*", "<g", svg)  # groups are named and never referred to
+    for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
+        svg = svg.replace(f'"{name}"', f'"i{place}"').replace(f"#{name}", f"#i{place}")
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
     svg = _styles_once(svg)
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
 
 
-def _short(coordinates: str) -> str:
-    rounded = re.sub(r"-?\d+\.\d+(?:e-?\d+)?", lambda m: f"{float(m[0]):.2f}".rstrip("0").rstrip("."), coordinates)
-    return re.sub(r"\s*([A-Za-z])\s*", r"\1", rounded).strip()
+def _short(value: float) -> str:
+    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _path(text: str) -> str:
+    """A path through the same points; its straight pieces as differences, which take half the characters."""
+    words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
+    if not set(filter(str.isalpha, words)) <= set("MLz"):
+        return re.sub(
+            r" (?=[A-Za-z-])|(?<=[A-Za-z]) ", "", " ".join(w if w.isalpha() else _short(float(w)) for w in words)
+        )
+    told, before, here = [], "", (0.0, 0.0)
+    for command, x, y in re.findall(r"([MLz])(?: (\S+) (\S+))?", " ".join(words)):
+        if command == "z":
+            told.append("z")
+        else:
+            # Differences of what was written, so that roundings do not add up.
+            there = round(float(x), 2), round(float(y), 2)
+            shift = there if command == "M" else (there[0] - here[0], there[1] - here[1])
+            pair = f"{_short(shift[0])} {_short(shift[1])}".replace(" -", "-")
+            letter = "M" if command == "M" else "l" if before != "L" else "" if pair.startswith("-") else " "
+            told.append(letter + pair)
+            here = there
+        before = command
+    return "".join(told)
 
 
 def _styles_once(svg: str) -> str:

@@ -29,7 +29,7 @@ import reference
 from adapters import Setting
 from cases import Case, CaseError, Trajectory
 
-from . import metrics, trial, workers
+from . import distances, metrics, trial, workers
 from .records import TRUTH_RTOL, CaseKey, Truth
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.nd
     lost = []
     for each in (motion, truth):
         ends = Trajectory(t=np.array([0.0, end]), **each(np.array([each.t[0], end]))._asdict())
-        lost.append(-float(np.diff(metrics.energy(case, ends))[0]))
+        lost.append(-float(np.diff(distances.energy(case, ends))[0]))
     here, there = motion(end), truth(end)
     centre = np.array([here.x - there.x, here.y - there.y], dtype=float)
     return {"energy_lost": np.array([lost[0] - lost[1]]), "final_centre": centre}

@@ -34,6 +34,8 @@ _PATIENCE = 120.0
 _LEVEL = 1e-9
 # Fewer samples than this over a motion are drawn as points.
 _FEW = 100
+# Points that a letter of eight points takes, in the mean.
+_LETTER = 5.0
 # What the paper draws against time: the label, the samples' name, and the name of its difference from the truth.
 _QUANTITIES = (
     ("slip velocity v / (m/s)", "slip", "slip"),
@@ -93,9 +95,17 @@ def draw_case(key: CaseKey, part: Experiment, looks: Looks, folder: Path, main: 
 
 
 def headline_case(experiment: Experiment) -> Case | None:
-    """The case whose truth has the most transitions, the first of them; None if none has any."""
+    """Of the cases with a transition that most routes got right, the one with most of them; None if none has any."""
     having = [case for case in experiment.cases if experiment.truths[case.label].transitions]
-    return max(having, key=lambda case: len(experiment.truths[case.label].transitions), default=None)
+    right: dict[str, set[tuple[str, str]]] = {}
+    for run in experiment.runs:
+        if run.outcome == "right":
+            right.setdefault(run.case, set()).add((run.solver, run.route))
+
+    def worth(case: Case) -> tuple[int, int]:
+        return len(right.get(case.label, ())), len(experiment.truths[case.label].transitions)
+
+    return max(having, key=worth, default=None)
 
 
 _HEADLINE_WORDS = (
@@ -133,21 +143,22 @@ def _finest(experiment: Experiment, label: str) -> list[Run]:
     return [run for run in runs if run and not tables.is_truth(run, experiment.truths[label])]
 
 
-def _mark_transitions(ax: Axes, truth: Truth, words: bool = False) -> None:
+def _mark_transitions(ax: Axes, truth: Truth, width: float = 0.0) -> None:
+    """Lines at the truth's transitions; over an axis about `width` points wide also the modes between, in words."""
     times = [t.time for t in truth.transitions]
     for time in times:
         ax.axvline(time, color=FAINT, linewidth=0.7, zorder=0.5)
-    if not words:
+    if not width:
         return
     edges = [float(truth.samples["t"][0]), *times, float(truth.samples["t"][-1])]
     modes = [truth.first_mode, *(t.after for t in truth.transitions)]
     for mode, left, right in zip(modes, edges[:-1], edges[1:], strict=False):
-        # A stretch narrower than its word, as parts of the axis, goes without.
-        narrowest = 0.035 if mode is Mode.ROLL else 0.06
-        if mode is not None and right - left > narrowest * (edges[-1] - edges[0]):
+        word = _MODE_WORDS[mode] if mode is not None else ""
+        # A stretch narrower than its word goes without.
+        if word and (right - left) * width > _LETTER * len(word) * (edges[-1] - edges[0]):
             middle = 0.5 * (left + right)
             ax.annotate(
-                _MODE_WORDS[mode],
+                word,
                 (middle, 1.0),
                 (0, 3),
                 xycoords=("data", "axes fraction"),
@@ -213,7 +224,7 @@ def headline(experiment: Experiment, case: Case, looks: Looks) -> Figure:
         2, 1, figsize=(7.6, 5.6), sharex=True, height_ratios=(1, 1.25), layout="constrained"
     )
     _curves(above, truth, runs, "slip", looks)
-    _mark_transitions(above, truth, words=True)
+    _mark_transitions(above, truth, width=410.0)
     above.axhline(0.0, color=FAINT, linewidth=0.7)
     above.set_ylabel("slip velocity / (m/s)")
     above.set_title(case.label, loc="left", pad=18, fontweight="bold")
@@ -256,7 +267,7 @@ def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
         _log_error(row[1], runs, off, looks)
         row[1].set_ylabel("distance from truth")
         for side, ax in enumerate(row):
-            _mark_transitions(ax, truth, words=place == side == 0)
+            _mark_transitions(ax, truth, width=270.0 if place == side == 0 else 0.0)
             ax.margins(x=0)
     for ax in axes[-1]:
         ax.set_xlabel("time / s")

@@ -19,7 +19,7 @@ from cases.contact import start_motion, velocity
 from cases.trajectory import State
 from reference.augmented import augmented_system
 
-from . import metrics
+from . import distances
 
 # Effects whose energy is known here: a conservative force, what friction takes, and a bound that does no work.
 _BALANCED = (Gravity, CoulombFriction, Unilateral)
@@ -64,7 +64,7 @@ def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
     """E(t) − E(0) − ∫ T v dt at the motion's samples, in parts of the energy that moves; NaN if it cannot be told."""
     if any(not isinstance(effect, _BALANCED) for effect in case.effects):
         return np.full(len(motion.t), nan)
-    total = metrics.energy(case, motion)
+    total = distances.energy(case, motion)
     off = total - total[0] - (work_of_friction(motion) if case.effect(CoulombFriction) else 0.0)
     kinetic = 0.5 * case.plate.mass * (motion.vx**2 + motion.vy**2) + 0.5 * case.plate.inertia * motion.omega**2
     scale = float(max(kinetic.max(), np.ptp(total - kinetic)))

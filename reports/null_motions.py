@@ -17,8 +17,8 @@ import reference
 from cases import Case, CaseError, CoulombFriction, Trajectory, Transition
 from cases.contact import start_motion
 
-from . import metrics, quantities
-from .metrics import Distance
+from . import distances, quantities
+from .distances import Distance
 from .records import TRUTH_RTOL, CaseKey
 from .trial import load
 
@@ -110,7 +110,7 @@ def distance(case: Case, motion: Trajectory, truth: Trajectory, end: float = inf
     """How far two motions are apart at even times up to `end`, or to the end of the shorter one."""
     times = np.linspace(0.0, min(float(truth.t[-1]), float(motion.t[-1]), end), _SAMPLES)
     sampled = Trajectory(t=times, **motion(times)._asdict())
-    return metrics.distance(metrics.differences(sampled, truth, case))
+    return distances.distance(distances.differences(sampled, truth, case))
 
 
 def _witnessed(case: Case, truth: Trajectory) -> dict[str, float]:

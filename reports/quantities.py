@@ -8,10 +8,10 @@ from math import isfinite, nan
 import numpy as np
 
 from . import tables
-from .metrics import Distance
+from .distances import Distance
 from .records import Run, Truth
 
-# The unit of each quantity's error. Force and energy are parts of the true motion's own (`metrics.differences`).
+# The unit of each quantity's error. Force and energy are parts of the true motion's own (`distances.differences`).
 UNITS = {
     "first_transition_time": "s",
     "all_transitions": "s",

@@ -10,7 +10,8 @@ import numpy as np
 from adapters import Setting
 from cases import Case, Cost, Mode, Transition
 
-from .metrics import Distance, LedgerRow
+from .distances import Distance
+from .metrics import LedgerRow
 
 REFERENCE = "reference"
 # The motion that runs are compared with is the reference's best method at this tolerance; the times of its transitions

@@ -282,12 +282,13 @@ def frames(experiment: Experiment) -> dict[str, pd.DataFrame]:
 # --- files and text ---------------------------------------------------------------------------------------------------
 
 
-def write(tables: dict[str, pd.DataFrame], folder: Path) -> None:
-    """Each table as NAME.csv (all digits) and NAME.md (for reading)."""
+def write(tables: dict[str, pd.DataFrame], folder: Path, command: str = "") -> None:
+    """Each table as NAME.csv (all digits) and NAME.md (for reading, with the command that makes it again, if given)."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, frame in tables.items():
         frame.to_csv(folder / f"{name}.csv", index=False)
-        (folder / f"{name}.md").write_text(markdown(frame) + "\n", encoding="utf-8")
+        again = f"\nMake it again: `{command}`\n" if command else ""
+        (folder / f"{name}.md").write_text(f"{markdown(frame)}\n{again}", encoding="utf-8")
 
 
 def markdown(frame: pd.DataFrame) -> str:

@@ -19,7 +19,7 @@ from adapters import EngineFailure, Setting
 from cases import Case, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
-from . import metrics, reading
+from . import distances, metrics, reading
 from .records import REFERENCE, TRUTH_RTOL, CaseKey, Offer, Run, Truth
 
 # What a figure can show; samples beyond are left out at even distances.
@@ -162,7 +162,7 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
     """Compare a sound trajectory with the truth: ledger, distances, right or wrong."""
     told = read(case, trajectory)
     ledger = metrics.match(truth.transitions, told.transitions)
-    off = metrics.differences(trajectory, motion, case)
+    off = distances.differences(trajectory, motion, case)
     wrong = _faults(told, ledger, trajectory, truth)
     return replace(
         row,
@@ -171,7 +171,7 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
         first_mode=str(told.first_mode),
         ledger=ledger,
         spreads=told.spreads,
-        distance=metrics.distance(off),
+        distance=distances.distance(off),
         samples=_shown(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )

@@ -15,7 +15,7 @@ import numpy as np
 from adapters import EngineFailure, Setting
 from cases import Case, Gravity, Load, Trajectory
 
-from . import health, metrics, trial
+from . import distances, health, trial
 from .records import CaseKey, is_default_setting
 
 # A scene without load cannot gain energy; a tenth of all that moves is no inaccuracy any more.
@@ -121,7 +121,7 @@ def energy_growth(case: Case, motion: Trajectory) -> float:
     own size; 0 under a load, which may do any work."""
     if case.effect(Load) is not None:
         return 0.0
-    gravity, total = case.effect(Gravity), metrics.energy(case, motion)
+    gravity, total = case.effect(Gravity), distances.energy(case, motion)
     kinetic = 0.5 * case.plate.mass * (motion.vx[0] ** 2 + motion.vy[0] ** 2)
     kinetic += 0.5 * case.plate.inertia * motion.omega[0] ** 2
     scale = float(kinetic) + case.plate.mass * (gravity.g if gravity else 0.0) * health.size(case)

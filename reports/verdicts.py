@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 from statistics import median
 from typing import Any, NamedTuple
 
@@ -104,6 +105,22 @@ def _sure(ratio: tuple[float, float, float]) -> bool:
     """Whether the interval leaves one out."""
     low, _, high = ratio
     return high < 1.0 or low > 1.0
+
+
+def set_up(points: Sequence[dict[str, Any]]) -> str:
+    """What is not in the times of `work_precision`: building and compiling all settings of a case."""
+    spent: dict[str, dict[str, float]] = {}
+    for row in {(p["case"], p["solver"], p["route"], p["setting"]): p for p in points}.values():
+        seconds = row["setup_s"] + (row["compile_s"] if isfinite(row["compile_s"]) else 0.0)
+        if isfinite(seconds):
+            of_solver = spent.setdefault(row["solver"], {})
+            of_solver[row["case"]] = of_solver.get(row["case"], 0.0) + seconds
+    told = ", ".join(f"{solver} {median(cases.values()):.2g} s" for solver, cases in spent.items())
+    return (
+        f"Not in these times: building and compiling. All settings of a case together take, in the median, {told}."
+        if told
+        else ""
+    )
 
 
 def _cases(count: int) -> str:

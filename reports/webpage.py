@@ -159,7 +159,7 @@ def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path
     """The sentences, the picture over all cases, the time to each accuracy, the orders and the null scores."""
     if not measured.cases:
         return "<p>Not measured: a quick report takes no timings. Leave out <code>--quick</code>.</p>"
-    told = _records(frames["time_to_accuracy"])
+    told, points = _records(frames["time_to_accuracy"]), _records(frames["work_precision"])
     first, _, rest = verdicts.headline(told).partition(". ")
     picture = "".join(_figure(d, figures, command) for d in drawn if d.name == "work_precision")
     failed = "".join(
@@ -174,7 +174,7 @@ def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path
         for name in ("time_to_accuracy", "work_precision", "work_precision_fits", "null_scores")
     )
     return (
-        f"<p><strong>{escape(first)}.</strong> {escape(rest)}</p>{failed}{picture}"
+        f"<p><strong>{escape(first)}.</strong> {escape(rest)} {escape(verdicts.set_up(points))}</p>{failed}{picture}"
         f"<h3>CPU time to an accuracy, and its ratio to the fastest</h3>{_accuracies(told, main)}"
         "<details><summary>Orders, and where the error saturates and why</summary>"
         f"{_table(fits, {c: c.replace('_', ' ') for c in fits.columns if c not in hidden})}</details>"
@@ -213,7 +213,7 @@ def _records(frame: pd.DataFrame) -> list[dict[str, Any]]:
 
 def _case(experiment, case: Case, frames, drawn: Sequence[Drawn], figures: Path, manifest) -> str:
     label, truth = case.label, experiment.truths[case.label]
-    command = _command(label, manifest)
+    command = command_of(label, manifest)
     pictures = "".join(_figure(d, figures, command) for d in drawn if d.case == label and d.name != "headline")
     body = "" if truth.failure else _case_tables(experiment, label, frames, command)
     return (
@@ -281,8 +281,10 @@ def _manifest(manifest: dict[str, Any]) -> str:
 # --- pieces -----------------------------------------------------------------------------------------------------------
 
 
-def _command(label: str, manifest: dict[str, Any]) -> str:
-    """The command that makes one case's figures and tables again."""
+def command_of(label: str, manifest: dict[str, Any]) -> str:
+    """The command that makes one case's figures and tables again; of all cases for no label."""
+    if not label:
+        return manifest["command"]
     return f'python -m reports.build {manifest["options"]} --case "{label}"'.replace("  ", " ")
 
 

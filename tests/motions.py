@@ -133,3 +133,9 @@ def work_done(case: Case, motion: Trajectory) -> float:
             power += np.sum(forces * moves[3:].T, axis=1)
         total += float(np.sum((half * weights).ravel() * power))
     return total
+
+
+def sampled(exact: Trajectory, count: int) -> Trajectory:
+    """The exact motion as an engine would give it: on a uniform grid, without its transitions."""
+    t = np.linspace(exact.t[0], exact.t[-1], count)
+    return Trajectory(t=t, **exact(t)._asdict())

@@ -176,6 +176,15 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
     assert remake in page
 
 
+def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
+    figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
+    assert len(figures) == 7 and len(texts) == len(tables.TABLES)
+    for figure in figures:
+        assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
+    for text in texts:
+        assert "Make it again: `python -m reports.build" in text.read_text(), text
+
+
 def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkeypatch, capsys):
     before = (report / "index.html").read_bytes()
 

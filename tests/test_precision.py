@@ -1,16 +1,20 @@
 """What becomes of timings: work-precision rows, orders, time to accuracy, null scores, the sentences, the figures."""
 
+import re
 from dataclasses import replace
 from math import isfinite, isnan, nan
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import cases
 from cases import Cost, Mode, Transition
-from reports import null_motions, precision, quantities, tables, trial, verdicts, workers
+from reports import drawing, null_motions, precision, quantities, tables, trial, verdicts, workers
 from reports.clock import Timing
-from reports.metrics import Distance, LedgerRow
+from reports.distances import Distance
+from reports.metrics import LedgerRow
 from reports.precision import Measured
 from reports.records import CaseKey, Experiment, Run, Truth
 
@@ -277,49 +281,84 @@ def test_sentence_tells_of_a_disturbed_machine_and_ranks_nothing_by_it():
     assert "No case has timings" in told and "disturbed during 100%" in told and "times" not in told
 
 
+def test_set_up_and_compilation_are_told_beside_the_times():
+    experiment, measured = made(("reference", "s", 1e-13, 0.01), ("reference", "t", 1e-13, 0.01), ("a", "s", 1e-7, 3.0))
+    slow = {who: replace(t, setup_s=0.1, compile_s=0.4) for who, t in measured.timings.items() if who[1] == "reference"}
+    points = precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
+    assert "reference 1 s, a 0 s." in verdicts.set_up(points)
+    assert verdicts.set_up([]) == ""
+
+
+def test_figures_that_fail_are_told_in_their_place(tmp_path):
+    from reports import figures
+
+    experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
+    (told,) = figures.draw(experiment, tmp_path)
+    assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
+
+
 def drawn_heights(figure) -> list[float]:
     return [y for ax in figure.axes for line in ax.lines for y in line.get_ydata() if not isnan(y)]
 
 
 def test_figures_draw_nothing_below_ten_bars_of_the_truth(tmp_path):
     from reports import precision_figures
-    from reports.drawing import Looks
 
     experiment, measured = made(("reference", "s", 1e-15, 0.01), ("a", "s", 1e-7, 3.0))
     points = precision.work_precision_rows(experiment, measured)
-    figure = precision_figures.work_precision(experiment, experiment.cases[0].label, points, Looks(experiment))
+    figure = precision_figures.work_precision(experiment, experiment.cases[0].label, points, drawing.Looks(experiment))
     heights = drawn_heights(figure)
     assert min(heights) >= 10 * BAR and 1e-7 in heights
     drawn = list(precision_figures.draw(experiment, measured, tmp_path))
     assert [d.name for d in drawn] == ["work_precision", "work_precision_disc_on_line_mu_0.1"]
 
 
-def test_small_files_keep_their_picture():
-    from reports.drawing import small
+def points_of(path: str) -> list[tuple[float, float]]:
+    """The corners of a path of M, L, l and z, by the rules of SVG."""
+    told, command, here = [], "", (0.0, 0.0)
+    numbers: list[float] = []
+    for word in re.findall(r"[MLlz]|-?[0-9.]+(?:e-?[0-9]+)?", path):
+        if word.isalpha():
+            command = word
+            continue
+        numbers.append(float(word))
+        if len(numbers) == 2:
+            x, y = numbers
+            here = (here[0] + x, here[1] + y) if command == "l" else (x, y)
+            told.append(here)
+            numbers.clear()
+    return told
 
+
+@settings(deadline=None)  # a busy machine is no failure
+@given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)), min_size=2, max_size=100))
+def test_small_paths_go_through_the_same_points(points):
+    text = "M " + " \nL ".join(f"{x:.6f} {y:.6f}" for x, y in points) + " \nz\n"
+    told = drawing._path(text)
+    assert np.abs(np.array(points_of(told)) - points).max() <= 0.01 and told.endswith("z")
+
+
+def test_small_files_keep_their_picture():
     svg = (
         '<?xml version="1.0"?>\n<svg viewBox="0 0 10 10">\n <style type="text/css">*{a: b}</style>\n'
-        ' <g id="line2d_1">\n  <path d="M 1.23456 -0.00001 \nL 2.5 1e-05 \n" style="fill: none"/>\n'
-        '  <path d="M 0.125 3" style="fill: none"/>\n'
+        ' <g id="line2d_1">\n  <path id="m7f" d="M 1.23456 -0.00001 \nL 2.5 1e-05 \nL 3 -1" style="fill: none"/>\n'
+        '  <path d="M 0.125 3 \nC 1 2 3 4.56789 5 6" style="fill: none"/>\n  <use xlink:href="#m7f" x="1.239"/>\n'
         "  <text style=\"font: 9px 'DejaVu Sans', sans-serif; text-anchor: end\">0.123456</text>\n </g>\n</svg>\n"
     )
-    told = small(svg)
-    assert 'd="M1.23 -0L2.5 1e-05"' in told
+    told = drawing.small(svg)
+    assert 'd="M1.23 0l1.27 0 0.5-1"' in told and 'd="M0.12 3C1 2 3 4.57 5 6"' in told
+    assert '<use xlink:href="#i0" x="1.24"/>' in told and 'id="i0"' in told
     assert ">0.123456<" in told and "line2d_1" not in told and "<?xml" not in told
     assert told.count("fill: none") == 1 and told.count('class="c0"') == 2
 
 
 def test_a_solver_has_the_same_colour_whoever_else_takes_part():
-    from reports.drawing import Looks
-
     few, _ = made(("pymunk", "s", 1e-9, None))
     many, _ = made(("reference", "s", 1e-9, None), ("exudyn", "s", 1e-9, None), ("pymunk", "s", 1e-9, None))
-    assert Looks(few).colour(few.runs[0]) == Looks(many).colour(many.runs[2])
-    assert len({Looks(many).colour(run) for run in many.runs}) == 3
+    assert drawing.Looks(few).colour(few.runs[0]) == drawing.Looks(many).colour(many.runs[2])
+    assert len({drawing.Looks(many).colour(run) for run in many.runs}) == 3
 
 
 @pytest.mark.parametrize("value, text", [(1e-12, "10⁻¹²"), (1.0, "1"), (10.0, "10"), (0.1, "0.1"), (2e-3, "0.002")])
 def test_marks_of_logarithmic_axes_are_plain(value, text):
-    from reports.drawing import _power
-
-    assert _power(value) == text
+    assert drawing._power(value) == text

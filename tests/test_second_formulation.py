@@ -3,7 +3,7 @@
 Impacts and bounces have a file of their own, `test_second_impacts.py`. Closed forms are derived where they stand.
 """
 
-from math import acos, atan, cos, exp, pi, sin, sqrt
+from math import atan, cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -384,59 +384,3 @@ def test_every_landing_is_a_touch_and_no_pose_before_it_overlaps():
             # Samples at most 2 mm apart miss the closest pair by their sagitta, κ (1 mm)²/2 = 0.03 mm at κ = 48 1/m.
             assert lowest > -5e-5
             assert lowest < 5e-5 or i < len(times) - 1
-
-
-# --- Littlewood's hoop ------------------------------------------------------------------------------------------------
-
-
-def hoop(share: float, *effects, angle=0.0, speed=0.0, duration=1.5) -> Case:
-    """A hoop of radius r = 0.5 m with a weight on its rim that has `share` of the mass, `angle` past the top.
-
-    It begins to roll with ω² = (g/r)(speed + what rolling down from the top gives).
-    """
-    r, e = 0.5, 0.5 * share
-    squared = G / r * (speed + share * (1 - cos(angle)) / (1 + share * cos(angle)))
-    outline = Curve(lambda s: (r * c.cos(s) - e, r * c.sin(s)))
-    start = Start(0.0, angle - pi, omega=-sqrt(squared))
-    return Case(line(), Plate(outline, 1.0, r**2 - e**2), (*GRIP, *effects), start, duration)
-
-
-def normal_force_of_a_rolling_hoop(share: float, turned: float) -> float:
-    """N/(m g) of a hoop that rolls down from rest at the top, its weight at the angle `turned` from the top.
-
-    ω² = (g/r) q (1 − cos φ)/(1 + q cos φ) from its energy (J about the contact is 2 m r² (1 + q cos φ)), and
-    N = m (g − q r (φ̈ sin φ + φ̇² cos φ)).
-    """
-    q, s, k = share, sin(turned), cos(turned)
-    return 1 - q * (s * s * q * (1 + q) / (2 * (1 + q * k) ** 2) + k * q * (1 - k) / (1 + q * k))
-
-
-def weight_at(case: Case, answer, index: int) -> float:
-    """Angle of the weight from the top at a transition, rad."""
-    return pi / 2 - solve(case, [answer.transitions[index].time]).motions[2, 0]
-
-
-@pytest.mark.parametrize("share", [0.93, 0.95, 0.99, 0.9999])
-def test_a_hoop_that_cannot_slip_loses_its_normal_force_near_littlewoods_right_angle(share, accuracy):
-    # Littlewood (A Mathematician's Miscellany, 1953): the hoop is weightless and hops when the radius to the weight is
-    # level. With a hoop that weighs something N vanishes later, at an angle that goes to 90° with its weight.
-    case = hoop(share, PerfectlyRough(), angle=0.4)
-    answer = solve(case)
-    assert (modes(answer), answer.status) == ([(Mode.ROLL, Mode.FLIGHT)], "lift_off")
-    grid = np.linspace(0.4, pi, 2001)
-    first = grid[np.argmax([normal_force_of_a_rolling_hoop(share, a) < 0 for a in grid])]
-    exact = brentq(lambda a: normal_force_of_a_rolling_hoop(share, a), first - pi / 2000, first, xtol=1e-15)
-    assert pi / 2 < exact < pi / 2 + 1.6 * sqrt(1 - share)
-    accuracy(
-        case=f"rough hoop, share {share:g}", solver="reference", route="contact_frame",
-        quantity="angle of lift-off / rad", error=weight_at(case, answer, 0) - exact, tolerance=1e-11,
-    )  # fmt: skip
-
-
-def test_a_rough_hoop_let_go_at_the_top_keeps_its_contact_unless_the_weight_is_thirteen_fourteenths():
-    # The minimum of N over one turn is zero for q = 13/14, at cos φ = −5/13.
-    assert normal_force_of_a_rolling_hoop(13 / 14, acos(-5 / 13)) == pytest.approx(0.0, abs=1e-15)
-    # Half a thousandth beyond it N is negative for a twentieth of a turn, which no step strides over.
-    for share, leaves in ((13 / 14 - 5e-4, False), (13 / 14 + 5e-4, True)):
-        answer = solve(hoop(share, PerfectlyRough(), angle=0.4))
-        assert (answer.status == "lift_off") == leaves

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from cases import (
     Case,
     CoulombFriction,
+    Curve,
     Flight,
     Gravity,
     Impact,
@@ -22,6 +23,7 @@ from cases import (
     Unilateral,
     disc,
 )
+from cases import curves as c
 from cases.library import circle, ellipse, line
 from reference import contact_frame, second_bounces
 from tests.scenes import numbers
@@ -180,7 +182,7 @@ impacts = dict(
 
 
 @given(**impacts)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_poissons_law_never_creates_energy(xi2, before, mu, e, arm):
     resistance = (RollingResistance(arm),) if arm else ()
     after = hit(PLATE, xi2, before, CoulombFriction(mu), *resistance, Impact(e))
@@ -301,6 +303,16 @@ def test_an_extrapolated_limit_is_the_one_that_stepping_through_approaches(e, ev
         quantity="limit / s", error=limit.time - stepped, tolerance=1e-13,
     )  # fmt: skip
     assert limit.xi1 == pytest.approx(seen[last].z[0], abs=10 * shortest)
+
+
+def test_slip_that_vanishes_with_the_bounces_ends_in_rolling():
+    # Gravity along X holds an ellipse against the flank of another; each hop leaves slip in proportion to its height.
+    plate = Plate(Curve(lambda s: (0.18 * c.cos(s) + 0.007, 0.29 * c.sin(s))), 1.0, 0.0292)
+    effects = (Gravity(G, 0.0), Unilateral(), Flight(), CoulombFriction(0.23), Impact(0.52, "newton"))
+    case = Case(ellipse(1.16, 0.8), plate, effects, Start(0.0, 0.0, omega=5.0, gap=0.01), 0.8)
+    answer = solve(case)
+    assert answer.transitions[-1].before is Mode.FLIGHT and answer.transitions[-1].after is Mode.ROLL
+    assert len(answer.transitions) > 5
 
 
 @given(

@@ -21,8 +21,9 @@ from adapters import Setting
 from cases import Cost, Mode, Transition
 from reports import experiment, fingerprint, precision, workers
 from reports.clock import Timing
+from reports.distances import Distance
 from reports.fingerprint import Keys
-from reports.metrics import Distance, LedgerRow
+from reports.metrics import LedgerRow
 from reports.records import Run, Truth
 from reports.store import Store
 

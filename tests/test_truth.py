@@ -3,6 +3,7 @@
 import pytest
 
 import cases
+from cases import Impact
 from reference import certify
 from reference.certification import read
 from tests.authorities.paper_application import FIRST_TRANSITION
@@ -40,5 +41,8 @@ def test_exact_value_lies_within_the_bar(mu):
 
 @pytest.mark.parametrize("label", [label for label in KEPT if not cases.entry(label.partition("[")[0]).hard])
 def test_bars_are_far_below_any_error_worth_reporting(label):
-    # Ten bars are the smallest error a report shows; a picosecond resolves every engine there is.
-    assert all(t[2].bar < 1e-12 for t in KEPT[label].transitions)
+    name, _, _ = label.partition("[")
+    bounces = cases.select(name)[0].effect(Impact) is not None
+    # Ten bars are the smallest error a report shows; a picosecond resolves every engine there is. Where bouncing comes
+    # to rest, the instants of its last impacts are the rounding of a position over a speed of some 1e-4 m/s.
+    assert all(t[2].bar < (1e-10 if bounces else 1e-12) for t in KEPT[label].transitions)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import cases
 import reference
-from cases import Case, Flight, Impact, Load, RollingResistance, Unilateral
+from cases import Case, Flight, Impact, Load, RollingResistance
 from reference import contact_frame
 from tests.scenes import ellipse_in_ellipse, elliptic_scenes, numbers
 
@@ -86,12 +86,6 @@ def test_both_formulations_bounce_alike(case, gap, restitution, law):
 def test_both_formulations_agree_under_a_spring_a_wind_and_rolling_resistance(case, arm, stiffness):
     more = (Load(fx=f"{-stiffness!r}*x + 3.0*sin(5.0*t)", moment="-0.01*omega"), RollingResistance(arm))
     check_agreement(replace(case, effects=(*case.effects, *more)))
-
-
-@given(elliptic_scenes)
-@settings(max_examples=12, deadline=None)
-def test_both_formulations_agree_in_two_sided_guides(case):
-    check_agreement(replace(case, effects=tuple(e for e in case.effects if not isinstance(e, Unilateral))))
 
 
 def apart(one: np.ndarray, other: np.ndarray, period: float | None) -> np.ndarray:
