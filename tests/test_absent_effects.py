@@ -125,10 +125,10 @@ class Calls:
 
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_absent_effects_are_asked_nothing(monkeypatch, method):
-    landings, impacts, guards = Calls(course.first_landing), Calls(course.collide), Calls(dop853._guards)
+    landings, impacts, guards = Calls(course.first_landing), Calls(course.collide), Calls(dop853._guards_at_nodes)
     monkeypatch.setattr(course, "first_landing", landings)
     monkeypatch.setattr(course, "collide", impacts)
-    monkeypatch.setattr(dop853, "_guards", guards)
+    monkeypatch.setattr(dop853, "_guards_at_nodes", guards)
     decisions = Calls(course.decide)
     monkeypatch.setattr(course, "decide", decisions)
     reference.simulate(scene(Gravity(G)), method=method)
