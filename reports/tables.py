@@ -283,7 +283,7 @@ def frames(experiment: Experiment) -> dict[str, pd.DataFrame]:
 
 
 def write(tables: dict[str, pd.DataFrame], folder: Path, command: str = "") -> None:
-    """Each table as NAME.csv (all digits) and NAME.md (for reading, with the command that makes it again if one is given)."""
+    """Each table as NAME.csv (all digits) and NAME.md (for reading, with the command that makes it again)."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, frame in tables.items():
         frame.to_csv(folder / f"{name}.csv", index=False)
