@@ -90,6 +90,23 @@ def test_refused_route_is_one_row_with_its_reason():
     assert (row["outcome"], row["reason"]) == ("refused", "No such curve.")
 
 
+def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
+    case = cases.load("disc_sliding_off_hill")
+
+    def calls(function, arguments, jobs, limit):
+        for index in range(len(arguments)):
+            broken = function is asked
+            value = None if broken else function(*arguments[index])
+            yield (
+                index,
+                error_parts.workers.Answer("timed_out" if broken else "done", value, "too slow" if broken else ""),
+            )
+
+    for asked, outcome in ((error_parts.trial.find_truth, "refused"), (error_parts.grids, "timed_out")):
+        cells = error_parts.measure([case], ["pymunk"], calls=calls)
+        assert {(cell.outcome, cell.reason) for cell in cells} == {(outcome, "too slow")}
+
+
 # --- real engines ----------------------------------------------------------------------------------------------------
 
 
