@@ -15,7 +15,6 @@ out; 2, with one sentence, if it could not.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from math import cos, pi, sin
 from pathlib import Path
@@ -345,12 +344,14 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """The command; returns its exit status."""
-    parser = argparse.ArgumentParser(prog="python -m reports.compare", description="Judge an exported trajectory.")
+    from .plan import Parser
+
+    parser = Parser(prog="python -m reports.compare", description="Judge an exported trajectory.", allow_abbrev=False)
     parser.add_argument("case", help='a case, such as "disc_in_circle[mu=0.1]"')
     parser.add_argument("file", help="comma-separated values with the columns t, x, y, theta")
     parser.add_argument("--case-file", action="append", default=[], metavar="FILE", help="a Python file with cases")
-    asked = parser.parse_args(arguments)
     try:
+        asked = parser.parse_args(arguments)
         for file in asked.case_file:
             cases.load_file(file)
         print(compare(cases.load(asked.case), asked.file, tuple(asked.case_file)))

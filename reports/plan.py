@@ -75,8 +75,8 @@ class Parser(argparse.ArgumentParser):
         stray = message.removeprefix("unrecognized arguments: ")
         if stray != message:
             options = [o for action in self._actions for o in action.option_strings if o.startswith("--")]
-            raise unknown("option", stray.split()[0], options)
-        raise BadValue(f"{message}; see python -m reports.build --help")
+            raise unknown("option", (stray.split() or [""])[0], options)
+        raise BadValue(f"{message}; see {self.prog} --help")
 
 
 def parser() -> argparse.ArgumentParser:

@@ -476,7 +476,7 @@ def told_by(command, words) -> tuple[int, str, str]:
 def desk(tmp_path, monkeypatch):
     """An empty working folder; commands plan and refuse, and do not run what takes minutes."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(build, "_build", lambda plan: 0)
+    monkeypatch.setattr(build, "_build", lambda *_: 0)
     monkeypatch.setattr(compare, "compare", lambda *_: "judged")
     monkeypatch.setattr(stability, "measure", lambda *_, **__: stability.Stability((), {}, (), ()))
     monkeypatch.setattr(formulations, "rows", lambda: [])
