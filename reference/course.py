@@ -79,6 +79,10 @@ CAUSES = {
 # listed among the transitions: how many of those are stepped through before the limit is found is nobody's concern.
 LISTED = 1e-3
 
+# A flight as short as this part of the duration is no higher than the rounding of positions: bouncing is over, also
+# where its limit could not be extrapolated (each impact ends otherwise than the one before).
+OVER = 1e-7
+
 
 class Step(NamedTuple):
     """What came of a phase: its arcs, when and where it ended (ξ₁, ξ₂) and why, the full state and regime that follow,
@@ -255,6 +259,8 @@ def _after_flight(case: Case, arc: Arc, bounces: Bounces, near: float) -> Step:
         return Step((flown,), landing.time, place, "landing", ending=ENERGY)
     if after.lift <= 0.0:
         return _rest(case, (flown,), landing.time, place, landing.theta, after, "landing")
+    if landing.time - float(arc.times[0]) < OVER * case.duration:
+        return _rest(case, (flown,), landing.time, place, landing.theta, after._replace(lift=0.0), "rest")
     bounces.add(landing, after)
     limit = bounces.limit()
     if limit and landing.time < limit.time < case.duration:

@@ -102,7 +102,8 @@ def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
                 error_parts.workers.Answer("timed_out" if broken else "done", value, "too slow" if broken else ""),
             )
 
-    for asked, outcome in ((error_parts.trial.find_truth, "refused"), (error_parts.grids, "timed_out")):
+    cases_of = ((error_parts.trial.find_truth, "refused"), (error_parts.grids, "timed_out"))
+    for asked, outcome in cases_of:  # noqa: B007 - `calls` looks at it
         cells = error_parts.measure([case], ["pymunk"], calls=calls)
         assert {(cell.outcome, cell.reason) for cell in cells} == {(outcome, "too slow")}
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import reference
@@ -23,6 +23,14 @@ from cases.nearest import nearest
 from tests.motions import energy
 from tests.scenes import ellipse_in_ellipse, numbers
 from tests.test_two_formulations import check_agreement
+
+# Each set of effects has equations of its own to derive and compile, a second or two; to shrink a failing scene would
+# take minutes, and it is a few numbers already.
+UNHURRIED = dict(
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],
+)
 
 
 def with_effects(base: Case, law, resistance, sided, e, gap, lift) -> Case:
@@ -73,7 +81,7 @@ scenes = st.builds(
 
 def check_physics(case: Case) -> None:
     """Energy, one-sidedness, the cone, no overlap: at the integrator's steps and between."""
-    motion = reference.simulate(case, rtol=1e-11)
+    motion = reference.simulate(case, rtol=1e-11, method="dop853")
     assert all(np.all(np.isfinite(row)) for row in (motion.x, motion.y, motion.theta, motion.vx, motion.omega))
     times = np.unique(np.concatenate([motion.t, np.linspace(motion.t[0], motion.t[-1], 200)]))
     state = motion(times)
@@ -96,20 +104,20 @@ def check_physics(case: Case) -> None:
     assert np.allclose(slip[~flying], state.slip[~flying], atol=1e-9 * (1 + np.max(np.abs(state.omega))))
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, **UNHURRIED)
 @given(scenes)
 def test_energy_never_grows_the_track_never_pulls_and_nothing_overlaps(case):
     check_physics(case)
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=8, **UNHURRIED)
 @given(scenes)
 def test_both_formulations_agree_with_every_effect(case):
     check_agreement(case)
 
 
 @pytest.mark.slow
-@settings(max_examples=1000, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=1000, **UNHURRIED)
 @given(scenes)
 def test_physics_and_agreement_in_a_thousand_random_scenes(case):
     check_physics(case)
