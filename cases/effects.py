@@ -151,7 +151,7 @@ class Impact:
         object.__setattr__(self, "restitution", not_negative("restitution of Impact", self.restitution))
         if self.restitution > 1.0:
             raise BadValue(f"restitution of Impact is {self.restitution:g}; give a number between 0 and 1")
-        if self.law not in ("poisson", "newton"):
+        if not isinstance(self.law, str) or self.law not in ("poisson", "newton"):
             raise BadValue(f'law of Impact is {self.law!r}; give "poisson" or "newton"')
 
 

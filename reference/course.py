@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -181,7 +182,19 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
         begun = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
         begun = [r for r in begun if _unique_force(phase(case, r), t, y)]
         return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
-    return decide(case, t, y, LOCATED, able(case, 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn))
+    slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
+    following = decide(case, t, y, LOCATED, able(case, slip, turn))
+    if following is None and _moves_little(case, y, slip, turn):
+        following = decide(case, t, y, LOCATED, able(case, 0.0, 0.0))
+    return following
+
+
+def _moves_little(case: Case, y: Sequence[float], slip: float, turn: float) -> bool:
+    """Whether the slip or the rotation that an event left is none, to rounding: both began with it and end with it."""
+    v, omega = _moves(case, y)
+    along = abs(y[2]) * float(case.track.speed(y[0])) + abs(y[3]) * float(case.plate.outline.speed(y[1]))
+    size = sqrt(case.plate.inertia / case.plate.mass)
+    return bool((slip and abs(v) <= LOCATED * along) or (turn and abs(omega) * size <= LOCATED * along))
 
 
 def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:

@@ -64,7 +64,7 @@ def first_landing(case: Case, arc: Arc, end: float, near: float) -> Landing | No
             return _landing(case, arc, start, before.contact, near)
         before = first
     while before.time < end:
-        step = max(CLOSE * size, 0.5 * min(before.gap, 1e6 * size)) / _speed(arc, before.time, size)
+        step = _time_for(arc, before.time, max(CLOSE * size, 0.5 * min(before.gap, 1e6 * size)), size)
         if leaves:
             step = min(step, before.time - start)  # what has just begun may end as soon
         now = _look(case, arc, min(before.time + step, end))
@@ -79,7 +79,7 @@ def first_landing(case: Case, arc: Arc, end: float, near: float) -> Landing | No
 def _first_look(case: Case, arc: Arc, start: float, end: float, size: float) -> _Look | None:
     """A look soon after the start at which the gap is positive and grows; None if it closes from the start."""
     lift = _look(case, arc, start).rate
-    part = min(CLOSE * size / _speed(arc, start, size), end - start)
+    part = min(_time_for(arc, start, CLOSE * size, size), end - start)
     soonest = SOONEST * part
     while part > soonest:
         look = _look(case, arc, start + part)
@@ -95,11 +95,19 @@ def _reach(case: Case) -> float:
     return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
 
 
+def _time_for(arc: Arc, t: float, way: float, size: float) -> float:
+    """How long the plate's points take for about that way (m), from the speeds before and after."""
+    left = float(arc.times[-1]) - t
+    step = min(way / max(_speed(arc, t, size), 1e-300), left)
+    while step * _speed(arc, t + step, size) > 2.0 * way:
+        step *= 0.5  # a plate that is let go has no speed yet, and gains it
+    return step
+
+
 def _speed(arc: Arc, t: float, size: float) -> float:
-    """A bound on the speed of the plate's points at that time; what it gains until the next look is small beside it."""
+    """A bound on the speed of the plate's points at that time, m/s."""
     _, _, _, vx, vy, omega = _state(arc, t)
-    # A plate that is let go has no speed yet: it takes the time to fall through its own size as a start.
-    return hypot(vx, vy) + abs(omega) * size or size / max(float(arc.times[-1]) - t, 1e-300)
+    return hypot(vx, vy) + abs(omega) * size
 
 
 def _state(arc: Arc, t: float) -> list[float]:
@@ -134,12 +142,19 @@ def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look | None:
 
 
 def _locate(case: Case, arc: Arc, before: _Look, now: _Look, near: float) -> Landing:
-    """The zero of the gap between a look above and one below the track, along the pair that is below."""
-    followed = _Followed(case, arc, now.contact)
+    """The zero of the gap between a look above and one below the track."""
+    size = _reach(case)
+
+    def gap(t: float) -> float:
+        # Of the pair that is the nearest at that time: one followed from elsewhere may lead to another.
+        return min(_look(case, arc, t).gap, size)
+
     low, high = before.time, now.time
-    if now.gap < 0.0 < followed(low).gap:
-        high = brentq(lambda t: followed(t).gap, low, high, xtol=1e-16, rtol=8.9e-16)
-    return _landing(case, arc, high, followed(high), near)
+    if now.gap < 0.0 < gap(low):
+        high = brentq(gap, low, high, xtol=1e-16, rtol=8.9e-16)
+    landed = _look(case, arc, high).contact
+    assert landed is not None  # the gap there is a number
+    return _landing(case, arc, high, landed, near)
 
 
 class _Followed:

@@ -70,11 +70,15 @@ def first_regime(case: Case, y) -> Regime | None:
     instant. None if no contact is consistent."""
     if not case.start.in_contact:
         return FLIGHT
-    slip = case.start.slip
-    along = max(abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1])))
-    # The state holds slip as the difference of the contact point's two speeds; what is below their rounding is none.
-    sign = 0.0 if abs(slip) <= 8 * np.finfo(float).eps * along else float(np.sign(slip))
-    return decide(case, 0.0, y, np.finfo(float).eps, able(case, sign, float(np.sign(case.start.omega))))
+    slip, omega = case.start.slip, case.start.omega
+    along = abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1]))
+    bends = abs(float(case.track.curvature(y[0]))), abs(float(case.plate.outline.curvature(y[1])))
+    # The state holds slip (12) and spin (9) as differences of the contact point's two speeds, the latter weighed by the
+    # curvatures; what is below their rounding is none.
+    rounding = 8 * np.finfo(float).eps
+    slip = 0.0 if abs(slip) <= rounding * max(along) else slip
+    omega = 0.0 if abs(omega) <= rounding * max(along[0] * bends[0], along[1] * bends[1]) else omega
+    return decide(case, 0.0, y, np.finfo(float).eps, able(case, float(np.sign(slip)), float(np.sign(omega))))
 
 
 @lru_cache(maxsize=1)
@@ -88,7 +92,8 @@ def _known(method: str | None) -> str:
     if method is None:
         _tell_method()
         return METHODS[0]
-    if method not in INTEGRATORS or (method.startswith("taylor") and not taylor.AVAILABLE):
+    known = isinstance(method, str) and method in INTEGRATORS
+    if not known or (method.startswith("taylor") and not taylor.AVAILABLE):
         raise unknown("method of the reference", str(method), METHODS)
     return method
 

@@ -145,17 +145,7 @@ def run_or_refused(call, *arguments, **keywords):
 # --- values, shapes, types --------------------------------------------------------------------------------------------
 
 
-# Found, and mended by one line each, in files of others.
-DEFECTS = {
-    "Impact": "effects.Impact: `self.law not in (...)` with an array; ask `isinstance(self.law, str)` first",
-    "simulate": "solve._known: `method not in INTEGRATORS` with a list; ask `isinstance(method, str)` first",
-}
-makers = [
-    pytest.param(n, marks=pytest.mark.xfail(strict=True, reason=DEFECTS[n]) if n in DEFECTS else ()) for n in MAKERS
-]
-
-
-@pytest.mark.parametrize("name", makers)
+@pytest.mark.parametrize("name", MAKERS)
 def test_one_odd_argument_is_taken_or_refused_in_a_sentence(name):
     make, right = MAKERS[name]
     for argument in right:
@@ -166,7 +156,7 @@ def test_one_odd_argument_is_taken_or_refused_in_a_sentence(name):
 @given(data=st.data())
 @settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 def test_several_odd_arguments_are_taken_or_refused_in_a_sentence(data):
-    make, right = MAKERS[data.draw(st.sampled_from([n for n in MAKERS if n not in DEFECTS]))]
+    make, right = MAKERS[data.draw(st.sampled_from(sorted(MAKERS)))]
     run_or_refused(make, **{argument: data.draw(odd | st.just(value)) for argument, value in right.items()})
 
 
