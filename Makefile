@@ -12,7 +12,7 @@ quick: $(VENV)/installed
 	$(BIN)/python -m reports.build --quick
 
 test: $(VENV)/installed check
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-all: $(VENV)/installed check
 	$(BIN)/python -m pytest -m "slow or not slow"

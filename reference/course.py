@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +25,7 @@ from .modes import (
     in_contact,
     in_flight,
     phase,
+    senses,
     state_in,
     without_slip,
     without_turning,
@@ -184,17 +184,11 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
         return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
     slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
     following = decide(case, t, y, LOCATED, able(case, slip, turn))
-    if following is None and _moves_little(case, y, slip, turn):
-        following = decide(case, t, y, LOCATED, able(case, 0.0, 0.0))
+    if following is None:
+        # What began a rounding ago and ends with the event is no motion that goes on.
+        slips, turns = senses(case, y, *_moves(case, y), LOCATED)
+        following = decide(case, t, y, LOCATED, able(case, slip * abs(slips), turn * abs(turns)))
     return following
-
-
-def _moves_little(case: Case, y: Sequence[float], slip: float, turn: float) -> bool:
-    """Whether the slip or the rotation that an event left is none, to rounding: both began with it and end with it."""
-    v, omega = _moves(case, y)
-    along = abs(y[2]) * float(case.track.speed(y[0])) + abs(y[3]) * float(case.plate.outline.speed(y[1]))
-    size = sqrt(case.plate.inertia / case.plate.mass)
-    return bool((slip and abs(v) <= LOCATED * along) or (turn and abs(omega) * size <= LOCATED * along))
 
 
 def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
@@ -288,7 +282,8 @@ def _after_flight(case: Case, arc: Arc, bounces: Bounces, near: float) -> Step:
 def _rest(case: Case, arcs, t: float, place, theta: float, touch: Touch, cause: str) -> Step:
     """Contact that neither opens nor closes: the mode that follows, or flight where none does."""
     y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
-    following = decide(case, t, y, LOCATED, able(case, float(np.sign(touch.slip)), float(np.sign(touch.omega))))
+    moves = senses(case, y, touch.slip, touch.omega, LOCATED)
+    following = decide(case, t, y, LOCATED, able(case, *moves))
     return Step(arcs, t, place, cause, y, following) if following else _leave(case, arcs, t, y, cause)
 
 

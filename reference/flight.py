@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cases import Case
-from cases.contact import Contact, find, pose
+from cases.contact import Contact, pose
 from cases.nearest import nearest
 
 from .arc import Arc
@@ -132,13 +132,9 @@ def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, flo
     return touch, float(rx * tx + ry * ty), float(ry * tx - rx * ty)
 
 
-def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look | None:
-    """The look at which the gap stops closing between two looks; None if the nearest pair cannot be followed there."""
-    followed = _Followed(case, arc, before.contact)
-    if before.contact is None or followed.rate(now.time) <= 0.0:
-        return None  # another pair has become the nearest
-    t = brentq(followed.rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16)
-    return _Look(t, followed(t), 0.0)
+def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look:
+    """The look at which the gap stops closing between two looks."""
+    return _look(case, arc, brentq(lambda t: _look(case, arc, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16))
 
 
 def _locate(case: Case, arc: Arc, before: _Look, now: _Look, near: float) -> Landing:
@@ -149,30 +145,13 @@ def _locate(case: Case, arc: Arc, before: _Look, now: _Look, near: float) -> Lan
         # Of the pair that is the nearest at that time: one followed from elsewhere may lead to another.
         return min(_look(case, arc, t).gap, size)
 
-    low, high = before.time, now.time
-    if now.gap < 0.0 < gap(low):
-        high = brentq(gap, low, high, xtol=1e-16, rtol=8.9e-16)
-    landed = _look(case, arc, high).contact
-    assert landed is not None  # the gap there is a number
-    return _landing(case, arc, high, landed, near)
-
-
-class _Followed:
-    """A pair of nearest points followed in time by Newton's method, from where it was last."""
-
-    def __init__(self, case: Case, arc: Arc, contact: Contact | None):
-        assert contact is not None
-        self.case, self.arc, self.near = case, arc, (contact.xi1, contact.xi2)
-
-    def __call__(self, t: float) -> Contact:
-        x, y, theta = _state(self.arc, t)[:3]
-        contact = find(self.case, x, y, theta, self.near)
-        self.near = contact.xi1, contact.xi2
-        return contact
-
-    def rate(self, t: float) -> float:
-        """Of the gap, m/s."""
-        return _touch(self.case, _state(self.arc, t), self(t))[0].lift
+    if not gap(now.time) < 0.0 < gap(before.time):
+        assert now.contact is not None  # its gap is a number
+        return _landing(case, arc, now.time, now.contact, near)
+    time = brentq(gap, before.time, now.time, xtol=1e-16, rtol=8.9e-16)
+    landed = _look(case, arc, time).contact
+    assert landed is not None
+    return _landing(case, arc, time, landed, near)
 
 
 def _landing(case: Case, arc: Arc, t: float, contact: Contact, near: float) -> Landing:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from math import sqrt
+from math import copysign, sqrt
 from typing import NamedTuple
 
 from cases import Case, Mode
@@ -78,6 +78,19 @@ def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
         if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.STICK))
         and (not turn or r.turn is None or r.turn == turn)
     )
+
+
+def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: float) -> tuple[float, float]:
+    """The signs of slip and spin of a full state in contact; 0 for what is less than the state tells.
+
+    The state holds slip (12) and spin (9) as differences of the contact point's two speeds, the latter weighed by the
+    curvatures, and knows these to the relative `error`.
+    """
+    along = abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1]))
+    bends = abs(float(case.track.curvature(y[0]))), abs(float(case.plate.outline.curvature(y[1])))
+    slips = abs(slip) > error * max(along)
+    turns = abs(omega) > error * max(along[0] * bends[0], along[1] * bends[1])
+    return (copysign(1.0, slip) if slips else 0.0), (copysign(1.0, omega) if turns else 0.0)
 
 
 @lru_cache(maxsize=1024)

@@ -17,7 +17,7 @@ from cases.errors import unknown
 from . import dop853, taylor
 from .arc import Arc
 from .course import run
-from .modes import FLIGHT, Phase, Regime, able, candidates, phase, start_state, state_in
+from .modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .second_contact import first_meeting, fits_everywhere
 from .transitions import decide
 
@@ -70,15 +70,10 @@ def first_regime(case: Case, y) -> Regime | None:
     instant. None if no contact is consistent."""
     if not case.start.in_contact:
         return FLIGHT
-    slip, omega = case.start.slip, case.start.omega
-    along = abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1]))
-    bends = abs(float(case.track.curvature(y[0]))), abs(float(case.plate.outline.curvature(y[1])))
-    # The state holds slip (12) and spin (9) as differences of the contact point's two speeds, the latter weighed by the
-    # curvatures; what is below their rounding is none.
-    rounding = 8 * np.finfo(float).eps
-    slip = 0.0 if abs(slip) <= rounding * max(along) else slip
-    omega = 0.0 if abs(omega) <= rounding * max(along[0] * bends[0], along[1] * bends[1]) else omega
-    return decide(case, 0.0, y, np.finfo(float).eps, able(case, float(np.sign(slip)), float(np.sign(omega))))
+    epsilon = float(np.finfo(float).eps)
+    # Eight roundings lie between what the start says and the speeds of the state.
+    moves = senses(case, y, case.start.slip, case.start.omega, 8 * epsilon)
+    return decide(case, 0.0, y, epsilon, able(case, *moves))
 
 
 @lru_cache(maxsize=1)

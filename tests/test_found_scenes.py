@@ -70,6 +70,44 @@ SCENES = {
         arm=0.0117,
         stiffness=0.905,
     ),
+    # After an impact that ended the slip, the next landing saw its rounding as a slip: "paradox".
+    "slip of a rounding after an impact": bouncing(
+        ellipse_in_ellipse(
+            A=1.1,
+            B=0.8,
+            a=0.25,
+            b=0.2091178822057304,
+            xi1=-1.2846700733752083,
+            xi2=-1.0,
+            mu=0.664937127361716,
+            slip=-0.06871494409984291,
+            omega=-3.115579225494112e-196,
+            direction=2.000811794934629,
+            shift=-0.01105220264816588,
+        ),
+        gap=0.07022481493725596,
+        restitution=8.9e-16,
+        law="newton",
+    ),
+    # Between two looks another pair of points becomes the nearest, and the gap turns around in between.
+    "gap that turns with another pair": bouncing(
+        ellipse_in_ellipse(
+            A=1.1776138199984674,
+            B=0.8,
+            a=0.2078221634038792,
+            b=0.21806416877055393,
+            xi1=-1.8960045680490099,
+            xi2=-0.9481421917819013,
+            mu=0.2893807726137931,
+            slip=0.24913680466360125,
+            omega=2.687222546792338,
+            direction=4e-15,
+            shift=-0.008347301843524182,
+        ),
+        gap=0.04413582908144991,
+        restitution=0.6789991384586866,
+        law="poisson",
+    ),
 }
 
 
