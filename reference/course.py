@@ -172,7 +172,7 @@ def _after_contact(case: Case, arc: Arc) -> Step:
 
 def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[float]) -> Regime | None:
     """The contact that follows a guard's zero, or None."""
-    slip, turn = SLIP_SIGN.get(regime.mode, 0.0), regime.turn or 0
+    slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
         return decide(case, t, y, LOCATED, [other] if other in candidates(case) else [])
