@@ -155,6 +155,8 @@ def _witnesses(case: Case) -> list[Witness]:
         witnesses.append(_by_second(case))
     except NotSupported:
         pass  # a scene the second formulation has no equations for: the certificate names its witnesses
+    except FloatingPointError as problem:
+        raise NotCertified(f"{case.label}: {problem}") from problem
     return witnesses
 
 

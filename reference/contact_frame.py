@@ -9,6 +9,7 @@ they follow each other.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import count
 from math import inf, pi
 from typing import NamedTuple
 
@@ -39,6 +40,10 @@ VANISHED = 1e-9
 
 # Far more changes than any motion of a few seconds has; a loop without progress is told, not run for ever.
 MOST_CHANGES = 5000
+
+# Evaluations within one phase: several times what the longest one of the catalogue takes. Towards Painlevé's singularity
+# steps shrink without end.
+MOST_EVALUATIONS = 300_000
 
 # The flight after a rebound is listed if it lasts this part of the duration; a shorter one belongs to an accumulation.
 LISTED = 1e-3
@@ -254,8 +259,15 @@ class _March:
 
             event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
             events.append(event)
+        evaluations = count(1)
+
+        def right_side(t, z):
+            if next(evaluations) > MOST_EVALUATIONS:
+                raise FloatingPointError(f"the second formulation hardly moves on at t = {t:.9g} s")
+            return rates(scene, t, z.tolist(), phase, turns)
+
         solution = solve_ivp(
-            lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, self.case.duration), now.z,
+            right_side, (start, self.case.duration), now.z,
             method="DOP853", rtol=self.rtol, atol=1e-2 * self.rtol, events=events,
             max_step=self.longest, dense_output=bool(self.record),
         )  # fmt: skip

@@ -21,11 +21,12 @@ Draw = Callable[[Path], Iterator["Drawn"]]
 
 
 class Study(NamedTuple):
-    """What a study found: its anchor and title on the page, the command that makes it alone, tables by name, how its
-    pictures are drawn into a folder; or why it failed, in a sentence."""
+    """What a study found: its anchor, title and question on the page, the command that makes it alone, tables by name,
+    how its pictures are drawn into a folder; or why it failed, in a sentence."""
 
     name: str
     title: str
+    question: str
     command: str
     frames: dict[str, pd.DataFrame]
     draw: Draw
@@ -62,11 +63,31 @@ def _formulations(plan: Plan, tell: Tell, calls: Calls):
     return {"formulation_study": formulations.frame(rows)}, lambda folder: formulations.draw(rows, folder)
 
 
-_STUDIES: dict[str, tuple[str, Callable]] = {
-    "effect_costs": ("What each effect costs", _effects),
-    "error_parts": ("The parts of an error", _parts),
-    "stability": ("Hard scenes", _hard),
-    "formulations": ("Which coordinates to integrate", _formulations),
+# By name: title, question, and what answers it.
+_STUDIES: dict[str, tuple[str, str, Callable]] = {
+    "effect_costs": (
+        "What each effect costs",
+        "One scene with its effects added one at a time: what each costs, and how wrong the answer is without it.",
+        _effects,
+    ),
+    "error_parts": (
+        "The parts of an error",
+        "Step and model parameter are varied against each other: how much of an error is the step's, how much the "
+        "facets', the penalty's or the regularised friction's, and which to turn next.",
+        _parts,
+    ),
+    "stability": (
+        "Hard scenes",
+        "Scenes that break solvers, and what each does there. One variant of each family; a full report has all. "
+        "Chaotic: one unit in the last place of the inputs decides, so nobody is ranked.",
+        _hard,
+    ),
+    "formulations": (
+        "Which coordinates to integrate",
+        "The paper's ten coordinates without stabilisation, with Baumgarte's, with projection, and the two independent "
+        "ones: how far each drifts off its constraints, and what it costs.",
+        _formulations,
+    ),
 }
 
 
@@ -76,16 +97,19 @@ def run(plan: Plan, tell: Tell, calls: Calls) -> list[Study]:
     `calls` makes what each study runs, as `workers.run` does."""
     if plan.effort == "quick" or (plan.asked and plan.effort != "full"):
         return []
-    return [_one(name, title, find, plan, tell, calls) for name, (title, find) in _STUDIES.items()]
+    return [_one(name, plan, tell, calls) for name in _STUDIES]
 
 
-def _one(name: str, title: str, find: Callable, plan: Plan, tell: Tell, calls: Calls) -> Study:
+def _one(name: str, plan: Plan, tell: Tell, calls: Calls) -> Study:
+    title, question, find = _STUDIES[name]
     command = f"python -m reports.{name}"
     try:
         frames, draw = find(plan, tell, calls)
     except Exception as problem:  # whatever it is, the report goes on without this study and says so
-        return Study(name, title, command, {}, lambda folder: iter(()), f"{type(problem).__name__}: {problem}")
-    return Study(name, title, command, frames, draw)
+        return Study(
+            name, title, question, command, {}, lambda folder: iter(()), f"{type(problem).__name__}: {problem}"
+        )
+    return Study(name, title, question, command, frames, draw)
 
 
 def drawn(studies: Sequence[Study], folder: Path) -> dict[str, list[Drawn]]:

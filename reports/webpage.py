@@ -144,10 +144,10 @@ def _headline_cell(row: dict[str, Any] | None) -> str:
 
 
 def _study(study: Study, drawn: Sequence[Drawn], figures: Path) -> str:
-    """A study's pictures and links to its tables, or why it failed."""
+    """A study's question, pictures and links to its tables, or why it failed."""
     pictures = "".join(_figure(d, figures, study.command) for d in drawn)
     links = ", ".join(f'<a href="tables/{name}.csv">{name}.csv</a>' for name in study.frames)
-    told = f"<p>Tables: {links}.</p>" if links else ""
+    told = f"<p>{escape(study.question)}</p>" + (f"<p>Tables: {links}.</p>" if links else "")
     if study.failure:
         told += f'<div class="warning">This study failed: {escape(study.failure)}</div>'
     return (

@@ -1,11 +1,13 @@
 """The same scene told differently: other units, another direction, another parametrisation, another hand."""
 
-from math import cos, pi, sin
+from dataclasses import replace
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 
+import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
 from cases import curves as c
@@ -15,10 +17,12 @@ from tests.scenes import elliptic_scenes, numbers
 OTHER_HAND = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 
 
-def scene(length=1.0, mass=1.0, turn=0.0, mu=0.2, parameter=lambda s: s, unparameter=lambda s: s) -> Case:
+def scene(
+    length=1.0, mass=1.0, turn=0.0, mu=0.2, parameter=lambda s: s, unparameter=lambda s: s, g=None, duration=2.0
+) -> Case:
     """A disc let go inside an ellipse, in other units and orientations; lengths in `length` metres."""
     A, B = 1.3 * length, 0.9 * length
-    g = 9.81 * length  # times stay the same
+    g = 9.81 * length if g is None else g  # times stay the same
 
     def track(s):
         s = parameter(s)
@@ -26,7 +30,7 @@ def scene(length=1.0, mass=1.0, turn=0.0, mu=0.2, parameter=lambda s: s, unparam
         return (cos(turn) * x - sin(turn) * y, sin(turn) * x + cos(turn) * y)
 
     effects = (Gravity(g, turn - pi / 2), CoulombFriction(mu), Unilateral())
-    return Case(Curve(track), disc(0.1 * length, mass), effects, Start(unparameter(-0.5)), 2.0)
+    return Case(Curve(track), disc(0.1 * length, mass), effects, Start(unparameter(-0.5)), duration)
 
 
 def times(case: Case, method: str | None = None):
@@ -44,6 +48,44 @@ def test_units_of_length_change_no_digit(length, method):
     assert theirs == pytest.approx(ours, rel=1e-11 if method == "dop853" else 1e-12)
     t = np.linspace(0.0, 2.0, 20)
     assert other(t).x / length == pytest.approx(motion(t).x, abs=1e-10 if method == "dop853" else 1e-11)
+
+
+@given(length=numbers(1e-3, 1e3), pull=numbers(1e-3, 1e3))
+@settings(max_examples=10, deadline=None)
+def test_times_scale_with_the_root_of_length_over_gravity(length, pull):
+    ours, modes, motion = times(scene())
+    unit = sqrt(length / pull)
+    theirs, other_modes, other = times(scene(length=length, g=9.81 * pull, duration=2.0 * unit))
+    assert modes == other_modes
+    assert theirs / unit == pytest.approx(ours, rel=1e-12)
+    t = np.linspace(0.0, 1.999, 20)  # the two ends differ by a rounding
+    assert other(t * unit).x / length == pytest.approx(motion(t).x, abs=1e-11)
+    assert other(t * unit).omega * unit == pytest.approx(motion(t).omega, abs=1e-9)
+
+
+@pytest.mark.parametrize("length", [1e3, 1e-3], ids=["millimetres", "kilometres"])
+def test_the_papers_scene_in_other_units_has_the_same_digits(length):
+    """Lengths are divided by the unit, speeds and accelerations with them; seconds and kilograms stay."""
+    si = cases.load("disc_in_circle", mu=0.2)
+    gravity = si.effect(Gravity)
+
+    def told_in(curve: Curve) -> Curve:
+        x, y = curve.expression
+        return Curve(lambda s: (length * x.subs(PARAMETER, s), length * y.subs(PARAMETER, s)))
+
+    plate = Plate(told_in(si.plate.outline), si.plate.mass, si.plate.inertia * length**2)
+    effects = (Gravity(gravity.g * length, gravity.direction), *si.effects[1:])
+    start = replace(si.start, slip=si.start.slip * length)
+    ours, modes, motion = times(si)
+    theirs, other_modes, other = times(Case(told_in(si.track), plate, effects, start, si.duration))
+    assert modes == other_modes
+    assert len(ours) == 4
+    assert theirs == pytest.approx(ours, rel=1e-12)
+    t = np.linspace(0.0, si.duration, 50)
+    for quantity, unit in (("x", length), ("y", length), ("theta", 1.0)):
+        expected = getattr(motion(t), quantity)
+        found = getattr(other(t), quantity) / unit
+        assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("mass", [1e-9, 1e9])
@@ -88,6 +130,46 @@ def test_another_parametrisation_of_the_track_changes_nothing():
     assert theirs == pytest.approx(ours, rel=1e-11)
     t = np.linspace(0.0, 2.0, 20)
     assert other_motion(t).x == pytest.approx(motion(t).x, abs=1e-10)
+
+
+def test_another_parametrisation_of_the_outline_changes_nothing():
+    def rolling(outline: Curve) -> Case:
+        plate = Plate(outline, 1.0, 0.02)
+        effects = (Gravity(9.81), CoulombFriction(0.2), Unilateral())
+        return Case(scene().track, plate, effects, Start(-0.5), 2.0)
+
+    def warped(s):
+        return s + 0.3 * c.sin(2 * s)
+
+    ours, modes, motion = times(rolling(Curve(lambda s: (0.2 * c.cos(s), 0.15 * c.sin(s)))))
+    other = rolling(Curve(lambda s: (0.2 * c.cos(warped(s)), 0.15 * c.sin(warped(s)))))
+    theirs, other_modes, other_motion = times(other)
+    assert len(ours) >= 2
+    assert modes == other_modes
+    assert theirs == pytest.approx(ours, rel=1e-11)
+    t = np.linspace(0.0, 2.0, 20)
+    assert other_motion(t).theta == pytest.approx(motion(t).theta, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_the_instants_asked_for_change_no_bit_of_the_motion(method):
+    _, _, motion = times(scene(), method)
+    few, many = np.linspace(0.0, 2.0, 9), np.linspace(0.0, 2.0, 8001)
+    for quantity in ("x", "theta", "omega", "slip", "normal_force"):
+        in_company = getattr(motion(many), quantity)[::1000]
+        assert np.array_equal(getattr(motion(few), quantity), in_company)
+        assert np.array_equal(getattr(motion(few[::-1]), quantity)[::-1], in_company)
+        assert [float(getattr(motion(float(t)), quantity)) for t in few] == in_company.tolist()
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_longer_motion_begins_like_a_shorter_one(method):
+    ours, modes, motion = times(scene(duration=1.9), method)
+    theirs, longer_modes, longer = times(scene(duration=5.0), method)
+    assert longer_modes[: len(modes)] == modes
+    assert theirs[: len(ours)] == pytest.approx(ours, rel=1e-11)
+    t = np.linspace(0.0, 1.9, 50)
+    assert longer(t).x == pytest.approx(motion(t).x, abs=1e-10)
 
 
 @given(elliptic_scenes)
