@@ -36,6 +36,11 @@ def _interpolation() -> np.ndarray:
 _TO_FINE = _interpolation()
 
 
+# So many steps that together cover no more than this part of the phase so far do not go on: towards a singularity the
+# tolerance asks for digits that rounding has taken, long before a step is as short as a rounding of the time.
+STANDS, STILL = 500, 1e-9
+
+
 def _weights(x):
     """What each of the seven vectors F of a step's dense output counts at part x of the step: x, x (1−x), x² (1−x), …
     (Hairer, Nørsett & Wanner, II.6). One part as a float, or an array of them."""
@@ -83,6 +88,9 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
             return Arc(phase, np.array([*times, stop.time]), _joined(times, [*pieces, piece]), stop, solver.nfev)
         times.append(solver.t)
         pieces.append(piece)
+        if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
+            stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
+            return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
         if solver.status == "finished":
             stop = Stop(None, solver.t, tuple(solver.y.tolist()))
             return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
