@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -36,7 +37,8 @@ class Model:
     drive: Drive | None = None
     roughness: float = 0.0
     guide: assisted.Guide | None = None
-    rows: list[tuple[float, ...]] = field(default_factory=list)
+    # Six numbers to a row. Boxed ones would take ten times the memory, which is gigabytes for a long motion.
+    rows: array[float] = field(default_factory=lambda: array("d"))
 
 
 class _Contacts(NamedTuple):
@@ -89,7 +91,7 @@ def read(model: Model) -> Trajectory:
 
 
 def _rows(model: Model) -> _Rows:
-    case, rows, start = model.case, np.array(model.rows), start_motion(model.case)
+    case, rows, start = model.case, np.array(model.rows).reshape(-1, 6), start_motion(model.case)
     if not np.isfinite(rows).all():
         when = model.h * int(np.argmin(np.isfinite(rows).all(axis=1)))
         raise EngineFailure(f"pymunk's numbers are not finite from {when:.4g} s on.")

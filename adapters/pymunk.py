@@ -135,7 +135,7 @@ def build(case: Case, route: str, setting: Setting) -> Model:
 
 def run(model: Model) -> None:
     """Step through the duration, noting pose and velocities after every step."""
-    step, body, note = model.space.step, model.body, model.rows.append
+    step, body, note = model.space.step, model.body, model.rows.extend
     # The half step moves the plate to its start and gives the velocities half a step's forces.
     step(0.5 * model.h)
     note((*body.position, body.angle, *body.velocity, body.angular_velocity))

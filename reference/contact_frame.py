@@ -41,7 +41,7 @@ VANISHED = 1e-9
 # Far more changes than any motion of a few seconds has; a loop without progress is told, not run for ever.
 MOST_CHANGES = 5000
 
-# Evaluations within one phase: several times what the longest one of the catalogue takes. Towards Painlevé's singularity
+# Evaluations within one phase: several times what the longest of the catalogue takes. Towards Painlevé's singularity
 # steps shrink without end.
 MOST_EVALUATIONS = 300_000
 

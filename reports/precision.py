@@ -28,8 +28,8 @@ NEVER, NOT_TIMED, NOT_KNOWN, DISTURBED = "never", "not timed", "not known", "dis
 # A curve of fewer settings tells no order and no saturation.
 LEAST_SETTINGS = 6
 # Wall seconds for all timings of a default report, and how many cases share them: a full ladder of every route takes
-# some ten seconds a case.
-BUDGET, MOST_CASES = 60.0, 6
+# some eight seconds a case.
+BUDGET, MOST_CASES = 48.0, 6
 # A full report times every case, each for about so long.
 FULL_BUDGET_A_CASE = 60.0
 # Beyond its budget a case may take as long as one run more and its compilations.

@@ -42,12 +42,12 @@ UNSEEN = 1e-9
 # truth would be ranked by noise.
 CHAOTIC = 1e-6
 # Wall seconds a run may take; deriving the equations of the hardest outlines takes a fraction of a minute by itself.
-_LIMIT, _FULL_LIMIT, _DERIVING = 10.0, 600.0, 120.0
+_LIMIT, _FULL_LIMIT, _DERIVING = 5.0, 600.0, 120.0
 # Samples of the true motion that travel to the engines' judge. Between them it is interpolated by cubics: for the
 # longest of the short scenes that is good to 1e-9 of the plate's size.
 _SAMPLES = 4000
-# Places on a route's ladder that stand in a default report beside the engine as it comes: a coarse one and a fine one.
-_RUNGS = (0, 3)
+# Places on a route's ladder that stand in a default report beside the engine as it comes: a fine one.
+_RUNGS = (3,)
 
 SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
 

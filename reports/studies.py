@@ -59,7 +59,8 @@ def _hard(plan: Plan, tell: Tell, calls: Calls):
 def _formulations(plan: Plan, tell: Tell, calls: Calls):
     from . import formulations
 
-    (rows,) = tell("formulations", 1, iter([formulations.rows()]))
+    tolerances = formulations.TOLERANCES if plan.effort == "full" else formulations.TOLERANCES[::2]
+    (rows,) = tell("formulations", 1, (formulations.rows(tolerances) for _ in range(1)))
     return {"formulation_study": formulations.frame(rows)}, lambda folder: formulations.draw(rows, folder)
 
 

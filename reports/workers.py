@@ -21,8 +21,9 @@ from typing import Any
 
 # An engine that writes more than this to one file is flooding; the largest honest log of one run is a few megabytes.
 _FILE_BYTES = 32 * 2**20
-# Far above what a plane body needs, far below what would bring the machine to its knees.
-_MEMORY_BYTES = 8 * 2**30
+# Far above what a plane body needs (compiling in quadruple precision takes a gigabyte and a half of addresses), far
+# below what would bring the machine to its knees.
+_MEMORY_BYTES = 3 * 2**30
 # A worker grows by what it compiles and keeps for later cases. Two that have grown by so much since their first call,
 # and the process that asks them, stay well below a gigabyte; a fresh one costs a second or two.
 _GROWTH_BYTES = 150 * 2**20
