@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.machinery
 import importlib.util
 import inspect
 import pkgutil
@@ -125,6 +126,14 @@ def select(text: str, long: bool = False) -> list[Case]:
     return [load(bare, **variant) for variant in (*found.variants, *(found.long if long else ()))]
 
 
+class _AsWritten(importlib.machinery.SourceFileLoader):
+    """Reads the source each time: Python's bytecode cache takes an edit in the same second for none if the size is."""
+
+    def get_code(self, fullname):
+        path = self.get_filename(fullname)
+        return self.source_to_code(self.get_data(path), path)
+
+
 def load_file(path: str | Path) -> list[str]:
     """Bring the case functions of a Python file into the catalogue; returns their names.
 
@@ -134,9 +143,11 @@ def load_file(path: str | Path) -> list[str]:
     if not path.is_file():
         raise UnknownName(f"there is no case file {str(path)!r}")
     before = dict(_entries)
-    spec = importlib.util.spec_from_file_location(f"case_file_{path.stem}", path)
-    if spec is None or spec.loader is None:
+    if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
+    name = f"case_file_{path.stem}"
+    spec = importlib.util.spec_from_loader(name, _AsWritten(name, str(path)))
+    assert spec is not None and spec.loader is not None
     try:
         spec.loader.exec_module(importlib.util.module_from_spec(spec))
     except CaseError:

@@ -256,6 +256,7 @@ def written(tmp_path, monkeypatch, **changes) -> cases.Case:
     monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
     file = tmp_path / "own.py"
     file.write_text(CASE_FILE.format(**AS_IT_IS | changes))
+    os.utime(file, (1e9, 1e9))  # edits within one second, which a cache of compiled files would not notice
     cases.load_file(file)
     return cases.load("bowled_in_a_file")
 
@@ -282,6 +283,7 @@ def test_a_case_file_edited_under_the_same_name_is_another_case(changes, tmp_pat
     before = run_key(written(tmp_path, monkeypatch))
     after = run_key(written(tmp_path, monkeypatch, **changes))
     assert before["case"] == after["case"] and before != after
+    assert [file.name for file in tmp_path.iterdir()] == ["own.py"]  # nothing is left beside a user's file
 
 
 def test_every_case_of_the_catalogue_can_be_told_from_every_other():
@@ -480,6 +482,8 @@ class Builds:
             [sys.executable, "-m", "reports.build", *argv],
             cwd=self.folder, env={**os.environ, "PYTHONPATH": path}, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            # What is started in the background of a script inherits Ctrl-C ignored; a user's terminal does not.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )  # fmt: skip
 
     def stopped(self, how: signal.Signals, kept: int) -> tuple[int, str]:
