@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import sympy as sp
@@ -20,6 +20,8 @@ from . import expressions
 from .errors import BadCurve, BadValue, finite
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
+
+T = TypeVar("T")
 
 PARAMETER = sp.Symbol("s", real=True)
 
@@ -53,7 +55,7 @@ class Curve:
 
     def __post_init__(self):
         object.__setattr__(self, "domain", _checked_domain(self.domain))
-        object.__setattr__(self, "expression", _expression(self.function))
+        object.__setattr__(self, "expression", _the_one(_expression(self.function)))
         # What is too large or too small for a double shows as a value that is not finite, and is told as such.
         with np.errstate(all="ignore"):
             self._check_regular()
@@ -94,21 +96,29 @@ class Curve:
         Curves of one structure share their compiled systems, whatever their sizes.
         """
         (x, y), symbols = expressions.lifted(self.expression)
-        return (x, y), symbols
+        return _the_one(((x, y), symbols))
 
     @cached_property
     def constants(self) -> tuple[float, ...]:
         """The values of `structure`'s symbols: the sizes in the order in which the expression names them."""
         return expressions.constants(self.expression)
 
+    @cached_property
+    def _jet(self) -> Callable:
+        return _compiled_jet(self.structure, "math")
+
+    @cached_property
+    def _jets(self) -> Callable:
+        return _compiled_jet(self.structure, "numpy")
+
     def jet(self, s: float) -> tuple[float, ...]:
         """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
-        return _compiled_jet(self.structure, "math")(s, self.constants)
+        return self._jet(s, self.constants)
 
     def jets(self, s) -> np.ndarray:
         """The same for an array of parameters, shape (8, n)."""
         s = np.atleast_1d(np.asarray(s, dtype=float))
-        rows = _compiled_jet(self.structure, "numpy")(s, self.constants)
+        rows = self._jets(s, self.constants)
         return np.array([np.broadcast_to(row, s.shape) for row in rows], dtype=float)
 
     def point(self, s) -> np.ndarray:
@@ -310,6 +320,12 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         if part.has(sp.nan, sp.zoo, sp.oo):
             raise BadCurve(f"the curve's coordinate {part} is not finite; give finite sizes")
     return x, y
+
+
+@lru_cache(maxsize=4096)
+def _the_one(expressions: T) -> T:
+    """The first of all that are equal: what is kept by curve is then found by identity, not by comparing formulas."""
+    return expressions
 
 
 @lru_cache(maxsize=512)
