@@ -6,6 +6,7 @@ started when its time is over; the next call finds a fresh worker. POSIX only.
 
 from __future__ import annotations
 
+import itertools
 import multiprocessing
 import os
 import shutil
@@ -13,7 +14,7 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -89,20 +90,23 @@ class Pool:
     ) -> Generator[tuple[int, Answer]]:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
-        Begins them in order and yields (i, answer) as they end; `instead(i)`, asked just before call i would begin,
-        may give an answer in its place. The function and its arguments travel by pickle, so the function lives at the
-        top of a module. Calls that are still running when the iterator ends are killed.
+        Calls with the same first argument begin in order, by one worker where that leaves nobody idle: what it
+        compiled for a case serves all of the case's runs. Yields (i, answer) as they end; `instead(i)`, asked just
+        before call i would begin, may give an answer in its place. The function and its arguments travel by pickle, so
+        the function lives at the top of a module. Calls that are still running when the iterator ends are killed.
         """
-        waiting = list(reversed(list(enumerate(arguments))))
+        waiting = dict(enumerate(arguments))
         try:
             while waiting or self._busy():
                 while waiting and len(self._busy()) < self._jobs:
-                    index, args = waiting.pop()
+                    worker = self._idle()
+                    index = worker.next_of(waiting, [other.subject for other in self._busy()])
+                    args = waiting.pop(index)
                     given = instead(index)
                     if given is not None:
                         yield index, given
                         continue
-                    self._idle().start(index, function, args, limit)
+                    worker.start(index, function, args, limit)
                 busy = self._busy()
                 if not busy:
                     break
@@ -143,10 +147,17 @@ class _Worker:
             os.environ.update(before)
         far_end.close()
         self.busy, self.begun, self.alive, self.index, self.deadline = False, False, True, -1, 0.0
+        self.subject: tuple = ()  # the first argument of its last call
+
+    def next_of(self, waiting: Mapping[int, tuple], taken: Sequence[tuple]) -> int:
+        """The first call on what it worked on last, else on what nobody works on, else the first."""
+        own = (i for i, args in waiting.items() if args[:1] == self.subject)
+        free = (i for i, args in waiting.items() if args[:1] not in taken)
+        return next(itertools.chain(own, free, waiting))
 
     def start(self, index: int, function: Callable, args: tuple, limit: float) -> None:
         """Hand the process a call."""
-        self.index, self.busy, self.begun, self.limit = index, True, False, limit
+        self.index, self.busy, self.begun, self.limit, self.subject = index, True, False, limit, args[:1]
         self.deadline = time.monotonic() + _STARTUP_SECONDS
         try:
             self.pipe.send((function, args, limit))

@@ -109,6 +109,11 @@ def wait_until(holds) -> None:
         time.sleep(0.02)
 
 
+def whose(thing, number):
+    time.sleep(0.3)
+    return os.getpid()
+
+
 def grow(megabytes: int) -> int:
     """Keep so much memory, as a cache would; the process it is kept in."""
     kept.append(b"x" * (megabytes * 2**20))
@@ -120,8 +125,17 @@ kept: list[bytes] = []
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory")
 def test_a_worker_that_has_grown_is_replaced():
-    first, second, third = (answer.value for _, answer in workers.run(grow, [(1,), (300,), (1,)]))
+    first, second, third = (answer.value for _, answer in workers.run(grow, [(1,), (300,), (2,)]))
     assert first == second != third
+
+
+def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle():
+    calls = [("a", 1), ("a", 2), ("b", 1), ("a", 3), ("b", 2), ("b", 3)]
+    told = {calls[i]: answer.value for i, answer in workers.run(whose, calls, jobs=2)}
+    assert len({told["a", n] for n in (1, 2, 3)} | {told["b", n] for n in (1, 2, 3)}) == 2
+    assert len({told["a", n] for n in (1, 2)}) == len({told["b", n] for n in (1, 2)}) == 1
+    alone = [answer.value for _, answer in workers.run(whose, [("a", n) for n in range(6)], jobs=2)]
+    assert len(set(alone)) == 2
 
 
 def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
