@@ -1,7 +1,8 @@
 """How long `run` of each solver takes: one process, nothing beside it, contestants in turn, again and again.
 
 CPU time of `run` alone (time.process_time). The model is built anew for each run, off the clock. Contestants take
-turns, so that a slower clock or a neighbour's load hits all alike. A long run soon has its code and data in the
+turns, so that a slower clock or a neighbour's load hits all alike; the cheap ones take theirs again before each dear
+one, which costs next to nothing and has them seen beside all of it. A long run soon has its code and data in the
 processor's caches; a short one would only pay for what the others left there, so that it is run once off the clock and
 then several times in a row. Around each repeat stands a loop of known work; a repeat beside a slow loop, beside other
 running processes, or that had to wait for its processor is a disturbed one. Medians are of the undisturbed repeats; a
@@ -34,7 +35,7 @@ LEAST_REPEATS, MOST_REPEATS = 3, 60
 # extremes of six hold the median with a chance of 97 %, those of five with 94 %.
 _QUARTILES_FROM = 6
 # The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
-_FIRST_SECONDS = 0.1
+_FIRST_SECONDS = 0.03
 # Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.
 _SHORT_SECONDS = 1e-2
 # So long do short runs take in a row, and so many they are at most: each needs a model of its own.
@@ -47,8 +48,10 @@ _SWITCH_SECONDS = 5e-4
 _CALIBRATION = 30_000
 # The undisturbed loop is the one that only a tenth of all loops beat: the very fastest may be a clock's short boost.
 _UNDISTURBED = 0.1
-# Reading back is as good as always the same work: so many times are enough.
-_READS = 3
+# Reading back is as good as always the same work: one time is enough.
+_READS = 1
+# A repeat that takes no more than this, set-up included, is cheap: the turns of twenty such take half a second.
+_CHEAP_SECONDS = 0.025
 
 
 class Contestant(NamedTuple):
@@ -143,13 +146,15 @@ Who = tuple[str, str, str]  # solver, route, setting
 def time_case(
     key: CaseKey, contestants: Sequence[Contestant], budget: float
 ) -> tuple[dict[Who, Timing], dict[Who, str]]:
-    """Timings of a case within about `budget` wall seconds, the cheapest first; and the failures, in a sentence each.
+    """Timings of a case, the cheapest first; and the failures, in a sentence each.
 
-    Who does not fit in the budget even once is in neither.
+    All that within about `budget` wall seconds beyond imports: who does not fit in it even once is in neither.
     """
-    case, deadline = load(key), time.perf_counter() + budget
+    case = load(key)
     entries = [_entry(case, one) for one in sorted(contestants, key=lambda c: c.expected_s)]
-    loop = take_turns(entries, deadline)
+    for first in {e.contestant[:2]: e for e in reversed(entries)}.values():
+        _import(first)
+    loop = take_turns(entries, time.perf_counter() + budget)
     timings = {e.contestant[:3]: timing(e, loop) for e in entries if e.repeats}
     return timings, {e.contestant[:3]: e.failure for e in entries if e.failure}
 
@@ -161,6 +166,16 @@ def _entry(case: Case, one: Contestant) -> Entry:
     return Entry(one, partial(module.build, case, one.route, setting), module.run, module.read, failure=failure)
 
 
+def _import(entry: Entry) -> None:
+    """Build once, before the budget runs: importing an engine takes seconds where the disk is cold."""
+    try:
+        spent = time.process_time()
+        entry.build()
+        entry.setup.append(time.process_time() - spent)
+    except Exception as problem:
+        entry.failure = f"{type(problem).__name__}: {problem}"
+
+
 def take_turns(entries: Sequence[Entry], deadline: float) -> float:
     """Repeat all entries in turn until each median is known or `deadline` (of time.perf_counter) is near; returns how
     long the calibration loop takes undisturbed, s."""
@@ -169,19 +184,29 @@ def take_turns(entries: Sequence[Entry], deadline: float) -> float:
     def fits(entry: Entry) -> bool:
         return not entry.failure and time.perf_counter() + entry.repeat_s < deadline
 
-    waiting = list(entries)
+    def turn(entry: Entry) -> None:
+        if not fits(entry):
+            return
+        first = not entry.repeats
+        _repeat(entry, loops)
+        if first and entry.repeats and entry.repeats[0].cpu < _FIRST_SECONDS and fits(entry):
+            _repeat(entry, loops)
+            if not entry.failure:
+                del entry.repeats[0]
+
+    def left() -> list[Entry]:
+        loop = _undisturbed(loops)
+        return [e for e in entries if fits(e) and not _enough(e, loop)]
+
+    waiting = left()
     while waiting:
         for entry in waiting:
-            if not fits(entry):
-                continue
-            first = not entry.repeats
-            _repeat(entry, loops)
-            if first and entry.repeats and entry.repeats[0].cpu < _FIRST_SECONDS and fits(entry):
-                _repeat(entry, loops)
-                if not entry.failure:
-                    del entry.repeats[0]
-        loop = _undisturbed(loops)
-        waiting = [e for e in waiting if fits(e) and not _enough(e, loop)]
+            if entry.repeat_s > _CHEAP_SECONDS:
+                for cheap in left():
+                    if cheap.repeats and cheap.repeat_s <= _CHEAP_SECONDS:
+                        turn(cheap)
+            turn(entry)
+        waiting = left()
     return _undisturbed(loops)
 
 

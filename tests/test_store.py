@@ -440,18 +440,19 @@ def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
 
 
 @pytest.mark.parametrize("disturbed, calls", [(False, 1), (True, 2)])
-def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, calls, tmp_path, monkeypatch):
+def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, calls, tmp_path):
     timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 5, 0, disturbed)
     told = ({("pymunk", "native", "h=0.1"): timing}, {("pymunk", "native", "h=0.2"): "it fell over"})
     made = []
 
-    def measured(function, arguments, *_, **__):
-        made.append(arguments)
-        yield 0, workers.Answer("done", value=told)
+    class Pool(workers.Pool):
+        def run(self, function, arguments, *_, **__):
+            made.append(arguments)
+            yield 0, workers.Answer("done", value=told)
 
-    monkeypatch.setattr(workers, "run", measured)
     key = Keys(cases.load("disc_on_line"), VERSIONS).timing(told[0], budget=10.0)
-    answers = [precision._timed(Store(tmp_path), key, ("call",), 60.0) for _ in range(2)]
+    with Pool(1) as pool:
+        answers = [precision._timed(pool, Store(tmp_path), key, ("call",), 60.0) for _ in range(2)]
     assert [answer.value for answer in answers] == [told, told] and len(made) == calls
 
 
