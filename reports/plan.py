@@ -27,8 +27,8 @@ MADE_BY = "slip-to-roll report"
 REFERENCE = "reference"
 # The families every solver runs; they alone make up a quick report.
 SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
-# Families whose whole ladders stand in a default report, so that they can be timed: with the shared ones a lift-off and a
-# plate that is no disc, whose curvature changes.
+# Families whose whole ladders stand in a default report, so that they can be timed: with the shared ones a lift-off and
+# a plate that is no disc, whose curvature changes.
 WHOLE = (*SHARED, "disc_rolling_off_hill", "ellipse_in_circle")
 # Finished runs are kept where one works, as test runners and linters do: a fresh folder is a fresh start.
 STORE = ".slip-to-roll"
