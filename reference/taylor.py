@@ -41,9 +41,11 @@ def _converted(expression: sp.Expr, known: dict):
     known = dict(known)
     products: dict[sp.Expr, sp.Symbol] = {}
     powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
-    for power in sorted(powers, key=sp.count_ops):  # what a power contains comes before it
+    # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
+    # compiled before, so that a motion is the same to its last bit whatever ran earlier.
+    for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
         base = hy.from_sympy(power.base.xreplace(products), known)
-        products[power] = sp.Dummy()
+        products[power] = sp.Symbol(f"power_{i:04d}")
         known[products[power]] = _power(base, int(power.exp))
     return hy.from_sympy(expression.xreplace(products), known)
 

@@ -83,11 +83,11 @@ def measure(
     timings: dict[Key, Timing] = {}
     failures: dict[str, str] = {}
     # What the cheap cases leave of the budget the dear ones have.
-    cases.sort(key=lambda case: sum(one.expected_s for one in contestants(experiment, case.label)))
+    in_turn = sorted(cases, key=lambda case: sum(one.expected_s for one in contestants(experiment, case.label)))
     deadline = time.perf_counter() + BUDGET
 
     def one_by_one() -> Iterator[str]:
-        for place, case in enumerate(cases):
+        for place, case in enumerate(in_turn):
             left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
             budget = FULL_BUDGET_A_CASE if full else left
             label, key = case.label, CaseKey.of(case, files)

@@ -5,9 +5,11 @@ import time
 from functools import partial
 from itertools import groupby
 from math import isnan
+from types import SimpleNamespace
 
 import pytest
 
+import adapters
 import cases
 from reports import clock, trial
 from reports.clock import Contestant, Entry, Repeat
@@ -84,6 +86,38 @@ def test_contestants_take_turns(quiet_machine):
     clock.take_turns(entries, time.perf_counter() + 1.0)
     turns = [name for name, _ in groupby(order)]
     assert turns[:9] == list("abcabcabc")
+
+
+def test_cheap_contestants_are_seen_beside_all_of_a_dear_one(quiet_machine):
+    order: list[str] = []
+
+    def run(name: str, seconds: float, model) -> None:
+        order.append(name)
+        time.sleep(seconds)
+
+    entries = [
+        entry(name, run=partial(run, name, s)) for name, s in (("cheap", 0.001), ("dear", 0.06), ("costly", 0.08))
+    ]
+    clock.take_turns(entries, time.perf_counter() + 1.0)
+    turns = [name for name, _ in groupby(order)]
+    assert turns.count("cheap") >= turns.count("dear") + turns.count("costly") - 2
+    assert "dear costly" not in " ".join(turns[2:])
+
+
+def test_imports_are_off_the_budget(monkeypatch):
+    def build(case, route, setting):
+        time.sleep(0.3 if not built else 0.0)
+        built.append(setting)
+
+    built: list = []
+    setting = adapters.Setting.of(h=0.1)
+    module = SimpleNamespace(
+        ladder=lambda case, route: (setting,), build=build, run=lambda model: work(1000), read=lambda model: None
+    )
+    monkeypatch.setattr(clock, "solver", lambda name: module)
+    asked = [Contestant("late", "native", str(setting), 0.01)]
+    found, failed = clock.time_case(CaseKey.of(cases.load("disc_on_line")), asked, 0.2)
+    assert not failed and found["late", "native", str(setting)].repeats >= clock.LEAST_REPEATS
 
 
 def test_short_runs_are_warmed_up_and_run_in_a_row_of_models_of_their_own(quiet_machine):

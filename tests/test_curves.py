@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.special import ellipe
+from sympy.core.cache import clear_cache
 
 import cases
 import reference
@@ -115,3 +116,12 @@ def test_equal_curves_in_different_parametrisations_give_equal_motions():
     assert [t.time for t in b.transitions] == pytest.approx([t.time for t in a.transitions], abs=1e-10)
     times = np.linspace(0, here.duration, 20)
     assert b(times).x == pytest.approx(a(times).x, abs=1e-9)
+
+
+def test_equal_curves_share_their_formulas_whatever_sympy_remembers():
+    """What is kept by curve is looked up millions of times in a run: by identity, not by comparing formulas."""
+    one = Curve(lambda s: (2.0 * c.cos(s), 3.0 * c.sin(s)))
+    clear_cache()
+    same, other = Curve(lambda s: (2.0 * c.cos(s), 3.0 * c.sin(s))), Curve(lambda s: (4.0 * c.cos(s), 5.0 * c.sin(s)))
+    assert all(a is b for a, b in zip(one.expression, same.expression, strict=True))
+    assert one.structure is same.structure is other.structure and one.constants != other.constants
