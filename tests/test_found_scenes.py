@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from cases import Load, RollingResistance
+from cases import Gravity, Load, PerfectlyRough, RollingResistance, Unilateral
 from tests.scenes import ellipse_in_ellipse
 from tests.test_two_formulations import bouncing, check_agreement
 
@@ -13,6 +13,11 @@ def dragged(case, arm, stiffness):
     """The scene on a spring, in a wind that comes and goes, with rolling resistance."""
     more = (Load(fx=f"{-stiffness!r}*x + 3.0*sin(5.0*t)", moment="-0.01*omega"), RollingResistance(arm))
     return replace(case, effects=(*case.effects, *more))
+
+
+def rough(case):
+    """The scene on a track that never slips, without flight: a lift-off ends it."""
+    return replace(case, effects=(*(e for e in case.effects if isinstance(e, Gravity | Unilateral)), PerfectlyRough()))
 
 
 SCENES = {
@@ -107,6 +112,23 @@ SCENES = {
         gap=0.04413582908144991,
         restitution=0.6789991384586866,
         law="poisson",
+    ),
+    # A rough contact's normal force vanishes while friction acts, and without it the plate would be pressed on: where
+    # the motion would end at a lift-off, this is none.
+    "rough contact that can neither stay nor leave": rough(
+        ellipse_in_ellipse(
+            A=1.1959981406854079,
+            B=0.8288497948307739,
+            a=0.2538829647637495,
+            b=0.19842122173978882,
+            xi1=2.3667069231755873,
+            xi2=1.3801040032395022,
+            mu=0.0,
+            slip=0.0,
+            omega=4.327887048128492,
+            direction=-2.3035498950775883,
+            shift=0.048984588937339105,
+        )
     ),
 }
 
