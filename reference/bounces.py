@@ -57,9 +57,11 @@ class Bounces:
         self.size = sqrt(case.plate.inertia / case.plate.mass)
         self.last: list[_Bounce] = []
 
-    def add(self, landing: Landing, after: Touch) -> None:
-        """An impact and the velocities after it, with lift > 0."""
+    def add(self, since: float, landing: Landing, after: Touch) -> None:
+        """An impact that ends a flight begun at `since`, and the velocities after it, with lift > 0."""
         ratio, left = -after.lift / landing.touch.lift, inf
+        if self.last and since > self.last[-1].landing.time:  # the plate has lain on its track meanwhile
+            self.last.clear()
         if self.last:
             flown, rose = landing.time - self.last[-1].landing.time, self.last[-1].after.lift
             pull = (rose - landing.touch.lift) / flown

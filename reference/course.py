@@ -268,7 +268,7 @@ def _after_flight(case: Case, arc: Arc, bounces: Bounces, near: float) -> Step:
         return _rest(case, (flown,), landing.time, place, landing.theta, after, "landing")
     if landing.time - float(arc.times[0]) < OVER * case.duration:
         return _rest(case, (flown,), landing.time, place, landing.theta, after._replace(lift=0.0), "rest")
-    bounces.add(landing, after)
+    bounces.add(float(arc.times[0]), landing, after)
     limit = bounces.limit()
     if limit and landing.time < limit.time < case.duration:
         arcs, place = (flown, bounces.settling(arc.phase, limit)), (limit.xi1, limit.xi2)
