@@ -200,6 +200,10 @@ class _March:
             return True
         if not self.scene.one_sided or not any(name.startswith("cone") for name in fired):
             return False
+        return self._forceless(phase, z, turns)
+
+    def _forceless(self, phase: Phase, z, turns: int) -> bool:
+        """Whether the contact's forces have vanished together."""
         held, scale = self.scene.forces(self.t, z, phase, turns), self.scene.scale(self.t, z, turns)
         return max(abs(held.friction), abs(held.normal)) <= VANISHED * scale
 
@@ -213,6 +217,8 @@ class _March:
             z[2] = 0.0
         cone = any(name.startswith("cone") for name in fired)
         couple = any(name.startswith("couple") for name in fired)
+        if couple and not self.scene.one_sided and self._forceless(phase, z, turns):
+            return Touching(z, turns, phase._replace(side=-phase.side))  # the couple's bound vanished, and grows again
         return self._touching(z, turns, may_stick=not cone, may_hold=not couple)
 
     def _guards(self, phase: Phase, turns: int) -> dict[str, Callable]:
@@ -250,6 +256,8 @@ class _March:
     def _integrate(self, now: Touching, guards: dict[str, Callable]):
         scene, phase, turns, start = self.scene, now.phase, now.turns, self.t
         just_begun = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
+        if not scene.one_sided and self._forceless(phase, now.z, turns):
+            just_begun |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
         events = []
         for name, guard in guards.items():
             watched = start + BLIND * self.case.duration if just_begun.get(name) else start

@@ -16,7 +16,7 @@ from cases.errors import unknown
 
 from . import dop853, taylor
 from .arc import Arc
-from .course import run
+from .course import LOCATED, run
 from .modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .second_contact import first_meeting, fits_everywhere
 from .transitions import decide
@@ -71,9 +71,14 @@ def first_regime(case: Case, y) -> Regime | None:
     if not case.start.in_contact:
         return FLIGHT
     epsilon = float(np.finfo(float).eps)
-    # Eight roundings lie between what the start says and the speeds of the state.
-    moves = senses(case, y, case.start.slip, case.start.omega, 8 * epsilon)
-    return decide(case, 0.0, y, epsilon, able(case, *moves))
+    # Eight roundings lie between what the start says and the speeds of the state. A motion so slow that it ends at once
+    # leaves no regime; what is less than an event's own error is then none, as after events.
+    for error in (8 * epsilon, LOCATED):
+        moves = senses(case, y, case.start.slip, case.start.omega, error)
+        regime = decide(case, 0.0, y, epsilon, able(case, *moves))
+        if regime:
+            return regime
+    return None
 
 
 @lru_cache(maxsize=1)

@@ -156,6 +156,51 @@ SCENES["two spells of bouncing"] = with_effects(
     gap=0.0,
     lift=-3.1312739870170347e-307,
 )
+# A guide's normal force changes its sign while friction slips and the couple of rolling resistance holds: the couple's
+# bound vanishes with it, and grows again.
+SCENES["couple that holds through a vanishing force"] = with_effects(
+    ellipse_in_ellipse(
+        A=1.191045589624493,
+        B=1.0,
+        a=0.2748580194559459,
+        b=0.2767226471699522,
+        xi1=-2.220446049250313e-16,
+        xi2=5.543867559168545e-233,
+        mu=0.0,
+        slip=0.29,
+        omega=4.863380746040143,
+        direction=2.786565285382596,
+        shift=0.04276603263936481,
+    ),
+    law=(CoulombFriction(mu=0.17, mu_static=0.17),),
+    resistance=0.03504057699020305,
+    sided="guide",
+    e=0.6,
+    gap=0.0,
+    lift=0.0,
+)
+# A spin of a few roundings that ends in the first 1e-16 s.
+SCENES["spin that ends as it begins"] = with_effects(
+    ellipse_in_ellipse(
+        A=1.0956446909784083,
+        B=0.9505591429008795,
+        a=0.2336190628672276,
+        b=0.20506988563860273,
+        xi1=1.6,
+        xi2=-2.8,
+        mu=0.0,
+        slip=0.34000805273525964,
+        omega=1e-15,
+        direction=1.1754943508222875e-38,
+        shift=9.105350530397845e-94,
+    ),
+    law=(CoulombFriction(mu=0.09997328673864768, mu_static=0.129965272760242),),
+    resistance=0.00883679624329391,
+    sided="guide",
+    e=0.6,
+    gap=0.0,
+    lift=0.0,
+)
 
 
 @pytest.mark.parametrize("name", SCENES)
