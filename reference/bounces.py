@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import inf, sqrt
+from math import inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -46,6 +46,7 @@ class _Bounce(NamedTuple):
     landing: Landing
     after: Touch
     ratio: float
+    pull: float  # what brought it back, m/s²; NaN where it is not known
     left: float  # estimated time until the limit, in natural times
 
 
@@ -59,17 +60,20 @@ class Bounces:
 
     def add(self, since: float, landing: Landing, after: Touch) -> None:
         """An impact that ends a flight begun at `since`, and the velocities after it, with lift > 0."""
-        ratio, left = -after.lift / landing.touch.lift, inf
+        ratio, pull, left = -after.lift / landing.touch.lift, nan, inf
         if self.last and since > self.last[-1].landing.time:  # the plate has lain on its track meanwhile
             self.last.clear()
         if self.last:
             flown, rose = landing.time - self.last[-1].landing.time, self.last[-1].after.lift
             pull = (rose - landing.touch.lift) / flown
             natural = min(self.case.duration, sqrt(self.size / pull)) if pull > 0.0 else inf
+            change = abs(pull - self.last[-1].pull)
+            if change > 0.0:  # after a lift-off the pull grows from nothing, much faster than the plate swings
+                natural = min(natural, flown * pull / change)
             left = 2.0 * after.lift / (pull * (1.0 - ratio)) / natural if pull > 0.0 and ratio < 1.0 else inf
         if left > SMALL or abs(ratio - self.last[-1].ratio) > SMALL:
             self.last.clear()
-        self.last.append(_Bounce(landing, after, ratio, left))
+        self.last.append(_Bounce(landing, after, ratio, pull, left))
 
     def limit(self) -> Limit | None:
         """The limit, once enough impacts are known to find it to rounding."""

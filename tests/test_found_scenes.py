@@ -201,6 +201,28 @@ SCENES["spin that ends as it begins"] = with_effects(
     gap=0.0,
     lift=0.0,
 )
+# Bouncing that begins where the plate has hardly left: the pull back grows fast, and its limit was off by 2 µs.
+SCENES["bouncing in a growing pull"] = with_effects(
+    ellipse_in_ellipse(
+        A=1.1318335824353785,
+        B=0.9933618839950473,
+        a=0.22856755703852005,
+        b=0.18,
+        xi1=0.0,
+        xi2=0.0,
+        mu=0.0,
+        slip=1.0743235549623043,
+        omega=-4.91139038262332,
+        direction=-1.21821686127095,
+        shift=0.021198699955726735,
+    ),
+    law=(CoulombFriction(mu=0.8043165514874718, mu_static=1.0456115169337135),),
+    resistance=0.0,
+    sided="bounces",
+    e=0.6733656344400819,
+    gap=0.0,
+    lift=0.1158582198341549,
+)
 
 
 @pytest.mark.parametrize("name", SCENES)
