@@ -185,7 +185,7 @@ class _March:
             after = self._off(z, turns)
             # A perfectly rough contact may end while friction still acts; freed of it, the plate must not be pressed
             # onto its track, or it can neither stay nor leave.
-            if self.scene.laws.stick == inf and not leaves(self.scene, self.t, z, turns):
+            if isinstance(after, Flying) and self.scene.laws.stick == inf and not leaves(self.scene, self.t, z, turns):
                 return Stopped("paradox")
         else:
             after = self._after(phase, fired, z, turns) or self._without_mode(z, turns)

@@ -114,8 +114,8 @@ SCENES = {
         restitution=0.6789991384586866,
         law="poisson",
     ),
-    # A rough contact's normal force vanishes while friction acts, and without it the plate would be pressed on: where
-    # the motion would end at a lift-off, this is none.
+    # A rough contact's normal force vanishes while friction acts, and without it the plate would be pressed on:
+    # where the case ends at a lift-off, the one calls it a paradox.
     "rough contact that can neither stay nor leave": rough(
         ellipse_in_ellipse(
             A=1.1959981406854079,
