@@ -153,7 +153,7 @@ def small(svg: str) -> str:
     svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
     svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{_short(float(m[2]))}"', svg)
     svg = re.sub(r"\s*\n\s*", "\n", svg)
-    svg = re.sub(r"<g id=[^ >]*", "<g", svg)  # groups are named and never referred to
+    svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # groups are named and never referred to
     for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
         svg = svg.replace(f'"{name}"', f'"i{place}"').replace(f"#{name}", f"#i{place}")
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
