@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 import cases
 from cases import CaseError
@@ -18,8 +19,15 @@ def pytest_addoption(parser):
     parser.addoption("--case-file", action="append", default=[], metavar="FILE", help="test the cases of this file")
 
 
+# `make test` draws the same examples everywhere and always: what fails is the change, not the draw. The slow tests,
+# and whoever gives a seed, draw others.
+settings.register_profile("same", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
 def pytest_configure(config):
-    """Load the case files; what is wrong with one is told in one line."""
+    """Choose what is drawn; load the case files, and tell in one line what is wrong with one."""
+    if config.option.markexpr == "not slow" and config.getoption("--hypothesis-seed", None) is None:
+        settings.load_profile("same")
     try:
         config.own_cases = [name for file in config.getoption("--case-file") for name in cases.load_file(file)]
     except CaseError as problem:
