@@ -31,9 +31,13 @@ from .trial import load, solver
 BOUND = 0.02
 # No spread is told of fewer repeats; with more than so many the machine, not the count, is the limit.
 LEAST_REPEATS, MOST_REPEATS = 3, 60
-# Of fewer repeats than these the quartiles are no better known than the extremes, which are told in their place: the
+# Of fewer repeats than these quantiles are no better known than the extremes, which are told in their place: the
 # extremes of six hold the median with a chance of 97 %, those of five with 94 %.
-_QUARTILES_FROM = 6
+_QUANTILES_FROM = 6
+# Two processes that do the same work take unlike times, each always its own: their code and data lie elsewhere. Medians
+# of thirty repeats deviate by 1.3 to 2.9 % from process to process (24 settings of three solvers, ten processes; one of
+# them by 12 %). With intervals no narrower than this, 99.9 % of the ratios of two processes agree; without, 98 %.
+_PROCESS = 0.03
 # The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
 _FIRST_SECONDS = 0.03
 # Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.
@@ -68,8 +72,9 @@ class Timing:
     """What a setting took, in seconds.
 
     Medians over the undisturbed repeats (over all if there are fewer than `LEAST_REPEATS`: then `disturbed`) of `run`:
-    CPU and wall; [cpu_low_s, cpu_high_s] runs from quartile to quartile of the CPU time, or from least to greatest of
-    few repeats (NaN of fewer than three). CPU seconds apart from those: `setup_s` of `build`, the median; `compile_s`
+    CPU and wall; [cpu_low_s, cpu_high_s] runs from the first to the last decile of the CPU time, of few repeats from
+    the least to the greatest, and at least 3 % to either side, by which processes differ (NaN of fewer than three repeats).
+    CPU seconds apart from those: `setup_s` of `build`, the median; `compile_s`
     what the first `build` took beyond that (imports, derivation, compilation; what settings share is paid by the first
     of them); `read_s` of `read`. `repeats` counts what the medians are of, `disturbed_repeats` what was thrown away.
     """
@@ -218,20 +223,27 @@ def known(seconds: Sequence[float]) -> bool:
     """Whether the median of these repeats is known to `BOUND`, or no more of them would help."""
     if len(seconds) < LEAST_REPEATS:
         return False
-    low, high = interval(seconds)
+    low, high = _middle(seconds, 4)
     # Standard error of a normal sample's median, its deviation taken from the quartiles: 1.253 σ/√n, σ = IQR/1.349.
     error = 0.929 * (high - low) / sqrt(len(seconds))
     return len(seconds) >= MOST_REPEATS or error <= BOUND * statistics.median(seconds)
 
 
 def interval(seconds: Sequence[float]) -> tuple[float, float]:
-    """From quartile to quartile, or from least to greatest of few; NaN of fewer than `LEAST_REPEATS`."""
+    """Where the median of another process is expected; NaN of fewer than `LEAST_REPEATS`."""
     if len(seconds) < LEAST_REPEATS:
         return nan, nan
-    if len(seconds) < _QUARTILES_FROM:
+    low, high = _middle(seconds, 10)
+    median = statistics.median(seconds)
+    return min(low, (1.0 - _PROCESS) * median), max(high, (1.0 + _PROCESS) * median)
+
+
+def _middle(seconds: Sequence[float], parts: int) -> tuple[float, float]:
+    """What lies between the first and the last of so many equal parts; of few, between the extremes."""
+    if len(seconds) < _QUANTILES_FROM:
         return min(seconds), max(seconds)
-    low, _, high = statistics.quantiles(seconds, n=4, method="inclusive")
-    return low, high
+    cuts = statistics.quantiles(seconds, n=parts, method="inclusive")
+    return cuts[0], cuts[-1]
 
 
 def timing(entry: Entry, loop: float) -> Timing:
