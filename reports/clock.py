@@ -73,8 +73,8 @@ class Timing:
 
     Medians over the undisturbed repeats (over all if there are fewer than `LEAST_REPEATS`: then `disturbed`) of `run`:
     CPU and wall; [cpu_low_s, cpu_high_s] runs from the first to the last decile of the CPU time, of few repeats from
-    the least to the greatest, and at least 3 % to either side, by which processes differ (NaN of fewer than three repeats).
-    CPU seconds apart from those: `setup_s` of `build`, the median; `compile_s`
+    the least to the greatest, and at least 3 % to either side, by which processes differ (NaN of fewer than three
+    repeats). CPU seconds apart from those: `setup_s` of `build`, the median; `compile_s`
     what the first `build` took beyond that (imports, derivation, compilation; what settings share is paid by the first
     of them); `read_s` of `read`. `repeats` counts what the medians are of, `disturbed_repeats` what was thrown away.
     """
