@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from itertools import cycle
 from math import hypot, nan
 from pathlib import Path
@@ -74,6 +74,7 @@ class Probe(NamedTuple):
     seconds: float = nan
 
 
+@lru_cache
 def stages(scene: str) -> tuple[Stage, ...]:
     """The stages of a scene of `SCENES`, from gravity alone to all its effects."""
     make, effects = SCENES[scene]
@@ -153,6 +154,7 @@ def _setting(module, case: Case, route: str):
     return next((s for s in ladder if str(s) == _RTOL), ladder[len(ladder) // 2])
 
 
+@lru_cache
 def compiled(case: Case) -> tuple[int, int]:
     """Operations of the largest of the case's compiled modes of contact (rates and events, after common
     subexpressions), and how many events are watched in the mode that watches most."""

@@ -27,20 +27,21 @@ from .workers import Answer
 LIMIT_SECONDS = 60.0
 
 Tell = Callable[[str, int, Iterator], Iterator]
-Thin = Callable[[str, tuple[Setting, ...]], tuple[Setting, ...]]
+Thin = Callable[[str, str, tuple[Setting, ...]], tuple[Setting, ...]]
 
 
 def run(
     asked: tuple[Case, ...],
     solvers: tuple[str, ...],
     files: tuple[str, ...] = (),
-    thin: Thin = lambda case, settings: settings,
+    thin: Thin = lambda case, solver, settings: settings,
     jobs: int = 2,
     limit: float = LIMIT_SECONDS,
     tell: Tell = lambda step, total, answers: answers,
     store: Store | None = None,
 ) -> Experiment:
-    """Run every setting (of those `thin(case name, ladder)` leaves) of every route of every solver on every case.
+    """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, ladder)`
+    leaves.
 
     `tell(step, total, answers)` may show progress: it hands on what it iterates over. Without a `store` nothing is
     kept.
@@ -121,7 +122,7 @@ class _Bench:
     def runs(self, tasks: list[_Task]) -> Iterator[tuple[int, Run]]:
         """Place and run of every task as they come: those kept first, then those made, each kept before it is told."""
         left: list[_Task] = []
-        slow: list[_Task] = []
+        slow: list[tuple] = []
         for task in tasks:
             # A finished run stands whatever the limit is now; one that ran out of time, under the limit it had.
             kept = self.store.get("run", task.key, Run) or self.store.get("run", _within(task.key, self.limit), Run)
@@ -129,13 +130,13 @@ class _Bench:
                 left.append(task)
                 continue
             if kept.outcome == "timed_out":
-                slow.append(task)
+                slow.append(task.call)
             yield task.place, replace(kept, rung=task.call[4])
         step = _title("runs", len(tasks) - len(left))
-        for i, answer in self._calls(step, perform, [t.call for t in left], lambda i: hopeless(left[i], slow)):
+        for i, answer in self._calls(step, perform, [t.call for t in left], lambda i: hopeless(left[i].call, slow)):
             task, found = left[i], _run(left[i], answer)
             if found.outcome == "timed_out":
-                slow.append(task)
+                slow.append(task.call)
             if answer.lasting and answer.outcome != "raised":
                 key = _within(task.key, self.limit) if found.outcome == "timed_out" else task.key
                 self.store.put("run", key, found)
@@ -159,12 +160,13 @@ def _title(step: str, kept: int) -> str:
     return f"{step} ({kept} more from the store)" if kept else step
 
 
-def hopeless(task: _Task, slow: Iterable[_Task]) -> Answer | None:
-    """A rung finer than one that ran out of time would run out of time as well: it is told so, not waited for."""
+def hopeless(call: tuple, slow: Iterable[tuple]) -> Answer | None:
+    """A rung finer than one that ran out of time would run out of time as well: it is told so, not waited for.
+
+    Calls are (case, solver, route, setting, rung, …); ladders go from coarse to fine."""
     for other in slow:
-        # Ladders go from coarse to fine: an earlier place of the same case, solver and route is coarser.
-        if other.call[:3] == task.call[:3] and other.place < task.place:
-            return Answer("timed_out", reason=f"not tried: {other.call[3]} had run out of time", lasting=False)
+        if other[:3] == call[:3] and other[4] < call[4]:
+            return Answer("timed_out", reason=f"not tried: {other[3]} had run out of time", lasting=False)
     return None
 
 
@@ -189,7 +191,7 @@ def _planned(
             if excuse:
                 runs.append(Run(label, name, offer.route, "", 0, *excuse))
                 continue
-            for rung, setting in enumerate(thin(names[label].name, offer.settings), start=1):
+            for rung, setting in enumerate(thin(names[label].name, name, offer.settings), start=1):
                 call = (names[label], name, offer.route, setting, rung, truth)
                 tasks.append(_Task(len(runs), label, call, keys[label].run(name, offer.route, setting, judge)))
                 runs.append(Run(label, name, offer.route, str(setting), rung, outcome=""))

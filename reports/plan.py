@@ -57,15 +57,18 @@ class Plan:
         """Wall seconds a run may take."""
         return _LIMITS[self.effort]
 
-    def thin(self, case: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
-        """The rungs to run: all, or the defaults and three for a quick report, one in the breadth of the catalogue."""
+    def thin(self, case: str, solver: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+        """The rungs to run: all, or the defaults and three for a quick report, one in the breadth of the catalogue.
+
+        There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion."""
         if self.effort == "full" or (self.effort == "default" and (self.asked or case in WHOLE)):
             return settings
         from .records import is_default_setting
 
         ladder = [s for s in settings if not is_default_setting(s)]
         third = len(ladder) // 3
-        places = sorted({0, third, 2 * third} if self.effort == "quick" else {2 * third}) if ladder else []
+        one = len(ladder) - 1 if solver == REFERENCE else 2 * third
+        places = sorted({0, third, 2 * third} if self.effort == "quick" else {one}) if ladder else []
         return (*(s for s in settings if is_default_setting(s)), *(ladder[i] for i in places))
 
 

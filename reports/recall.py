@@ -28,7 +28,12 @@ class Recall:
         self._store, self._versions = store, versions
 
     def run(
-        self, function: Callable, arguments: Sequence[tuple], jobs: int = 1, limit: float = 60.0
+        self,
+        function: Callable,
+        arguments: Sequence[tuple],
+        jobs: int = 1,
+        limit: float = 60.0,
+        instead: Callable[[int], Answer | None] = lambda index: None,
     ) -> Generator[tuple[int, Answer]]:
         """As `workers.run`, but for what is kept, which comes first. What a call returned is kept; a failure is not.
 
@@ -45,7 +50,8 @@ class Recall:
                 yield i, Answer("done", value=kept)
         if not left:
             return
-        with closing(workers.run(function, [arguments[i] for i in left], jobs, limit)) as coming:
+        calls = [arguments[i] for i in left]
+        with closing(workers.run(function, calls, jobs, limit, lambda k: instead(left[k]))) as coming:
             for k, answer in coming:
                 if answer.outcome == "done":
                     self._store.put(_KIND, keys[left[k]], answer.value)

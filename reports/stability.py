@@ -28,6 +28,7 @@ from cases.errors import unknown
 from reference import certification
 
 from . import health, trial, unstable, workers
+from .experiment import hopeless
 from .health import Conditioning, Health, Spread
 from .records import REFERENCE, TRUTH_RTOL, CaseKey, Offer, Run, Truth, is_default_setting
 
@@ -41,8 +42,9 @@ UNSEEN = 1e-9
 # One unit in the last place may move the centre by a millionth of its path: engines that come nearer than that to the
 # truth would be ranked by noise.
 CHAOTIC = 1e-6
-# Wall seconds a run may take; deriving the equations of the hardest outlines takes a fraction of a minute by itself.
-_LIMIT, _FULL_LIMIT, _DERIVING = 5.0, 600.0, 120.0
+# Wall seconds a run may take; deriving the equations of the hardest outlines takes a fraction of a minute by itself. No
+# run of a default report takes between 4 and 10 s on the machine it was chosen on: its outcome is the same on others.
+_LIMIT, _FULL_LIMIT, _DERIVING = 7.0, 600.0, 120.0
 # Samples of the true motion that travel to the engines' judge. Between them it is interpolated by cubics: for the
 # longest of the short scenes that is good to 1e-9 of the plate's size.
 _SAMPLES = 4000
@@ -111,8 +113,14 @@ def measure(
     keys = {case.label: CaseKey.of(case, files) for case in chosen}
     limit = _FULL_LIMIT if full else _LIMIT
 
-    def step(name: str, function: Callable, asked: list[tuple], seconds: float) -> list[workers.Answer]:
-        answers: dict[int, workers.Answer] = dict(tell(name, len(asked), calls(function, asked, jobs, seconds)))
+    def step(name: str, function: Callable, asked: list[tuple], seconds: float, instead=lambda call, slow: None):
+        answers: dict[int, workers.Answer] = {}
+        slow: list[tuple] = []
+        coming = calls(function, asked, jobs, seconds, lambda i: instead(asked[i], slow))
+        for i, answer in tell(name, len(asked), coming):
+            answers[i] = answer
+            if answer.outcome == "timed_out":
+                slow.append(asked[i])
         return [answers[i] for i in range(len(asked))]
 
     looks = step("scenes", look, [(key, REFERENCE in solvers, full) for key in keys.values()], limit + _DERIVING)
@@ -126,7 +134,7 @@ def measure(
                 runs_of, more = _plan(keys[case.label], name, offer, scenes[case.label], full)
                 runs += runs_of
                 todo += more
-    for call, answer in zip(todo, step("engines", assess, todo, limit), strict=True):
+    for call, answer in zip(todo, step("engines", assess, todo, limit, hopeless), strict=True):
         runs.append(answer.value if answer.outcome == "done" else (_failed(call, answer), Health()))
     brackets = _brackets(chosen, keys, engines, full, step)
     place = {case.label: i for i, case in enumerate(chosen)}

@@ -95,12 +95,13 @@ def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogu
     settings = (Setting.of(rung="defaults"), *(Setting.of(h=10.0**-i) for i in range(7)))
     few, fewer = (settings[0], settings[1], settings[3], settings[5]), (settings[0], settings[5])
 
-    def kept(effort, asked, case):
-        return plan.Plan(Path("x"), (), (), (), effort, 1, (), asked).thin(case, settings)
+    def kept(effort, asked, case, solver="pymunk"):
+        return plan.Plan(Path("x"), (), (), (), effort, 1, (), asked).thin(case, solver, settings)
 
     assert kept("quick", True, "disc_in_circle") == few
     assert kept("default", False, "disc_in_circle") == settings
     assert kept("default", False, "littlewood_hoop") == fewer
+    assert kept("default", False, "littlewood_hoop", "reference") == (settings[0], settings[-1])
     assert kept("default", True, "littlewood_hoop") == settings
     assert kept("full", False, "littlewood_hoop") == settings
 

@@ -139,8 +139,8 @@ def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle():
 
 
 def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
-    ladder = [experiment._Task(i, "c", ("c", "s", "r", f"h={h}", i, None), None) for i, h in enumerate((1, 2, 3))]
-    elsewhere = experiment._Task(3, "c", ("c", "s", "q", "h=1", 0, None), None)
+    ladder = [("c", "s", "r", f"h={h}", i, None) for i, h in enumerate((1, 2, 3))]
+    elsewhere = ("c", "s", "q", "h=1", 0, None)
     slow = [ladder[1]]
     assert experiment.hopeless(ladder[0], slow) is None and experiment.hopeless(elsewhere, slow) is None
     told = experiment.hopeless(ladder[2], slow)
