@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from .drawing import Drawn
 
 # Wall seconds for the timings of a scene: the stages of the reference take milliseconds, of an engine up to a second.
-BUDGET = 6.0
+BUDGET = 5.0
 # A stage that takes longer than this has lost its way; the slowest engine needs two seconds.
 LIMIT = 30.0
 # The reference at a tolerance that engines do not reach, engines in the middle of their ladders: one price for each.

@@ -128,7 +128,7 @@ def measure(
     runs = [run for scene in scenes.values() for run in scene.runs]
     engines = [name for name in solvers if name != REFERENCE]
     todo: list[tuple] = []
-    for case in chosen:
+    for case in sorted(chosen, key=lambda case: -case.duration):  # the longest at the end would have the others wait
         for name in engines:
             for offer in trial.survey(keys[case.label], name):
                 runs_of, more = _plan(keys[case.label], name, offer, scenes[case.label], full)

@@ -84,7 +84,7 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
 def rows_of(chosen: tuple[Case, ...], most: int) -> None:
     """Run `most` settings of every route on the cases; fails unless each route has its row: a result or a reason."""
     names = tuple(installed())
-    found = experiment.run(chosen, names, thin=lambda name, settings: settings[:most])
+    found = experiment.run(chosen, names, thin=lambda case, solver, settings: settings[:most])
     for case in chosen:
         for name, route in ROUTES:
             rows = [r for r in found.runs if (r.case, r.solver, r.route) == (case.label, name, route)]
