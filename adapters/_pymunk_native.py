@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity, Impact, Load, PerfectlyRough
+from cases import Case, CoulombFriction, Gravity, Impact, Load, NotSupported, PerfectlyRough
 from cases.contact import pose, start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
@@ -224,6 +224,10 @@ def _tightest_hill(case: Case) -> float:
 # --- the space -------------------------------------------------------------------------------------------------------
 
 
+# A segment takes 1.2 kilobytes, its share of the engine's tree and the arrays it is made from included.
+_MOST_FACETS = 1_000_000
+
+
 def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     """A space with the track as static shapes and the plate at the case's start, gravity and friction included."""
     space = pymunk.Space()
@@ -305,6 +309,11 @@ def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Sha
     The corners lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
     """
     part, track, count, thickness = stretch(case), case.track, setting["facets"], setting["thickness"]
+    if count > _MOST_FACETS:
+        raise NotSupported(
+            f"At this step so near a fit needs {count:,} facets, and a million take more than a gigabyte of memory; "
+            "give a coarser setting."
+        )
     s = _equal_arcs(case, part, count)
     bend = track.curvature(s) * (part.length / count) ** 2 / 12
     corners = track.point(s) - (thickness + bend) * track.normal(s)

@@ -200,17 +200,23 @@ def measure(
 ) -> list[dict[str, Any]]:
     """The rows of all scenes: one for each stage and route. `calls` makes what is not timed, as `workers.run` does."""
     rows = []
-    for scene in SCENES:
-        count = len(stages(scene))
-        asked = [(scene, i, name, route) for name in solvers for route in _routes(name) for i in range(count)]
-        answers = tell(f"effects {scene}", len(asked), calls(probe, asked, jobs, LIMIT))
-        probes = {asked[k][1:]: _probe(answer) for k, answer in answers}
-        timed = [(*who, p.seconds) for who, p in probes.items() if p.outcome == "done"]
-        (_, answer), *_ = workers.run(prices, [(scene, timed, budget)], 1, budget + 2 * LIMIT)
-        told = answer.value if answer.outcome == "done" else {}
-        order = sorted(probes, key=lambda who: (solvers.index(who[1]), _routes(who[1]).index(who[2]), who[0]))
-        rows += [_row(scene, who, probes, told) for who in order]
+    with workers.Pool(1) as alone:
+        for scene in SCENES:
+            rows += _priced(scene, solvers, jobs, budget, tell, calls, alone)
     return rows
+
+
+def _priced(scene: str, solvers: Sequence[str], jobs: int, budget: float, tell, calls, alone: workers.Pool):
+    """The rows of a scene; timed in the worker that is `alone`, which has imported everything at the second one."""
+    count = len(stages(scene))
+    asked = [(scene, i, name, route) for name in solvers for route in _routes(name) for i in range(count)]
+    answers = tell(f"effects {scene}", len(asked), calls(probe, asked, jobs, LIMIT))
+    probes = {asked[k][1:]: _probe(answer) for k, answer in answers}
+    timed = [(*who, p.seconds) for who, p in probes.items() if p.outcome == "done"]
+    (_, answer), *_ = alone.run(prices, [(scene, timed, budget)], budget + 2 * LIMIT)
+    told = answer.value if answer.outcome == "done" else {}
+    order = sorted(probes, key=lambda who: (solvers.index(who[1]), _routes(who[1]).index(who[2]), who[0]))
+    return [_row(scene, who, probes, told) for who in order]
 
 
 def _routes(name: str) -> tuple[str, ...]:

@@ -29,7 +29,7 @@ NEVER, NOT_TIMED, NOT_KNOWN, DISTURBED = "never", "not timed", "not known", "dis
 LEAST_SETTINGS = 6
 # Wall seconds for all timings of a default report, and how many cases share them: once through the full ladder of every
 # route takes some five seconds on a dear case, and an interval needs three times.
-BUDGET, MOST_CASES = 50.0, 5
+BUDGET, MOST_CASES = 54.0, 5
 # A full report times every case, each for about so long.
 FULL_BUDGET_A_CASE = 60.0
 # Beyond its budget a case may take as long as one run more and its compilations.
@@ -261,14 +261,15 @@ def time_to_accuracy_rows(points: Sequence[dict[str, Any]]) -> list[dict[str, An
     `cpu_s` is a number, or: never (no setting is as accurate), not timed (one is, and the budget did not reach it),
     not known (the truth itself is not that sure), disturbed (the machine was, so that nothing is ranked by it). The
     ratio's interval is that of both times. `rank` counts the routes that are faster for sure, their intervals being
-    apart, and one: routes that share it cannot be told apart. `null_reaches`: a null motion is as accurate.
+    apart, and one: routes that share it cannot be told apart; who has too few repeats for an interval has none.
+    `null_reaches`: a null motion is as accurate.
     """
     rows = []
     for (case, quantity), of_quantity in groups(points, "case", "quantity").items():
         for accuracy in ACCURACIES:
             best = {who: _cheapest(group, accuracy) for who, group in groups(of_quantity, "solver", "route").items()}
             found = [p for p in best.values() if not isinstance(p, str)]
-            ranked = [p for p in found if not p["disturbed"]]
+            ranked = [p for p in found if not p["disturbed"] and isfinite(p["cpu_low_s"])]
             fastest = min(found, key=lambda p: p["cpu_s"], default=None)
             for (solver, route), point in best.items():
                 told: dict[str, Any] = {
@@ -291,7 +292,8 @@ def time_to_accuracy_rows(points: Sequence[dict[str, Any]]) -> list[dict[str, An
                 elif not point["disturbed"]:
                     told |= {"cpu_s": point["cpu_s"], "setting": point["setting"]}
                     told |= {"cpu_low_s": point["cpu_low_s"], "cpu_high_s": point["cpu_high_s"]}
-                    told["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
+                    if point in ranked:
+                        told["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
                     # Who is the fastest is not known if it may be one that was disturbed.
                     if fastest is not None and not fastest["disturbed"]:
                         told |= dict(

@@ -375,3 +375,11 @@ def test_numbers_that_are_not_finite_are_a_failure_and_no_motion(route):
 def test_nothing_is_printed(route, capfd):
     motion(ellipse_in_circle(), route, 4e-3)
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_chain_that_would_fill_the_memory_is_refused():
+    pymunk, case = engine("pymunk"), cases.load("nearly_conforming", gap=1e-8)
+    fine = pymunk.ladder(case, "native")[3]
+    assert fine["facets"] > 10**6
+    with pytest.raises(cases.NotSupported, match="needs .* facets, .* give a coarser setting"):
+        pymunk.build(case, "native", fine)
