@@ -127,10 +127,10 @@ def file_name(label: str) -> str:
 def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
     """Write NAME.svg into the folder (and NAME.png) and forget the figure."""
     text = StringIO()
-    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
     (folder / f"{name}.svg").write_text(small(text.getvalue()), encoding="utf-8")
     if png:
-        figure.savefig(folder / f"{name}.png", dpi=160)
+        figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
     plt.close(figure)
     return Drawn(name, case, title, caption)
 
