@@ -114,6 +114,29 @@ SCENES = {
         restitution=0.6789991384586866,
         law="poisson",
     ),
+    # The friction leaves its cone for a moment between two looks of the second formulation, whose next transition is of
+    # the same kind: it must look again where times differ, too.
+    "leaves its cone between two looks": with_effects(
+        ellipse_in_ellipse(
+            A=1.0257595233841441,
+            B=0.9999999999999999,
+            a=0.18,
+            b=0.25,
+            xi1=1.0433826156214439,
+            xi2=-2.1815141483521288,
+            mu=0.0,
+            slip=0.0,
+            omega=-4.291298685761675,
+            direction=0.023887408884832345,
+            shift=-6.612690635197184e-182,
+        ),
+        law=(CoulombFriction(mu=0.6444604092295558, mu_static=0.8377985319984226),),
+        resistance=0.023887408884832345,
+        sided="lands",
+        e=0.3978805306777587,
+        gap=0.023887408884832345,
+        lift=-2.913545561339567e-101,
+    ),
     # A rough contact's normal force vanishes while friction acts, and without it the plate would be pressed on:
     # where the case ends at a lift-off, the one calls it a paradox.
     "rough contact that can neither stay nor leave": rough(
