@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import count
-from math import inf, pi
+from math import inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +37,9 @@ BLIND = 1e-6
 # Friction and normal force that are both below this part of the scene's forces when friction reaches its bound have
 # vanished together: the contact ends, and no slip begins.
 VANISHED = 1e-9
+
+# A start's spin or slip that is this part of the other is a few roundings of it.
+NOTHING = 1e-15
 
 # Far more changes than any motion of a few seconds has; a loop without progress is told, not run for ever.
 MOST_CHANGES = 5000
@@ -145,7 +148,11 @@ class _March:
     def _start(self) -> Touching | Flying | Stopped:
         begin = start_motion(self.case)
         body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
-        z = [begin.xi1, begin.xi2, begin.omega, begin.slip]
+        # A speed that is a few roundings of the other is none: it would turn back and return within a step unseen.
+        size = sqrt(self.case.plate.inertia / self.case.plate.mass)
+        omega = begin.omega if size * abs(begin.omega) > NOTHING * abs(begin.slip) else 0.0
+        slip = begin.slip if abs(begin.slip) > NOTHING * size * abs(begin.omega) else 0.0
+        z = [begin.xi1, begin.xi2, omega, slip]
         if self.case.start.in_contact:
             return self._touching(z, 0) or self._without_mode(z, 0)
         if self.case.start.gap == 0.0 and self.case.start.lift < 0.0:

@@ -246,6 +246,50 @@ SCENES["bouncing in a growing pull"] = with_effects(
     gap=0.0,
     lift=0.1158582198341549,
 )
+# The spin of a rounding turned, and turned back, within the second formulation's first step: its sign was never right.
+SCENES["guided from a spin of nothing"] = with_effects(
+    ellipse_in_ellipse(
+        A=1.2,
+        B=0.9270629057997604,
+        a=0.2980985600100117,
+        b=0.2574159073236724,
+        xi1=-1.8676700522561114e-103,
+        xi2=-2.934736983977861e-208,
+        mu=0.0,
+        slip=-0.8878899304171057,
+        omega=-1.0060266781734276e-295,
+        direction=-1.7353293941259502,
+        shift=0.04005352606416755,
+    ),
+    law=(CoulombFriction(mu=0.41031435767928875, mu_static=0.41031435767928875),),
+    resistance=0.02813965337553222,
+    sided="guide",
+    e=0.6,
+    gap=0.0,
+    lift=0.0,
+)
+# Settles for 4.6 ms, in which the energy of the chord dips by more than a test of milliseconds allowed.
+SCENES["settles for long"] = with_effects(
+    ellipse_in_ellipse(
+        A=1.0,
+        B=0.9397577847711657,
+        a=0.29890341798901654,
+        b=0.29,
+        xi1=1.0704978682539812,
+        xi2=-1.654648638681285,
+        mu=0.0,
+        slip=1.44214565994947,
+        omega=0.5,
+        direction=5.697389424521501e-81,
+        shift=0.001,
+    ),
+    law=(),
+    resistance=0.0,
+    sided="bounces",
+    e=0.7564458582043889,
+    gap=0.03814206260919567,
+    lift=0.0,
+)
 
 
 @pytest.mark.parametrize("name", SCENES)
