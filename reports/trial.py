@@ -71,8 +71,7 @@ def _offer(module: ModuleType, case: Case, route: str) -> Offer:
         return Offer(route, (), "crashed", f"its ladder fails: {_sentence(problem)}")
 
 
-# A worker keeps the motions of the cases it has begun: it is given the rest of what is to be done with them.
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=2)
 def _true_motion(key: CaseKey, method: str) -> Trajectory:
     return reference.simulate(load(key), rtol=TRUTH_RTOL, method=method)
 

@@ -90,18 +90,17 @@ class Pool:
     ) -> Generator[tuple[int, Answer]]:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
-        Calls with the same first argument begin in order, by one worker where that leaves nobody idle, in later runs of
-        the pool too: what it compiled for a case serves all that is done with the case. Yields (i, answer) as they end;
-        `instead(i)`, asked just before call i would begin, may give an answer in its place. The function and its
-        arguments travel by pickle, so the function lives at the top of a module. Calls that are still running when the
-        iterator ends are killed.
+        Calls with the same first argument begin in order, by one worker where that leaves nobody idle: what it
+        compiled for a case serves all of the case's runs. Yields (i, answer) as they end; `instead(i)`, asked just
+        before call i would begin, may give an answer in its place. The function and its arguments travel by pickle, so
+        the function lives at the top of a module. Calls that are still running when the iterator ends are killed.
         """
         waiting = dict(enumerate(arguments))
         try:
             while waiting or self._busy():
                 while waiting and len(self._busy()) < self._jobs:
                     worker = self._idle()
-                    index = worker.next_of(waiting, [other for other in self._workers if other is not worker])
+                    index = worker.next_of(waiting, [other.subject for other in self._busy()])
                     args = waiting.pop(index)
                     given = instead(index)
                     if given is not None:
@@ -148,28 +147,17 @@ class _Worker:
             os.environ.update(before)
         far_end.close()
         self.busy, self.begun, self.alive, self.index, self.deadline = False, False, True, -1, 0.0
-        self.subjects: list[tuple] = []  # the first arguments of its calls, the last at the end
+        self.subject: tuple = ()  # the first argument of its last call
 
-    def next_of(self, waiting: Mapping[int, tuple], others: Sequence[_Worker]) -> int:
-        """The first call on what it worked on last, else on what it alone knows, on what nobody knows, on what nobody
-        works on, else the first."""
-        known = [subject for other in others for subject in other.subjects]
-        taken = [other.subjects[-1] for other in others if other.busy]
-        wishes: tuple[Callable[[tuple], bool], ...] = (
-            lambda subject: [subject] == self.subjects[-1:],
-            lambda subject: subject in self.subjects and subject not in known,
-            lambda subject: subject not in known,
-            lambda subject: subject not in taken,
-        )
-        wished = (i for wish in wishes for i, args in waiting.items() if wish(args[:1]))
-        return next(itertools.chain(wished, waiting))
+    def next_of(self, waiting: Mapping[int, tuple], taken: Sequence[tuple]) -> int:
+        """The first call on what it worked on last, else on what nobody works on, else the first."""
+        own = (i for i, args in waiting.items() if args[:1] == self.subject)
+        free = (i for i, args in waiting.items() if args[:1] not in taken)
+        return next(itertools.chain(own, free, waiting))
 
     def start(self, index: int, function: Callable, args: tuple, limit: float) -> None:
         """Hand the process a call."""
-        self.index, self.busy, self.begun, self.limit = index, True, False, limit
-        if args[:1] in self.subjects:
-            self.subjects.remove(args[:1])
-        self.subjects.append(args[:1])
+        self.index, self.busy, self.begun, self.limit, self.subject = index, True, False, limit, args[:1]
         self.deadline = time.monotonic() + _STARTUP_SECONDS
         try:
             self.pipe.send((function, args, limit))
