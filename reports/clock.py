@@ -18,7 +18,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil, nan, sqrt
+from math import ceil, isnan, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -52,8 +52,6 @@ _SWITCH_SECONDS = 5e-4
 _CALIBRATION = 30_000
 # The undisturbed loop is the one that only a tenth of all loops beat: the very fastest may be a clock's short boost.
 _UNDISTURBED = 0.1
-# Reading back is as good as always the same work: one time is enough.
-_READS = 1
 # A repeat that takes no more than this, set-up included, is cheap: the turns of twenty such take half a second.
 _CHEAP_SECONDS = 0.025
 
@@ -111,7 +109,7 @@ class Entry:
     read: Callable[[Any], Any] = lambda model: None
     repeats: list[Repeat] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
-    reading: list[float] = field(default_factory=list)
+    read_s: float = nan  # CPU seconds of reading back, once: it is as good as always the same work
     run_s: float = 0.0  # wall seconds of a build and a run, the last time
     failure: str = ""
 
@@ -120,7 +118,7 @@ class Entry:
         """Wall seconds that one more repeat is expected to take."""
         if not self.repeats:
             return self.contestant.expected_s
-        return (self.warm_ups + self.row) * self.run_s + (self.reading[-1] if len(self.reading) < _READS else 0.0)
+        return (self.warm_ups + self.row) * self.run_s
 
     @property
     def warm_ups(self) -> int:
@@ -133,6 +131,13 @@ class Entry:
         if not self.repeats:
             return 1
         return max(1, min(_ROW_RUNS, ceil(_ROW_SECONDS / max(self.repeats[-1].cpu, 1e-9))))
+
+    def built(self) -> Any:
+        """A new model; what that took is noted."""
+        spent = time.process_time()
+        model = self.build()
+        self.setup.append(time.process_time() - spent)
+        return model
 
     def undisturbed(self, loop: float) -> list[Repeat]:
         """The repeats of a quiet machine, whose calibration loop takes `loop` seconds."""
@@ -174,9 +179,7 @@ def _entry(case: Case, one: Contestant) -> Entry:
 def _import(entry: Entry) -> None:
     """Build once, before the budget runs: importing an engine takes seconds where the disk is cold."""
     try:
-        spent = time.process_time()
-        entry.build()
-        entry.setup.append(time.process_time() - spent)
+        entry.built()
     except Exception as problem:
         entry.failure = f"{type(problem).__name__}: {problem}"
 
@@ -260,7 +263,7 @@ def timing(entry: Entry, loop: float) -> Timing:
         wall_s=statistics.median(r.wall for r in used),
         setup_s=setup,
         compile_s=max(0.0, entry.setup[0] - setup) if len(entry.setup) > 1 else nan,
-        read_s=statistics.median(entry.reading) if entry.reading else nan,
+        read_s=entry.read_s,
         repeats=len(used),
         disturbed_repeats=len(entry.repeats) - len(quiet),
         disturbed=few and len(quiet) < len(entry.repeats),
@@ -268,13 +271,10 @@ def timing(entry: Entry, loop: float) -> Timing:
 
 
 def _repeat(entry: Entry, loops: list[float]) -> None:
-    """Build, run and (the first few times) read back; the calibration loops' times go into `loops`."""
+    """Build, run and (the first time) read back; the calibration loops' times go into `loops`."""
     try:
-        began, warm_ups, models = time.perf_counter(), entry.warm_ups, []
-        for _ in range(warm_ups + entry.row):
-            spent = time.process_time()
-            models.append(entry.build())
-            entry.setup.append(time.process_time() - spent)
+        began, warm_ups = time.perf_counter(), entry.warm_ups
+        models = [entry.built() for _ in range(warm_ups + entry.row)]
         before, others = calibrate(), neighbours()
         for model in models[:warm_ups]:
             entry.run(model)
@@ -289,10 +289,10 @@ def _repeat(entry: Entry, loops: list[float]) -> None:
             gc.enable()
         others, after = others or neighbours(), calibrate()
         entry.run_s = (time.perf_counter() - began) / len(models)
-        if len(entry.reading) < _READS:
+        if isnan(entry.read_s):
             spent = time.process_time()
             entry.read(row[-1])
-            entry.reading.append(time.process_time() - spent)
+            entry.read_s = time.process_time() - spent
     except Exception as problem:  # an engine that fails now and then loses its row, not everyone's
         entry.failure = f"{type(problem).__name__}: {problem}"
         return

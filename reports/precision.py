@@ -83,7 +83,8 @@ def measure(
     timings: dict[Key, Timing] = {}
     failures: dict[str, str] = {}
     # What the cheap cases leave of the budget the dear ones have.
-    in_turn = sorted(cases, key=lambda case: sum(one.expected_s for one in contestants(experiment, case.label)))
+    asked = {case.label: contestants(experiment, case.label) for case in cases}
+    in_turn = sorted(cases, key=lambda case: sum(one.expected_s for one in asked[case.label]))
     deadline = time.perf_counter() + BUDGET
 
     def one_by_one() -> Iterator[str]:
@@ -91,10 +92,9 @@ def measure(
             left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
             budget = FULL_BUDGET_A_CASE if full else left
             label, key = case.label, CaseKey.of(case, files)
-            asked = contestants(experiment, label)
             share = FULL_BUDGET_A_CASE if full else BUDGET / len(cases)
-            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in asked], share)
-            answer = _timed(pool, store, kept_under, (key, asked, budget), budget + _PATIENCE)
+            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in asked[label]], share)
+            answer = _timed(pool, store, kept_under, (key, asked[label], budget), budget + _PATIENCE)
             if answer.outcome == "done":
                 found, failed = answer.value
                 timings.update({(label, *who): timing for who, timing in found.items()})
@@ -292,7 +292,7 @@ def time_to_accuracy_rows(points: Sequence[dict[str, Any]]) -> list[dict[str, An
                 elif not point["disturbed"]:
                     told |= {"cpu_s": point["cpu_s"], "setting": point["setting"]}
                     told |= {"cpu_low_s": point["cpu_low_s"], "cpu_high_s": point["cpu_high_s"]}
-                    if point in ranked:
+                    if isfinite(point["cpu_low_s"]):
                         told["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
                     # Who is the fastest is not known if it may be one that was disturbed.
                     if fastest is not None and not fastest["disturbed"]:
