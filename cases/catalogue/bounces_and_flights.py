@@ -4,6 +4,7 @@ from math import pi, sqrt
 
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, Start, Unilateral, case, disc
 from cases import curves as c
+from cases.errors import positive
 from cases.library import circle, ellipse, line
 
 from .odd_wheels import eccentric
@@ -94,5 +95,48 @@ def hopping_hoop(mu=0.6, share=0.7, angle=0.4, push=1.0, e=0.0, r=0.5, m=1.0, g=
         plate=Plate(eccentric(r, offset), m, m * (r**2 - offset**2)),
         effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(e)),
         start=Start(xi1=0.0, xi2=angle - pi, omega=-push * sqrt(g / r)),
+        duration=duration,
+    )
+
+
+@case(variants=[dict(mu=0.1), dict(mu=0.5)])
+def disc_onto_incline(mu=0.5, slope=0.5, height=0.1, r=0.1, m=1.0, g=9.81, duration=1.0):
+    """A disc let go above an incline: it falls, does not bounce, and slides or rolls down.
+
+    Why: friction in the impact and friction after it decide alike, at tan(slope) = 3 μ. `height` is the gap along the
+    incline's normal.
+    Source: the test "sphere inclined plane friction" of scopi (github.com/hpc-maths/scopi, test/test_friction.cpp and
+    test/analytical_solution.cpp, looked up), there with r = g = 1 and height 1.
+    Known exactly: it lands at T = sqrt(2 height/(g cos slope)). From then on it rolls with 2/3 of the speed
+    g t sin(slope) of the frictionless disc, if tan(slope) ≤ 3 μ; else its speed is g t (sin(slope) − μ cos(slope)).
+    Derived: the impulse m g T cos(slope) of the impact, then the force m g cos(slope), bound friction to μ times them,
+    and what brings the rim to rest is a third of the slip's momentum.
+    """
+    return Case(
+        track=line(slope),
+        plate=disc(r, m),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.0)),
+        start=Start(xi1=0.0, gap=height),
+        duration=duration,
+    )
+
+
+@case
+def hopping_rod(mu=1.2, angle=1.0, v0=2.0, omega=4.0, length=1.0, tip=0.001, m=1.0, g=9.81, duration=1.0):
+    """Painlevé's rod, turning up as it is pushed along on its end: it takes off, lands on the same tip and slides on.
+
+    Why: `sliding_rod` shows how friction multiplies the normal force; here it shows nothing of where the rod departs.
+    Source: derived here; Painlevé's rod as other authors (Glocker among them) treat it was not found to be looked up.
+    Known exactly: with half = length/2 the normal force at the start is
+    m (g − half·sin φ·ω²)/(1 + 3 cos²φ − 3 μ cos φ (sin φ + tip/half)), φ = `angle`; the rod departs where
+    half·sin φ·ω² = g, whatever μ is; it lands without rebound. Derived: N − m g = m ÿ with y = half·sin φ + tip, and
+    m half² φ̈/3 = −half·N cos φ + μ N (half·sin φ + tip) for a tip that slides towards −X, the rod leaning to +X.
+    """
+    half, tip = positive("length of hopping_rod", length) / 2, positive("tip of hopping_rod", tip)
+    return Case(
+        track=line(),
+        plate=Plate(eccentric(tip, half), m, m * half**2 / 3),
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.0)),
+        start=Start(xi1=0.0, xi2=-pi / 2 - angle, slip=-v0, omega=omega),
         duration=duration,
     )
