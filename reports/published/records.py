@@ -1,7 +1,7 @@
 """Numbers that other people's programs publish, and ours beside them.
 
-`rows()` computes every motion of `published_scenes.PUBLICATIONS` by the reference and gives one row per number:
-`COLUMNS` has the columns' words. A number counts as met when ours lies within the publisher's own accuracy. Where a
+`rows(publications)` computes their motions by the reference and gives one row per number; `COLUMNS` has the columns'
+words. A number counts as met when ours lies within the publisher's own accuracy. Where a
 publisher is known to be off by more, the number tells by how much and why, and that claim is tested in its place.
 """
 
@@ -96,12 +96,10 @@ def row(publication: Publication, number: Number, ours: float) -> dict[str, Any]
     }
 
 
-def rows(publications: Sequence[Publication] | None = None) -> list[dict[str, Any]]:
-    """The table: one row per published number, in the publications' order (all of them by default)."""
-    from .published_scenes import PUBLICATIONS  # the scenes are written in terms of the records above
-
+def rows(publications: Sequence[Publication]) -> list[dict[str, Any]]:
+    """The table of some publications: one row per number, in their order."""
     table = []
-    for publication in PUBLICATIONS if publications is None else publications:
+    for publication in publications:
         motion = motion_of(publication)
         table += [row(publication, number, number.read(motion)) for number in publication.numbers]
     return table

@@ -1,0 +1,21 @@
+"""Numbers of other people's programs: the records stand in `reports.published`, where the report reads them too.
+
+Here is what decides between a publisher and us where the two differ: the closed form of a ball that bounces on a level
+floor. From the height h, thrown up with v, it meets the floor at t₁ = (v + w)/g with w = sqrt(v² + 2 g h) and leaves it
+with e w; the flight after impact k lasts 2 e^k w/g. (Derived: free fall, and Newton's restitution.)
+"""
+
+from math import sqrt
+
+from reports.published import COLUMNS, PUBLICATIONS, Number, Publication, motion_of, rows
+
+__all__ = ["COLUMNS", "PUBLICATIONS", "Number", "Publication", "impacts", "motion_of", "rows"]
+
+
+def impacts(count: int, h: float, v: float, e: float, g: float) -> list[float]:
+    """The instants of the first impacts, s."""
+    w = sqrt(v * v + 2 * g * h)
+    times = [(v + w) / g]
+    for k in range(1, count):
+        times.append(times[-1] + 2 * e**k * w / g)
+    return times
