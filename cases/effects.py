@@ -108,7 +108,7 @@ class PerfectlyRough:
 class RollingResistance:
     """A couple arm·N against the plate's rotation on its track, at most arm·N while it does not turn; `arm` in m.
 
-    (Lever-arm model; e.g. Popov, Contact Mechanics and Friction, chapter on rolling contact.) A plate that neither
+    (The lever-arm model.) A plate that neither
     slips nor turns is in the mode `stick`.
     """
 
@@ -140,8 +140,8 @@ class Impact:
 
     `law`: "poisson" (the impulse of restitution is e times that of compression) or "newton" (the contact point's
     normal velocity turns to −e times itself). Newton's law can create energy where friction reverses the slip; such an
-    impact ends the motion with a reason. (Routh, Dynamics of a System of Rigid Bodies, 1905; Wang & Mason 1992,
-    J. Appl. Mech. 59, 635.)
+    impact ends the motion with a reason. (Wang & Mason 1992, J. Appl. Mech. 59, 635:
+    reference looked up, not the text; Routh's book of 1905 is known to us, not looked up.)
     """
 
     restitution: float

@@ -2,7 +2,7 @@
 
 The plate lies on the left of increasing s: valleys and hills run to the right with the plate above them, `circle` and
 `ellipse` are tracks seen from inside and, equally, outlines; `hill` is a circle seen from outside. Sizes must be
-greater than zero (BadValue). Source of the curves' own facts: Lockwood, A Book of Curves (Cambridge 1961).
+greater than zero (BadValue). The curves' own facts are derived where they are stated, or tested by quadrature.
 """
 
 from __future__ import annotations

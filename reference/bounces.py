@@ -2,7 +2,8 @@
 
 Flights shorten by a factor that tends to a constant ρ, so that the instants of the impacts and everything that changes
 from one to the next tend to their limits like ρᵏ, ρ²ᵏ, …: Wynn's ε-algorithm removes these terms one after the other
-without being told ρ (e.g. Brezinski & Redivo Zaglia, Extrapolation Methods, 1991, section 2.3).
+without being told ρ (books on it are known to us, not looked up; the limits of bouncing discs are known in closed
+form).
 """
 
 from __future__ import annotations

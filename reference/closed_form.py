@@ -65,7 +65,7 @@ def bowling_time(v0, mu, g, inertia_ratio=0.5):
 
 
 def pendulum_period(length, g, amplitude):
-    """Period of a pendulum: 4 √(l/g) K(sin²(a/2)) (e.g. Landau & Lifshitz, Mechanics, §11)."""
+    """Period of a pendulum: 4 √(l/g) K(sin²(a/2)) (from energy, by sin(φ/2) = sin(a/2) sin u)."""
     return 4 * mp.sqrt(mp.mpf(length) / mp.mpf(g)) * mp.ellipk(mp.sin(mp.mpf(amplitude) / 2) ** 2)
 
 
@@ -75,5 +75,5 @@ def departure_cosine(rolling: bool):
 
 
 def cycloid_period(radius, g):
-    """Period on a cycloid of that rolling radius, whatever the amplitude: 4π √(a/g) (Huygens 1673)."""
+    """Period on a cycloid of that rolling radius: 4π √(a/g) (derived: the height is s²/(8a), s the arc)."""
     return 4 * mp.pi * mp.sqrt(mp.mpf(radius) / mp.mpf(g))

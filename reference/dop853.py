@@ -18,7 +18,8 @@ from .modes import Phase
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
-# The same guards on a fine grid, by interpolation through the nodes (barycentric; Berrut & Trefethen 2004).
+# The same guards on a fine grid, by interpolation through the nodes (barycentric; Berrut & Trefethen, SIAM Review 46,
+# 2004, 501: looked up).
 _FINE = np.linspace(0.0, 1.0, 129)
 
 

@@ -1,8 +1,9 @@
 """An impact without duration: Routh's construction, piece by piece along the normal impulse.
 
 The contact point's velocity (v_t, v_n) and the spin ω are linear in the normal impulse P as long as the contact
-slips one way or sticks, turns one way or is held. (Routh, Dynamics of a System of Rigid Bodies, 1905, art. 187 ff.;
-Wang & Mason 1992, J. Appl. Mech. 59, 635.) Impulses are taken per mass.
+slips one way or sticks, turns one way or is held. (Routh's construction: his book of
+1905 is known to us, not looked up; Wang & Mason 1992, J. Appl. Mech. 59, 635: reference looked up, not the text.)
+Impulses are taken per mass.
 """
 
 from __future__ import annotations

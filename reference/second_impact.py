@@ -1,8 +1,8 @@
 """Impacts of the second formulation: the impulse equations integrated along the normal impulse, piece by piece.
 
 At an impact only impulses count, and the contact does not move. Velocity of the contact point (v_t, v_n) and spin ω
-obey, per normal impulse P (Routh, Dynamics of a System of Rigid Bodies, 1905, art. 180 ff.; Wang & Mason, J. Appl.
-Mech. 59, 1992):
+obey, per normal impulse P (Routh's construction as Wang & Mason, J. Appl. Mech. 59, 1992, 635,
+have it: reference looked up, not the text; Routh's book of 1905 is known to us, not looked up):
 
     m dv_Ct = dT,   m dv_Cn = dP,   J dω = arm_t dP − arm_n dT + dC,   v_t = v_Ct − ω arm_n,   v_n = v_Cn + ω arm_t.
 

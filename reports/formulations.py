@@ -45,7 +45,8 @@ FORMULATIONS = (
 )
 TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 # Baumgarte's α = β in 1/s: gaps then fade within a few hundredths of a second, ten times faster than these scenes move.
-# (Baumgarte 1972, Comput. Methods Appl. Mech. Eng. 1, 1; how to choose them nobody can say in general.)
+# (Baumgarte 1972, Comput. Methods Appl. Mech. Eng. 1, 1, reference looked up; how to choose them nobody can say in
+# general.)
 BAUMGARTE = 50.0
 # Newton's corrections of a position that is off by less than a step's error: two leave rounding.
 _CORRECTIONS = 2

@@ -3,6 +3,8 @@
 `pytest --case-file=FILE` (with the =, or pytest takes the file for tests) runs the acceptance tests of its cases.
 """
 
+import re
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from cases import Case, Flight, Load, Mode
 from cases.contact import overlap, start_motion
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
+from tests.authorities.facts import Basis
 from tests.motions import energy, in_other_units, mirrored, motion_of, work_done
 
 FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FACTS]
@@ -55,6 +58,17 @@ def test_a_case_says_why_it_is_there_and_who_posed_it(any_case):
     text = cases.entry(any_case.name).function.__doc__ or ""
     assert text.strip().splitlines()[0].endswith((".", "?", ":")), "the docstring begins with one sentence"
     assert "Source:" in text, "the docstring names the source"
+
+
+# A source is derived or was looked up, or the docstring says that it was not; what is posed here needs none.
+BASES = ("derived", "looked up", "this suite", "posed here", "dimensional analysis", "Ogaru & Pandrea", "the paper's")
+
+
+@pytest.mark.parametrize("name", [*cases.names(hard=False), *cases.names(hard=True)])
+def test_a_case_says_whether_its_source_was_looked_up(name):
+    text = cases.entry(name).function.__doc__ or ""
+    source = text[text.index("Source:") :].partition("Known exactly")[0].lower()
+    assert any(basis.lower() in source for basis in BASES), source
 
 
 def test_the_start_is_an_admissible_contact(any_case):
@@ -124,6 +138,13 @@ def test_a_fact_from_outside_holds(fact, accuracy):
     accuracy(**common, quantity=fact.quantity, error=error, tolerance=fact.tolerance)
 
 
-def test_there_are_at_least_twenty_five_facts_and_each_names_its_source():
+def test_there_are_at_least_twenty_five_facts_and_each_says_what_it_rests_on():
     assert len(FACTS) >= 25
-    assert all(len(fact.source) > 10 for fact in FACTS)
+    for fact in FACTS:
+        text = fact.source.text
+        assert len(text) > 10 and text == text.strip(), fact
+        if fact.source.basis is Basis.DERIVED:
+            # A derivation states something: an equation, or what lies level, constant or straight.
+            assert "=" in text or "level" in text, fact
+        if fact.source.basis is Basis.LOOKED_UP:
+            assert "github.com" in text or "arXiv" in text or re.search(r"\b(1[5-9]|20)\d\d\b", text), fact

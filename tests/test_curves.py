@@ -30,7 +30,7 @@ def area(curve):
     return sum(quad(swept, pi / 4 * i, pi / 4 * (i + 1), epsabs=1e-14)[0] for i in range(8))
 
 
-# Lockwood, A Book of Curves (1961); Barbier (1860) for constant width; Lamé's curve by Euler's beta integral.
+# Derived: arcs by ∫ speed in closed form; constant width by ∫ (h + h″) = 2π r; Lamé's curve by Euler's beta integral.
 @pytest.mark.parametrize(
     ("measured", "known"),
     [

@@ -400,7 +400,8 @@ def test_impact_without_slip_sticks_from_the_start():
 
 
 def test_newtons_law_would_create_energy_where_friction_reverses_the_slip_and_is_told():
-    # Kane & Levinson's observation (Dynamics, 1985): e as a ratio of velocities, with friction.
+    # An observation ascribed to Kane & Levinson (known to us, not looked up): e as a ratio of velocities, with
+    # friction.
     law = _law(-1.0, -0.8, 0.12, 1.0, 0.9, poisson=False)
     worst = max(
         energy(law, collide(law, Touch(slip, -1.0, omega))) / energy(law, Touch(slip, -1.0, omega))

@@ -2,12 +2,13 @@
 
 What is said of it, in the sources' own terms:
 
-- Littlewood, A Mathematician's Miscellany (1953): the hoop has no mass; it hops when the radius to the weight is level.
-- Tokieda, "The hopping hoop", Am. Math. Monthly 104 (1997): the same, by geometry.
-- Butler, "Hopping hoops don't hop", ibid. 106 (1999): such a hoop slips before it could hop.
-- Pritchett, "The hopping hoop revisited", ibid.; Theron, Am. J. Phys. 68 (2000); Theron & Maritz, "The amazing variety
-  of motions of a loaded hoop", Math. Comput. Modelling 47 (2008): a hoop with mass rolls and slips in turns, and
-  whether it hops depends on its eccentricity, friction and first spin.
+- Littlewood, A Mathematician's Miscellany (1953), and Tokieda (by geometry), as Theron & Maritz tell of them: the hoop
+  has no mass; it hops when the radius to the weight is level.
+- Pritchett, "The hopping hoop revisited", Am. Math. Monthly, August-September 1999 (abstract looked up): such a hoop
+  slips before it can hop. Butler is said to have it, too (not looked up).
+- Theron & Maritz, "The amazing variety of motions of a loaded hoop", Math. Comput. Modelling 47 (2008) 1077–1088
+  (beginning looked up): a hoop with mass rolls and slips in turns, and whether it hops depends on its eccentricity,
+  friction and first spin.
 """
 
 from math import acos, cos, pi, sin, sqrt

@@ -192,7 +192,8 @@ def test_poissons_law_never_creates_energy(xi2, before, mu, e, arm):
 
 
 def test_newtons_law_that_creates_energy_ends_the_motion():
-    # Kane & Levinson (Dynamics, 1985) met it in a double pendulum; a slender plate that sticks on the way does as well.
+    # Kane & Levinson are said to have met it in a double pendulum (not looked up); a slender plate that sticks on the
+    # way does as well.
     start = Start(0.0, -2.9, slip=0.96, omega=-0.14, lift=-2.7)
     make = lambda law: Case(  # noqa: E731
         line(), PLATE, (*FLYING, CoulombFriction(0.76), Impact(0.94, law)), start, 0.1

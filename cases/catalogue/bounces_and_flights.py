@@ -15,7 +15,7 @@ def bouncing_disc(e=0.5, mu=0.2, height=0.5, slip=1.0, omega=0.0, r=0.1, m=1.0, 
     """A disc thrown flat over a level floor: it bounces until it does not, slipping at first, then rolling.
 
     Why: infinitely many impacts in a finite time; friction acts in instants.
-    Source: Routh, Dynamics of a System of Rigid Bodies (1905), impacts; Zeno's bouncing ball.
+    Source: the usual bouncing ball, here with friction; derived: each flight lasts e times the one before.
     Known exactly: it comes to rest at sqrt(2 h/g) (1 + e)/(1 − e); the flights are a geometric series.
     """
     return Case(
@@ -66,7 +66,8 @@ def tumbling_ellipse(e=0.4, mu=0.3, height=0.4, omega=4.0, a=0.2, b=0.1, m=1.0, 
     """A spinning ellipse dropped on a line: impacts off the centre, where friction and spin trade places.
 
     Why: slip reverses within an impact; what follows depends on the angle at which it lands.
-    Source: Wang & Mason, "Two-dimensional rigid-body collisions with friction", J. Appl. Mech. 59 (1992).
+    Source: this suite's, after Wang & Mason, "Two-dimensional rigid-body collisions with friction", J. Appl. Mech. 59
+    (1992) 635–642 (reference looked up, not the text).
     Known exactly: it lands when its centre is sqrt(a² sin² θ + b² cos² θ) high; no impact adds energy.
     """
     return Case(
@@ -82,11 +83,11 @@ def tumbling_ellipse(e=0.4, mu=0.3, height=0.4, omega=4.0, a=0.2, b=0.1, m=1.0, 
 def hopping_hoop(mu=0.6, share=0.7, angle=0.4, push=1.0, e=0.0, r=0.5, m=1.0, g=9.81, duration=1.2):
     """Littlewood's hoop, pushed: it rolls, slips both ways, hops when the weight comes down, lands and slips on.
 
-    Why: the hop that was argued about for a century, and the landing nobody computed. `share` is the weight's share of
+    Why: the hop that was argued about for decades, and the landing nobody computed. `share` is the weight's share of
     the mass, `angle` its place from the top, `push` the spin at the start in units of sqrt(g/r). Let go at the top it
     does not hop (`littlewood_hoop`).
-    Source: Littlewood, A Mathematician's Miscellany (1953); Tokieda, "The hopping hoop", Am. Math. Monthly 104 (1997);
-    Butler, "Hopping hoops don't hop", Am. Math. Monthly 106 (1999).
+    Source: Theron & Maritz, "The amazing variety of motions of a loaded hoop", Math. Comput. Modelling 47 (2008) 1077
+    (looked up), who also tell of Littlewood's and Tokieda's hoops; the push is this suite's.
     Known exactly: while it rolls, (1 + share cos φ) ω² + share (g/r) cos φ is constant, φ from the top.
     """
     offset = share * r

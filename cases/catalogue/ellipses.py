@@ -3,7 +3,8 @@
 `tilt` is the outline's parameter from the end of the short half-axis b, which is down at tilt = 0. Gravity pulls
 along −Y.
 
-Known exactly (Routh, Elementary Rigid Dynamics, "rocking stones"; Lamb, Statics): flat on its long side, with contact
+Known exactly (derived: rolled by the arc s the plate turns by θ = s/q and its centre rises by (q − b) θ²/2; Routh's and
+Lamb's rocking stones, known to us, not looked up): flat on its long side, with contact
 radius ρ = a²/b and track radius ρ′ (positive for a hill), a plate that rolls is stable if 1/b > 1/ρ + 1/ρ′ and rocks
 with ω² = g (q − b)/(k² + b²), 1/q = 1/ρ + 1/ρ′, k² = (a² + b²)/4, in the limit of small swings.
 """
@@ -22,7 +23,7 @@ def _ellipse(a: float, b: float, m: float) -> Plate:
 def ellipse_on_line(mu=1.0, tilt=0.6, a=0.3, b=0.2, m=1.0, g=9.81, duration=2.0):
     """An elliptic plate rocking on a level line: it rolls where friction is high, else slip comes and goes.
 
-    Source: Routh, Elementary Rigid Dynamics. Small swings that roll have ω² = 4 g (a² − b²)/(b (a² + 5 b²)).
+    Source: derived above. Small swings that roll have ω² = 4 g (a² − b²)/(b (a² + 5 b²)).
     """
     return Case(
         track=line(),
@@ -37,7 +38,7 @@ def ellipse_on_line(mu=1.0, tilt=0.6, a=0.3, b=0.2, m=1.0, g=9.81, duration=2.0)
 def ellipse_on_ice(tilt=0.6, a=0.3, b=0.2, m=1.0, g=9.81, duration=2.0):
     """The same without friction: the centre of mass moves up and down only.
 
-    Source: Routh, Elementary Rigid Dynamics. Known exactly: x is constant and energy is; small swings have
+    Source: derived above. Known exactly: x is constant and energy is; small swings have
     ω² = 4 g (a² − b²)/(b (a² + b²)).
     """
     return Case(
@@ -83,7 +84,7 @@ def ellipse_in_circle(mu=0.2, xi1=-2.4, tilt=0.3, R=1.0, a=0.3, b=0.2, m=1.0, g=
 def ellipse_on_hill(mu=1.0, tilt=0.3, R=1.0, a=0.3, b=0.2, m=1.0, g=9.81, duration=2.0):
     """A rocking stone: an elliptic plate on a round hill, stable although it stands on a summit.
 
-    Source: Routh, Elementary Rigid Dynamics; Lamb, Statics (rocking stones). It falls off if 1/b < b/a² + 1/R.
+    Source: derived above. It falls off if 1/b < b/a² + 1/R.
     """
     return Case(
         track=hill(R),

@@ -40,7 +40,7 @@ def many_swings(periods=10.0, mu=0.0, amplitude=1.0, R=1.0, r=0.1, m=1.0, g=9.81
     """A disc sliding without friction (mu = 0) or rolling to and fro in a circle.
 
     Why: a thousand periods show any drift in energy or phase.
-    Source: Landau & Lifshitz, Mechanics, §11, problem 1, and §32, problem 6.
+    Source: Landau & Lifshitz, Mechanics (known to us, not looked up); derived from energy.
     Known exactly: period 4 √(L/g) K(sin²(amplitude/2)), L = R − r or, rolling, 3(R − r)/2. It lasts
     whole periods.
     """
@@ -68,7 +68,7 @@ def limping_wheel(slope=0.03, mu=0.3, e=0.07, omega=-13.0, r=0.1, m=1.0, g=9.81,
     """An unbalanced wheel going down a gentle slope: rolling and slipping alternate, and settle into a rhythm.
 
     Why: a stable cycle, so that ten thousand transitions are as sure as ten; energy must be closed over all of them.
-    Source: this suite's, after Maritz & Theron, Am. J. Phys. 80 (2012), who roll a loaded hoop.
+    Source: this suite's, after the loaded hoop of Maritz & Theron, Am. J. Phys. 80 (2012, known to us, not looked up).
     Known exactly: energy lost = work of friction; while it rolls, (J + m d²) ω²/2 + m g y is constant.
     """
     return Case(

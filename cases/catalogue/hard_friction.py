@@ -16,7 +16,7 @@ def long_slide(mu=1e-6, v0=1.0, r=0.1, m=1.0, g=9.81):
     """Bowling on ice: a disc thrown along a level line that hardly brakes it.
 
     Why: a step that resolves the disc's own time, √(r/g), is taken half a million times.
-    Source: the textbook exercise of `disc_on_line`.
+    Source: derived, as for `disc_on_line`.
     Known exactly: it rolls from t = v0/(3 μ g) on, at 2 v0/3, after 5 v0²/(18 μ g). The case lasts a tenth longer.
     """
     positive("mu of long_slide", mu)
@@ -56,7 +56,7 @@ def nearly_smooth(mu=1e-6, amplitude=1.0, R=1.0, r=0.1, m=1.0, g=9.81, duration=
 def sticky_ellipse(mu=3.0, a=0.15, b=0.1, slip=-1.0, omega=0.0, tilt=0.4, m=1.0, g=9.81, duration=0.6):
     """An elliptic plate thrown along a level line with very much friction.
 
-    Source: this suite's; Génot & Brogliato (1999) on what much friction does to a body that is not round.
+    Source: this suite's.
     Known exactly: 1 + (h_t² − h_t h_n k)m/J, with h the arm to the contact and k = ∓μ, must stay positive.
     """
     return Case(
@@ -76,8 +76,9 @@ def sticky_ellipse(mu=3.0, a=0.15, b=0.1, slip=-1.0, omega=0.0, tilt=0.4, m=1.0,
 def rod_into_the_paradox(mu=2.0, angle=0.1, omega=5.0, v0=10.0, length=1.0, tip=1e-3, m=1.0, g=9.81, duration=0.5):
     """Painlevé's rod, its tip leading, turning up from a flat angle towards the angles of the paradox, tan φ = 2.
 
-    Source: Painlevé, C. R. Acad. Sci. 121 (1895); Génot & Brogliato, "New results on Painlevé paradoxes", Eur. J. Mech.
-    A/Solids 18 (1999).
+    Source: Painlevé (1895), Génot & Brogliato, Eur. J. Mech. A/Solids (1999) (known to us, not looked up); derived as
+    in
+    `sliding_rod`.
     Known exactly: the paradox's angles are those with 1 + 3 cos²φ ≤ 3 μ cos φ (sin φ + 2 tip/length): none below
     μ = 4/3, atan 2 alone at 4/3 (for tip → 0).
     """

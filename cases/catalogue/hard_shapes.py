@@ -38,7 +38,7 @@ def tightest_fit(gap=1e-4, mu=0.2, amplitude=0.5, a=0.6, b=1.0, m=1.0, g=9.81, d
     """A disc in an elliptic bowl whose tightest place it fits by a hair: r = ρ(1 − gap), ρ = a²/b.
 
     Why: the centre's path has all but a corner at the bottom, where everything happens in a time ∝ gap.
-    Source: this suite's; Routh, Elementary Rigid Dynamics, for the small swings.
+    Source: this suite's; the small swings are derived as in `ellipse_on_line`.
     Known exactly: where the plate fits, its centre's path has the radius ρ − r.
     """
     r = a * a / b * (1 - gap)
@@ -60,7 +60,7 @@ def sliver(mu=0.1, tilt=0.02, slip=0.0, omega=0.0, a=0.5, b=0.01, m=1.0, g=9.81,
     """An ellipse of half-axes 0.5 m and 0.01 m on a level line, let go a little off its flat side.
 
     Why: ξ₂ hardly moves while the contact runs from end to end, and the other way round at the ends.
-    Source: this suite's; a flat stone, after Routh's rocking bodies.
+    Source: this suite's; a flat stone.
     Known exactly: the curvature is b/a² = 0.04 1/m on the flat side and a/b² = 5000 1/m at the ends.
     """
     return Case(
@@ -81,7 +81,7 @@ def flat_sided(exponent=8.0, mu=0.6, tilt=0.3, R=1.0, a=0.2, b=0.15, m=1.0, g=9.
     """A superellipse with nearly flat sides and tight corners, rocking on a round hill.
 
     Why: derivatives of the outline up to the third vanish on the side and are huge in the corners.
-    Source: Piet Hein's superellipse; Lamé, Examen des différentes méthodes (1818).
+    Source: Lamé's curve, Piet Hein's superellipse (known to us, not looked up); the scene is this suite's.
     Known exactly: at the middle of a side the curvature and its derivative vanish for every exponent above 3.
     """
     return Case(

@@ -113,7 +113,7 @@ def balanced_on_its_tip(a=0.2, b=0.1, mu=0.5, m=1.0, g=9.81, duration=1.0):
     """An elliptic plate at rest on the end of its long axis, on a level line.
 
     Why: nothing is wrong and nothing moves, and yet no solver can say for long where the plate is.
-    Source: Routh, Elementary Rigid Dynamics, on the stability of rolling bodies; the ellipse is this suite's.
+    Source: Routh, Elementary Rigid Dynamics (known to us, not looked up); the ellipse is this suite's.
     Known exactly: it stays; what disturbs it grows as e^(λt), λ² = g (a − b²/a)/(a² + (a² + b²)/4) while it rolls.
     """
     return Case(
@@ -133,7 +133,7 @@ def balanced_on_its_tip(a=0.2, b=0.1, mu=0.5, m=1.0, g=9.81, duration=1.0):
 def incline_at_the_cone(part=1e-9, slope=0.3, r=0.1, m=1.0, g=9.81, duration=1.0):
     """A disc let go on an incline whose friction is just enough to roll, or just not: μ = tan(slope)/3·(1 + part).
 
-    Source: the textbook problem (tan(slope) ≤ 3 μ), at its threshold.
+    Source: derived (rolling takes a third of m g sin(slope), so tan(slope) ≤ 3 μ), at its threshold.
     Known exactly: rolling with (2/3) g sin(slope), or slipping with g (sin(slope) − μ cos(slope)).
     """
     return Case(
@@ -154,7 +154,7 @@ def pendulum_at_the_cone(part=1e-9, amplitude=0.8, R=1.0, r=0.1, m=1.0, g=9.81, 
     """A disc rolling to and fro in a circle, μ = tan(amplitude)/3·(1 + part).
 
     Why: the cone is touched again and again from inside, and nothing may come of it.
-    Source: Landau & Lifshitz, Mechanics, §32, problem 6 (cylinder in a cylinder), at the threshold of slip.
+    Source: derived, the rolling pendulum at the threshold of slip.
     Known exactly: |T|/N is largest at rest, tan(amplitude)/3; period 4 √(3(R − r)/(2g)) K(sin²(amplitude/2)).
     """
     return Case(
@@ -174,7 +174,7 @@ def pendulum_at_the_cone(part=1e-9, amplitude=0.8, R=1.0, r=0.1, m=1.0, g=9.81, 
 def grazing_loop(part=1e-9, R=1.0, r=0.1, m=1.0, g=9.81, duration=2.5):
     """A disc sent round a loop without friction at the critical speed, but for a billionth: v² = 5 g(R − r)(1 + part).
 
-    Source: Halliday, Resnick & Walker, Fundamentals of Physics (loop-the-loop), at its threshold.
+    Source: derived, the loop at its threshold, v² = g L at the top.
     Known exactly: at the top N = 5 part·m g; below the threshold it leaves where cos φ = −1 − 5 part/3, φ from the
     bottom.
     """

@@ -9,8 +9,8 @@ from cases.library import line
 def disc_on_line(v0=1.0, mu=0.1, r=0.1, m=1.0, g=9.81):
     """Bowling: a disc thrown along a level line at v0 without spin slips, then rolls.
 
-    Source: a textbook exercise, e.g. Goldstein, Poole & Safko, Classical Mechanics (rolling with slipping); also
-    Drake's benchmark `bowling_ball`.
+    Source: a textbook exercise; Drake's `multibody/benchmarks/bowling_ball` has it with side-spin (looked up). Derived:
+    friction brakes with μ g and spins up with 2 μ g/r.
     Known exactly: it rolls from t = v0/(3 μ g) on, at 2 v0/3 (for J = m r²/2). The case lasts twice that time.
     """
     positive("mu of disc_on_line", mu)
@@ -37,7 +37,8 @@ def thrown_with_spin(v0=1.0, backspin=0.0, shape=0.5, mu=0.2, r=0.1, m=1.0, g=9.
     """A wheel thrown along a level line at v0 with back-spin (rim speed `backspin`, m/s; top-spin if negative).
 
     Why: friction may brake, drive or turn the wheel back; only the inertia's `shape` and the spin decide.
-    Source: Coriolis, Théorie mathématique des effets du jeu de billard (1835); Sommerfeld, Mechanics, IV.8 (billiards).
+    Source: billiards; Coriolis (1835) and Sommerfeld, Mechanics (known to us, not looked up). Derived: v − shape·r ω is
+    conserved.
     Known exactly: it rolls after abs(v0 + backspin)/(μ g (1 + 1/shape)), at (v0 − shape·backspin)/(1 + shape): 5/7 of
     v0 for a sphere without spin, and at rest for a hoop whose back-spin is v0. The case lasts twice that time.
     """
@@ -56,7 +57,8 @@ def thrown_with_spin(v0=1.0, backspin=0.0, shape=0.5, mu=0.2, r=0.1, m=1.0, g=9.
 def disc_on_incline(slope=0.2, mu=0.1, shape=0.5, r=0.1, m=1.0, g=9.81, duration=1.0):
     """A disc let go on an incline of angle `slope` (rad): it rolls or it slips for ever.
 
-    Source: the textbook problem; also Drake's benchmark `inclined_plane`.
+    Source: a textbook problem; Drake has it in `multibody/plant/test/inclined_plane_test.cc` (looked up). Derived:
+    rolling takes a third of m g sin(slope) from friction.
     Known exactly: it rolls if tan(slope) ≤ 3 μ, with acceleration (2/3) g sin(slope); else it slips with
     g (sin(slope) − μ cos(slope)). For μ = 0.1 the two part at 0.29146 rad. In general tan(slope) ≤ μ (1 + 1/shape).
     """

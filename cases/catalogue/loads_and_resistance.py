@@ -22,7 +22,7 @@ def disc_rolling_to_rest(v0=1.0, mu=0.3, arm=0.005, r=0.1, m=1.0, g=9.81, durati
     """A sliding disc begins to roll, slows down and stops: rolling resistance on a level line.
 
     Why: three modes and an end at which everything is exactly zero.
-    Source: Popov, Contact Mechanics and Friction (2010), rolling resistance as a lever arm.
+    Source: Popov, Contact Mechanics and Friction (2010, known to us, not looked up); derived from the law as stated.
     Known exactly: it rolls after v0/(g (3 μ − 2 arm/r)), then slows down by (2/3) g arm/r and stops.
     """
     return Case(

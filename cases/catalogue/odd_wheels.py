@@ -19,8 +19,8 @@ def eccentric_disc_on_line(mu=0.1, e=0.03, omega=-6.0, r=0.1, m=1.0, g=9.81, dur
     """An unbalanced wheel started in rolling with its weight beside the axle: the normal force swings each turn.
 
     Why: rolling and slipping alternate for a reason that no disc shows. J = m r²/2 about the centre of mass.
-    Source: Goldstein, Poole & Safko (unbalanced disc); Maritz & Theron, "Experimental verification of the motion of a
-    loaded hoop", Am. J. Phys. 80 (2012).
+    Source: Goldstein, Poole & Safko; Maritz & Theron, Am. J. Phys. 80 (2012) (both known to us, not looked up);
+    derived: a rolling plate turns about its contact point, and friction does no work.
     Known exactly: while it rolls, (J + m d²) ω²/2 + m g y is constant, d being its distance from the contact point.
     """
     return Case(
@@ -38,8 +38,9 @@ def littlewood_hoop(mu=0.2, share=0.8, angle=0.4, r=0.5, m=1.0, g=9.81, duration
 
     Why: a century of arguments; friction decides, because the hoop slips before it leaves the ground. `share` is the
     weight's share of the mass. It starts at `angle` from the top with the spin of rolling from rest there.
-    Source: Littlewood, A Mathematician's Miscellany (1953); Tokieda, "The hopping hoop", Am. Math. Monthly 104 (1997);
-    Butler, "Hopping hoops don't hop", Am. Math. Monthly 106 (1999).
+    Source: Littlewood, A Mathematician's Miscellany (1953), and Tokieda, as Theron & Maritz, "The amazing variety of
+    motions of a loaded hoop", Math. Comput. Modelling 47 (2008) 1077, give them (looked up); Pritchett, "The hopping
+    hoop revisited", Am. Math. Monthly, August 1999 (abstract looked up): it slips before it can take off.
     Known exactly: while it rolls ω² = (g/r) share (1 − cos φ)/(1 + share cos φ), φ from the top.
     """
     spin = sqrt(g / r * share * (1 - cos(angle)) / (1 + share * cos(angle)))
@@ -58,7 +59,7 @@ def superellipse_on_hill(mu=0.6, tilt=0.15, R=1.0, a=0.2, b=0.15, m=1.0, g=9.81,
     """A square with round corners, x⁴ and y⁴, rocking on a hill: nearly flat below, nearly a corner beside.
 
     Why: the outline's curvature is zero at rest and large a little further on.
-    Source: Piet Hein's superellipse; Lamé, Examen des différentes méthodes (1818).
+    Source: Lamé's curve, Piet Hein's superellipse (known to us, not looked up); the scene is this suite's.
     Known exactly: its area is 4 a b Γ(5/4)²/Γ(3/2). The inertia is (a² + b²)/3 of the box around it.
     """
     return Case(
@@ -75,7 +76,8 @@ def rounded_triangle_on_line(mu=0.3, sharpness=0.8, omega=-8.0, r=0.1, m=1.0, g=
     """A triangle of constant width rolling on a line, from its support function h(φ).
 
     Why: a board laid over it stays level, the plate's centre does not.
-    Source: Reuleaux, Kinematics of Machinery (1876); Barbier, J. Math. Pures Appl. 5 (1860): its perimeter is 2π r.
+    Source: Reuleaux, Kinematics of Machinery (1876); Barbier (1860): its perimeter is 2π r (both known to us, not
+    looked up). Derived: the perimeter is the integral of h + h″ over all directions.
     Known exactly: while it rolls, (J + m (h² + h′²)) ω²/2 + m g h is constant.
     """
     return Case(
@@ -92,7 +94,8 @@ def straight_edge_on_catenary(omega=-2.0, xi1=-0.1, mu=2.0, h=0.2, m=1.0, g=9.81
     """A square wheel: one side of it rolling over a road of catenaries, its centre at one height.
 
     Why: outline and track both have no circle anywhere, and yet the plate's path is a level line.
-    Source: Robison, "Rockers and rollers", Math. Mag. 33 (1960); Hall & Wagon, "Roads and wheels", ibid. 65 (1992).
+    Source: Hall & Wagon, "Roads and wheels", Math. Mag. 65 (1992) 283–301 (reference looked up, not the text); derived:
+    the catenary's tangent passes the point above the contact at a constant distance.
     Known exactly: the centre of mass stays level while the edge rolls, and (J + m d²) ω² is constant.
     """
     h = positive("h of straight_edge_on_catenary", h)
@@ -111,7 +114,8 @@ def spiral_on_incline(growth=0.2, omega=-5.0, mu=0.5, start=0.1, m=1.0, g=9.81, 
     """A logarithmic spiral with its mass at the pole, rolling down an incline of slope atan(growth) on the level.
 
     Why: it rolls downhill and does not fall: the pole's path is level, equilibrium is neutral everywhere.
-    Source: Lockwood, A Book of Curves, ch. 11 (the pole of a rolling equiangular spiral runs on a straight line).
+    Source: Lockwood, A Book of Curves (known to us, not looked up); derived: the pole moves at right angles to its
+    radius, and the radius meets the incline at one angle.
     Known exactly: y of the centre of mass is constant while it rolls, and (J + m d²) ω² is. J = m·start²/2.
     """
     return Case(
@@ -128,8 +132,9 @@ def sliding_rod(mu=0.5, angle=1.2, v0=2.0, length=1.0, tip=0.001, m=1.0, g=9.81,
     """Painlevé's rod: a slender rod pushed along a line on its round tip, the tip leading, at `angle` to the line.
 
     Why: above μ = 4/3 rigid Coulomb contact loses its unique force; below it friction only multiplies the normal force.
-    Source: Painlevé, C. R. Acad. Sci. 121 (1895); Génot & Brogliato, "New results on Painlevé paradoxes", Eur. J. Mech.
-    A/Solids 18 (1999).
+    Source: Painlevé (1895), Génot & Brogliato, Eur. J. Mech. A/Solids (1999) (known to us, not looked up); Champneys &
+    Várkonyi, "The Painlevé paradox in contact mechanics", arXiv 1601.03545 (abstract looked up). Derived from N − m g =
+    m ÿ and the moment about the centre of mass.
     Known exactly: N = m g/(1 + 3 cos²φ − 3 μ cos φ (sin φ + 2 tip/length)) at the start; a denominator of zero first
     appears at μ = 4/3, tan φ = 2 (tip → 0).
     """

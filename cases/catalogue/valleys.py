@@ -1,6 +1,6 @@
 """Discs let go at rest on the flanks of valleys that are no circles. Gravity pulls along −Y.
 
-Known exactly for each (Routh, Elementary Rigid Dynamics, on small oscillations of rolling cylinders): a disc rolling
+Known exactly for each (derived: (3/2) s″ = −g s/(ρ − r) for the centre's arc s): a disc rolling
 near the bottom, where the radius of curvature is ρ, swings with 2π √(3(ρ − r)/(2g)) in the limit of small swings.
 """
 
@@ -26,7 +26,7 @@ def disc_in_ellipse(xi1=-2.8, mu=0.1, a=1.0, b=0.6, r=0.1, m=1.0, g=9.81, durati
 def disc_in_parabola(xi1=-0.8, mu=0.15, focus=0.4, r=0.1, m=1.0, g=9.81, duration=2.0):
     """A disc in a parabolic valley: curvature falls off quickly, and so does the normal force's share.
 
-    Source: Huygens' and Bernoulli's particle on a parabola, here with size and friction. ρ = 2·focus.
+    Source: this suite's; a particle on a parabola, here with size and friction. ρ = 2·focus.
     """
     return _let_go(parabola(focus), xi1, mu, r, m, g, duration)
 
@@ -44,7 +44,7 @@ def disc_in_cosine(xi1=-1.0, mu=0.1, depth=0.3, wavenumber=2.0, r=0.1, m=1.0, g=
 def disc_in_catenary(xi1=-0.7, mu=0.1, a=0.5, r=0.1, m=1.0, g=9.81, duration=2.0):
     """A disc in a hanging chain's valley: a transcendental track, for engines that need it as points.
 
-    Source: Lockwood, A Book of Curves, ch. 13. ρ = a.
+    Source: this suite's. ρ = a, derived from y″ = 1/a at the bottom.
     """
     return _let_go(catenary(a), xi1, mu, r, m, g, duration)
 
@@ -53,6 +53,6 @@ def disc_in_catenary(xi1=-0.7, mu=0.1, a=0.5, r=0.1, m=1.0, g=9.81, duration=2.0
 def disc_on_trochoid(xi1=-2.0, mu=0.1, a=0.5, arm=0.3, r=0.1, m=1.0, g=9.81, duration=2.0):
     """A disc on a bumpy road, the path of a point inside a wheel: wide valleys and sharp crests.
 
-    Source: Lockwood, A Book of Curves, ch. 17. ρ = (a + arm)²/arm.
+    Source: this suite's. ρ = (a + arm)²/arm, derived from x′ = a + arm and y″ = arm at the bottom.
     """
     return _let_go(trochoid(a, arm), xi1, mu, r, m, g, duration)

@@ -4,9 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any
 
 from cases import Case, Mode, Trajectory
+
+
+class Basis(StrEnum):
+    """What a value rests on."""
+
+    DERIVED = "derived"  # in the source's own text: laws, then the formula
+    LOOKED_UP = "looked up"  # in the place that the text names
+    NOT_LOOKED_UP = "known to us, not looked up"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a value comes from: a derivation, or a place (author, title, year, page or file), and which of the two."""
+
+    basis: Basis
+    text: str
+
+
+def derived(text: str) -> Source:
+    """A value that the text derives in two lines."""
+    return Source(Basis.DERIVED, text)
 
 
 @dataclass(frozen=True)
@@ -19,7 +41,7 @@ class Fact:
     case: str
     quantity: str
     value: float
-    source: str
+    source: Source
     measure: Callable[[Case, Trajectory], float]
     parameters: dict[str, Any]
     tolerance: float = 1e-9
@@ -29,7 +51,7 @@ def fact(
     case: str,
     quantity: str,
     value: float,
-    source: str,
+    source: Source,
     measure: Callable[[Case, Trajectory], float],
     tolerance: float = 1e-9,
     **parameters: Any,

@@ -4,17 +4,43 @@ from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
 
-from cases.contact import start_motion
-
-from .facts import at_start, ends_with, fact, spread, zero_of
+from .facts import at_start, derived, ends_with, fact, spread, zero_of
 
 G = 9.81
-ROUTH = "Routh, Elementary Rigid Dynamics (small oscillations, rocking stones)"
-WHEELS = "Hall & Wagon, Roads and wheels, Math. Mag. 65 (1992); Robison, Math. Mag. 33 (1960)"
-LOCKWOOD = "Lockwood, A Book of Curves (1961), ch. 11"
-TOKIEDA = "Tokieda, The hopping hoop, Am. Math. Monthly 104 (1997)"
-PAINLEVE = "Génot & Brogliato, Eur. J. Mech. A/Solids 18 (1999); Painlevé, C. R. Acad. Sci. 121 (1895)"
-REULEAUX = "Reuleaux, Kinematics of Machinery (1876): rolling keeps energy, and h is the plate's support function"
+
+# All derived. Routh (rocking stones), Lockwood (rolling spiral), Robison and Hall & Wagon (square wheels), Tokieda (the
+# hoop), Reuleaux (constant width) and Painlevé are said to have them; we did not look them up.
+SMALL_SWINGS = derived(
+    "the centre's path has the radius ρ − r at the bottom: (3/2) s'' = −g s/(ρ − r), half a period is "
+    "π sqrt(3 (ρ − r)/(2 g))"
+)
+ROCKING = derived(
+    "rolled by the arc s the plate has turned by θ = s/q, 1/q = 1/ρ + 1/ρ', and its centre is at "
+    "b − s²/(2 q) + θ s − b θ²/2 = b + (q − b) θ²/2; its kinetic energy is m (k² + b²) θ'²/2, without friction "
+    "m k² θ'²/2 with x constant, k² = (a² + b²)/4"
+)
+ROLLING_ENERGY = "rolling, its kinetic energy is (J + m d²) ω²/2, and friction does no work"
+SQUARE_WHEEL = derived(
+    "the tangent of y = −a cosh(x/a) lies at the distance a cosh/sqrt(1 + sinh²) = a from the point (x, 0) above the "
+    "contact, and touches at a sinh(x/a), the road's arc: the centre is at y = 0; " + ROLLING_ENERGY
+)
+SPIRAL = derived(
+    "rolling, the pole moves at right angles to its radius to the contact, which meets the incline at a constant angle "
+    "of cotangent `growth` = tan(slope): level; " + ROLLING_ENERGY
+)
+HOOP = derived(
+    "d² = r² + e² + 2 r e cos φ, J = m (r² − e²), e = share·r: m r² (1 + share cos φ) ω² + m g e cos φ = m g e from "
+    "rest at the top"
+)
+SUPPORT = derived(
+    "h(φ) is defined as the distance of the tangent with outward normal φ, h(φ) = r + r·sharpness·cos(3 φ)/8; "
+    + ROLLING_ENERGY
+)
+SLIDING_ROD = derived(
+    "m y'' = N − m g with y = half·sin φ + tip, and m half² φ''/3 = −N half cos φ + μ N (half sin φ + tip), give "
+    "N (1 + 3 cos²φ − 3 μ cos φ (sin φ + tip/half)) = m (g − half sin φ φ'²); with tip = 0 the bracket is zero where "
+    "μ = (1 + tan²φ + 3)/(3 tan φ), least for tan φ = 2: μ = 4/3"
+)
 # Small swings: their period is the limit's to the square of the swing, here some 1e-3 rad, so 1e-5 relative is ample.
 SMALL = 1e-5
 
@@ -65,8 +91,10 @@ def rod_force(mu, angle):
     return G / (1 + 3 * cos(angle) ** 2 - 3 * mu * cos(angle) * (sin(angle) + 0.002))
 
 
-def start_height(case, motion):
-    return start_motion(case).y
+def centrifugal_minus_g(case, motion):
+    state = motion(motion.transitions[0].time)
+    angle = -pi / 2 - motion.transitions[0].xi2
+    return 0.5 * sin(angle) * state.omega**2 - G
 
 
 FACTS = [
@@ -74,7 +102,7 @@ FACTS = [
         "disc_in_parabola",
         "half period of a small rolling swing / s",
         rolling_half_period(0.8),
-        ROUTH,
+        SMALL_SWINGS,
         zero_of(back),
         SMALL,
         xi1=-1e-3,
@@ -84,7 +112,7 @@ FACTS = [
         "disc_in_cosine",
         "half period of a small rolling swing / s",
         rolling_half_period(1 / 1.2),
-        ROUTH,
+        SMALL_SWINGS,
         zero_of(back),
         SMALL,
         xi1=-1e-3,
@@ -94,7 +122,7 @@ FACTS = [
         "disc_in_catenary",
         "half period of a small rolling swing / s",
         rolling_half_period(0.5),
-        ROUTH,
+        SMALL_SWINGS,
         zero_of(back),
         SMALL,
         xi1=-1e-3,
@@ -104,7 +132,7 @@ FACTS = [
         "disc_in_ellipse",
         "half period of a small rolling swing / s",
         rolling_half_period(1 / 0.6),
-        ROUTH,
+        SMALL_SWINGS,
         zero_of(back),
         SMALL,
         xi1=-pi / 2 - 1e-3,
@@ -114,7 +142,7 @@ FACTS = [
         "disc_on_trochoid",
         "half period of a small rolling swing / s",
         rolling_half_period(0.64 / 0.3),
-        ROUTH,
+        SMALL_SWINGS,
         zero_of(back),
         SMALL,
         xi1=-1e-3,
@@ -124,7 +152,7 @@ FACTS = [
         "ellipse_on_line",
         "half period of small rolling rocking / s",
         rocking_half_period(0.3, 0.2, 0.0, True),
-        ROUTH,
+        ROCKING,
         zero_of(omega),
         SMALL,
         tilt=1e-3,
@@ -133,7 +161,7 @@ FACTS = [
         "ellipse_on_ice",
         "half period of small sliding rocking / s",
         rocking_half_period(0.3, 0.2, 0.0, False),
-        ROUTH,
+        ROCKING,
         zero_of(omega),
         SMALL,
         tilt=1e-3,
@@ -142,24 +170,24 @@ FACTS = [
         "ellipse_on_hill",
         "half period of a rocking stone / s",
         rocking_half_period(0.3, 0.2, 1.0, True),
-        ROUTH,
+        ROCKING,
         zero_of(omega),
         SMALL,
         tilt=1e-3,
     ),
-    fact("ellipse_on_ice", "path of the centre sideways / m", 0.0, ROUTH, spread(lambda case, state: state.x)),
-    fact("straight_edge_on_catenary", "rise of the centre / m", 0.0, WHEELS, spread(lambda case, state: state.y)),
-    fact("straight_edge_on_catenary", "change of (J + m d²) ω²/2 / J", 0.0, WHEELS, spread(spin_energy)),
-    fact("spiral_on_incline", "rise of the pole / m", 0.0, LOCKWOOD, spread(lambda case, state: state.y)),
-    fact("spiral_on_incline", "change of (J + m d²) ω²/2 / J", 0.0, LOCKWOOD, spread(spin_energy)),
-    fact("littlewood_hoop", "ω of the rolling hoop over Tokieda's", 1.0, TOKIEDA, hoop_spin),
-    fact("rounded_triangle_on_line", "centre's height minus h(φ) / m", 0.0, REULEAUX, spread(triangle_height)),
-    fact("rounded_triangle_on_line", "change of energy in rolling / J", 0.0, REULEAUX, spread(energy)),
+    fact("ellipse_on_ice", "path of the centre sideways / m", 0.0, ROCKING, spread(lambda case, state: state.x)),
+    fact("straight_edge_on_catenary", "rise of the centre / m", 0.0, SQUARE_WHEEL, spread(lambda case, state: state.y)),
+    fact("straight_edge_on_catenary", "change of (J + m d²) ω²/2 / J", 0.0, SQUARE_WHEEL, spread(spin_energy)),
+    fact("spiral_on_incline", "rise of the pole / m", 0.0, SPIRAL, spread(lambda case, state: state.y)),
+    fact("spiral_on_incline", "change of (J + m d²) ω²/2 / J", 0.0, SPIRAL, spread(spin_energy)),
+    fact("littlewood_hoop", "ω of the rolling hoop over its formula", 1.0, HOOP, hoop_spin),
+    fact("rounded_triangle_on_line", "centre's height minus h(φ) / m", 0.0, SUPPORT, spread(triangle_height)),
+    fact("rounded_triangle_on_line", "change of energy in rolling / J", 0.0, SUPPORT, spread(energy)),
     fact(
         "sliding_rod",
         "normal force at the start, μ = 0.5 / N",
         rod_force(0.5, 1.2),
-        PAINLEVE,
+        SLIDING_ROD,
         at_start("normal_force"),
         mu=0.5,
     ),
@@ -167,7 +195,7 @@ FACTS = [
         "sliding_rod",
         "normal force at the start, μ = 1.2 / N",
         rod_force(1.2, 1.2),
-        PAINLEVE,
+        SLIDING_ROD,
         at_start("normal_force"),
         mu=1.2,
     ),
@@ -176,13 +204,28 @@ FACTS = [
         "sliding_rod",
         "regular at tan φ = 2 for μ = 1.33",
         0,
-        PAINLEVE,
+        SLIDING_ROD,
         ends_with("paradox"),
         mu=1.33,
         angle=atan(2.0),
         duration=1e-3,
     ),
     fact(
-        "sliding_rod", "paradox at tan φ = 2 for μ = 1.34", 1, PAINLEVE, ends_with("paradox"), mu=1.34, angle=atan(2.0)
+        "sliding_rod",
+        "paradox at tan φ = 2 for μ = 1.34",
+        1,
+        SLIDING_ROD,
+        ends_with("paradox"),
+        mu=1.34,
+        angle=atan(2.0),
     ),
+    fact(
+        "hopping_rod",
+        "normal force at the start / N",
+        (G - 0.5 * sin(1.0) * 16) / (1 + 3 * cos(1.0) ** 2 - 3.6 * cos(1.0) * (sin(1.0) + 0.002)),
+        SLIDING_ROD,
+        at_start("normal_force"),
+    ),
+    fact("hopping_rod", "half·sin φ·ω² − g where it departs / (m/s²)", 0.0, SLIDING_ROD, centrifugal_minus_g),
+    fact("hopping_rod", "the same for μ = 0.9", 0.0, SLIDING_ROD, centrifugal_minus_g, mu=0.9),
 ]

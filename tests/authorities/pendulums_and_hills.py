@@ -5,17 +5,38 @@ from math import cos, log, pi, sin, sqrt
 import numpy as np
 from mpmath import ellipk
 
-from .facts import at_start, ends_with, fact, spread, time_of, zero_of
+from .facts import at_start, derived, ends_with, fact, spread, time_of, zero_of
 
 G, L = 9.81, 0.9
-LANDAU_11 = "Landau & Lifshitz, Mechanics, §11 problem 1"
-LANDAU_32 = "Landau & Lifshitz, Mechanics, §32 problem 6"
-HUYGENS = "Huygens, Horologium oscillatorium (1673)"
-ROUTH = "Routh, Dynamics of a Particle (cycloidal motion), with the rolling disc's 3m/2 along its path"
-CARDANO = "Cardano, Opus novum de proportionibus (1570)"
-RING = "Kleppner & Kolenkow, An Introduction to Mechanics, ch. 2 (block on a ring)"
-GOLDSTEIN = "Goldstein, Poole & Safko, Classical Mechanics, ch. 2 (particle on a hemisphere, hoop on a cylinder)"
-LOOP = "Halliday, Resnick & Walker, Fundamentals of Physics (loop-the-loop, sliding and rolling)"
+
+# All derived; k = J/(m r²). Landau & Lifshitz (pendulums), Huygens (cycloid), Cardano (the straight line), Kleppner &
+# Kolenkow (ring), Goldstein and Halliday (hills and loops) are said to have them; we did not look them up.
+PENDULUM = derived(
+    "L φ'²/2 = g (cos φ − cos a); with sin(φ/2) = sin(a/2) sin u half a period is 2 sqrt(L/g) K(sin²(a/2)); "
+    "N = m g cos φ + m L φ'² = m g (3 cos φ − 2 cos a)"
+)
+ROLLING_PENDULUM = derived(
+    "L φ' = v and r ω = −v: (3/4) m (L φ')² − m g L cos φ is the energy of a pendulum of length 3 L/2, times a constant"
+)
+STRAIGHT_LINE = derived(
+    "in a circle of 2 r the disc turns by −(α − α0) while its centre goes from α0 to α: the rim point at 2 α0 − α is "
+    "at r (e^(iα) + e^(i(2 α0 − α))) = 2 r cos(α − α0) e^(iα0)"
+)
+CYCLOID = derived("with s = 4 a sin(t/2) the height is s²/(8 a): s'' = −g s/(4 a), half a period is 2π sqrt(a/g)")
+ROLLING_CYCLOID = derived("energy (3/4) m s'² + m g s²/(8 a): s'' = −g s/(6 a), half a period is 2π sqrt(1.5 a/g)")
+RING = derived(
+    "dv/dt = −μ v²/L: v = v0/(1 + μ v0 t/L), angle = ln(1 + μ v0 t/L)/μ; it rolls once v = v0/(1 + k), where "
+    "μ v0 t/L = k = 1/2; N = m v²/L"
+)
+DEPARTURE = derived(
+    "energy (1 + k) v²/2 = g (R + r)(1 − cos φ) and N = 0, v² = g (R + r) cos φ, give cos φ = 2/(3 + k), k = 0 without "
+    "friction; rolling takes m g sin φ·k/(1 + k) = m g sin φ/3, and N = m g (7 cos φ − 4)/3: slip where "
+    "sin φ = μ (7 cos φ − 4)"
+)
+LOOP = derived(
+    "v² = g L (ratio − 2 (1 − cos φ)/(1 + k)) and N = m g cos φ + m v²/L, φ from the bottom: N/(m g) = ratio − 2 + "
+    "3 cos φ sliding, ratio − 4/3 + 7/3 cos φ rolling, where friction is m g sin φ/3"
+)
 
 
 def swing(amplitude, length):
@@ -63,15 +84,15 @@ def back(state):
 
 
 FACTS = [
-    fact("frictionless_pendulum", "half period / s", swing(1.0, L), LANDAU_11, zero_of(back)),
-    fact("frictionless_pendulum", "half period / s", swing(0.1, L), LANDAU_11, zero_of(back), amplitude=0.1),
-    fact("frictionless_pendulum", "normal force at the bottom / N", G * (3 - 2 * cos(1.0)), LANDAU_11, bottom_force),
-    fact("rolling_pendulum", "half period / s", swing(1.0, 1.5 * L), LANDAU_32, zero_of(back)),
-    fact("rolling_pendulum", "half period / s", swing(0.5, 1.5 * L), LANDAU_32, zero_of(back), amplitude=0.5),
-    fact("cardano_disc", "rim point off its diameter / m", 0.0, CARDANO, spread(away_from_diameter)),
-    fact("cycloidal_pendulum", "half period from 2 rad / s", 2 * pi * sqrt(0.25 / G), HUYGENS, zero_of(back), s0=-2.0),
-    fact("cycloidal_pendulum", "half period from ½ rad / s", 2 * pi * sqrt(0.25 / G), HUYGENS, zero_of(back), s0=-0.5),
-    fact("rolling_on_cycloid", "half period / s", 2 * pi * sqrt(0.375 / G), ROUTH, zero_of(back)),
+    fact("frictionless_pendulum", "half period / s", swing(1.0, L), PENDULUM, zero_of(back)),
+    fact("frictionless_pendulum", "half period / s", swing(0.1, L), PENDULUM, zero_of(back), amplitude=0.1),
+    fact("frictionless_pendulum", "normal force at the bottom / N", G * (3 - 2 * cos(1.0)), PENDULUM, bottom_force),
+    fact("rolling_pendulum", "half period / s", swing(1.0, 1.5 * L), ROLLING_PENDULUM, zero_of(back)),
+    fact("rolling_pendulum", "half period / s", swing(0.5, 1.5 * L), ROLLING_PENDULUM, zero_of(back), amplitude=0.5),
+    fact("cardano_disc", "rim point off its diameter / m", 0.0, STRAIGHT_LINE, spread(away_from_diameter)),
+    fact("cycloidal_pendulum", "half period from 2 rad / s", 2 * pi * sqrt(0.25 / G), CYCLOID, zero_of(back), s0=-2.0),
+    fact("cycloidal_pendulum", "half period from ½ rad / s", 2 * pi * sqrt(0.25 / G), CYCLOID, zero_of(back), s0=-0.5),
+    fact("rolling_on_cycloid", "half period / s", 2 * pi * sqrt(0.375 / G), ROLLING_CYCLOID, zero_of(back)),
     fact("disc_in_weightless_ring", "start of rolling / s", 0.5 * L / (0.3 * 2.0), RING, time_of(0)),
     fact("disc_in_weightless_ring", "angle slid / rad", log(1.5) / 0.3, RING, lambda case, m: m.transitions[0].xi1),
     fact(
@@ -81,16 +102,16 @@ FACTS = [
         RING,
         lambda case, m: m(0.375).normal_force,
     ),
-    fact("disc_sliding_off_hill", "cos φ of departure", 2 / 3, GOLDSTEIN, departure_cosine),
+    fact("disc_sliding_off_hill", "cos φ of departure", 2 / 3, DEPARTURE, departure_cosine),
     # The disc rolls all the way in the limit μ → ∞; for μ = 10⁶ the cosine differs by about 1/μ times the sine.
     fact(
-        "disc_rolling_off_hill", "cos φ of departure, μ → ∞", 4 / 7, GOLDSTEIN, departure_cosine, tolerance=1e-6, mu=1e6
+        "disc_rolling_off_hill", "cos φ of departure, μ → ∞", 4 / 7, DEPARTURE, departure_cosine, tolerance=1e-6, mu=1e6
     ),
     fact(
         "disc_rolling_off_hill",
         "the same, as a sphere",
         10 / 17,
-        GOLDSTEIN,
+        DEPARTURE,
         departure_cosine,
         tolerance=1e-6,
         mu=1e6,
@@ -100,7 +121,7 @@ FACTS = [
         "disc_rolling_off_hill",
         "½ sin φ − μ(7/2 cos φ − 2) where slip begins",
         0.0,
-        GOLDSTEIN,
+        DEPARTURE,
         slip_angle_condition,
         mu=0.3,
     ),
