@@ -23,7 +23,7 @@ def test_there_are_twelve_numbers_at_least_and_six_whole_motions():
 def test_a_publication_says_where_it_stands_and_how_sure_it_is():
     assert len(BY_NAME) == len(PUBLICATIONS)
     for publication in PUBLICATIONS:
-        assert publication.source.startswith(("github.com/", "gitlab.com/")), publication.name
+        assert publication.source.startswith("github.com/"), publication.name
         assert "commit" in publication.source and publication.accuracy, publication.name
         assert all(number.accuracy > 0.0 for number in publication.numbers), publication.name
         assert bool(publication.known) or not any(number.off for number in publication.numbers), publication.name
