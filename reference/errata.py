@@ -16,8 +16,8 @@ from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Uni
 from cases import curves as c
 from cases.contact import velocity
 
-from .augmented import solve_augmented
-from .kinematics import I2, Kinematics, U, kinematics
+from .paper.augmented import solve_augmented
+from .paper.kinematics import I2, Kinematics, U, kinematics
 from .solve import simulate
 
 MU = 0.2
