@@ -1,8 +1,8 @@
 """Plane curves, authored as one expression: derivatives to third order, curvature, direction of the tangent.
 
-Orientation (paper, section 2): the plate lies on the left of a track's increasing parameter, so the normal force on
-it points along U·R_p; an outline runs counter-clockwise around its plate. Curvature is positive where a curve bends
-to its left: a plate can touch where its outline's curvature exceeds the track's.
+Orientation (as (31) implies with λ > 0): the plate lies on the left of a track's increasing parameter, so the normal
+force on it points along U·R_p; an outline runs counter-clockwise around its plate. Curvature is positive where a curve
+bends to its left: a plate can touch where its outline's curvature exceeds the track's.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The paper's misprints, shown by residuals: each printed formula beside the corrected one, both evaluated.
 
 A residual is how far a formula is from what it must equal, relative to the size of what it must equal, at one generic
-state (an ellipse in an ellipse, all rates different from zero). A corrected formula's residual is rounding.
+state (an ellipse in an ellipse, all rates different from zero). A corrected formula's residual is rounding. Where a
+formula is not false but cannot be read as printed, the row's verdict states the fact that shows it.
 """
 
 from __future__ import annotations
@@ -16,15 +17,19 @@ from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Uni
 from cases import curves as c
 from cases.contact import velocity
 
-from .augmented import solve_augmented
-from .kinematics import I2, Kinematics, U, kinematics
+from .paper.application import rolls_beyond
+from .paper.augmented import applied_torsor, mass_matrix, solve_augmented
+from .paper.kinematics import I2, Kinematics, U, kinematics
 from .solve import simulate
 
 MU = 0.2
 
 
 class Erratum(NamedTuple):
-    """One row of errata.csv; residuals are relative, NaN where a formula cannot be evaluated at all."""
+    """One row of errata.csv; residuals are relative, NaN where a formula cannot be evaluated at all.
+
+    `claim` is the paper's μ₀ where the row is about its claim that rolling follows, else NaN.
+    """
 
     where: str
     printed: str
@@ -32,11 +37,13 @@ class Erratum(NamedTuple):
     printed_residual: float
     corrected_residual: float
     verdict: str
+    claim: float = float("nan")
 
 
 def errata() -> list[Erratum]:
     """Every erratum, evaluated."""
-    return [_after_6(), _14(), _32(), _35_slip(), _35_axes(), *_claim_of_rolling()]
+    misprints = (_reference_5, _after_6, _9, _14, _19, _20, _32, _35_slip, _35_axes)
+    return [*(row() for row in misprints), *(_claim_of_rolling(mu) for mu in (0.01, 0.1, 0.2))]
 
 
 def _generic() -> tuple[Case, Kinematics]:
@@ -49,6 +56,21 @@ def _generic() -> tuple[Case, Kinematics]:
 
 def _relative(value, reference) -> float:
     return float(np.linalg.norm(np.subtract(value, reference)) / np.linalg.norm(reference))
+
+
+# Citations in the text, in their order, and the numbers of the list at its end.
+_CITED, _LISTED = (5, 2, 1, 3, 1, 3), (1, 2, 3, 4)
+
+
+def _reference_5() -> Erratum:
+    lost, unused = sorted(set(_CITED) - set(_LISTED)), sorted(set(_LISTED) - set(_CITED))
+    by_4 = {4 if number == 5 else number for number in _CITED}
+    return Erratum(
+        "section 1", "multibody systems [5]", "[4], perhaps: the paper does not say",
+        len(lost) / len(set(_CITED)), len(by_4 - set(_LISTED)) / len(by_4),
+        f"cited and not listed: {lost}; listed and not cited: {unused} (residual: the part of the numbers cited that "
+        "the list lacks)",
+    )  # fmt: skip
 
 
 def _after_6() -> Erratum:
@@ -66,6 +88,20 @@ def _after_6() -> Erratum:
     )  # fmt: skip
 
 
+def _9() -> Erratum:
+    case, k = _generic()
+    rp, rs = k.turn @ k.rp, k.turn @ k.rs
+    # θ̇ from the curvatures of both curves, not from (9), so that the sum says something.
+    bends = case.track.curvature(k.q[0]), case.plate.outline.curvature(k.q[1])
+    theta_dot = bends[0] * np.hypot(*k.Rp) * k.q_dot[0] - bends[1] * np.hypot(*k.rp) * k.q_dot[1]
+    terms = np.array([-theta_dot * (k.Rp @ rp), k.q_dot[0] * (k.Rs @ U @ rp), k.q_dot[1] * (k.Rp @ U @ rs)])
+    return Erratum(
+        "(9)", "… = {0}, as (8)", "… = 0",
+        float("nan"), float(abs(terms.sum()) / np.abs(terms).max()),
+        f"its three terms are numbers, {terms[0]:.3f}, {terms[1]:.3f}, {terms[2]:.3f}; {{0}} in (8) is a column of two",
+    )  # fmt: skip
+
+
 def _14() -> Erratum:
     case, k = _generic()
     printed = k.Rp @ k.turn  # a row of two numbers: it has no sign
@@ -78,12 +114,44 @@ def _14() -> Erratum:
     )  # fmt: skip
 
 
+def _19() -> Erratum:
+    case, k = _generic()
+    state = (*k.q, *k.q_dot)
+    solved, M = solve_augmented(case, Mode.SLIP_FORWARD, state), mass_matrix(case)
+    q_ddot = np.array([*solved.q1_ddot, *solved.q2_ddot])
+    tangent = k.Rp / np.linalg.norm(k.Rp)
+    F_L = _torsor(k, solved.normal_force * (U @ tangent) + solved.friction_force * tangent)
+    F = applied_torsor(case, (0.0, *k.R0, k.theta, *k.R0_dot, k.theta_dot))
+    return Erratum(
+        "(19)", "M q̈ = F + F_L", "M q̈₁ = F + F_L",
+        float("nan"), _relative(M @ q_ddot[:3], F + F_L),
+        f"M has shape {M.shape}; q without an index is not defined, and q₁ and q₂ together have {len(q_ddot)} rows",
+    )  # fmt: skip
+
+
+def _20() -> Erratum:
+    _, k = _generic()
+    (Nx, Ny), (Tx, Ty), (X, Y), (X0, Y0) = (1.3, -0.4), (0.2, 0.65), k.R, k.R0
+    N, T = np.array([Nx, Ny, Ny * (X - X0) - Nx * (Y - Y0)]), np.array([Tx, Ty, Ty * (X - X0) - Tx * (Y - Y0)])  # (17)
+    by_20 = np.array([Nx + Tx, Ny + Ty, Ny * (X - X0) - Nx * (Y - Y0) + Ty * (X - X0) - Tx * (Y - Y0)])
+    return Erratum(
+        "(20)", "another form of F_L, by (5)", "(18) with (17) put in; by (5) the arms are the components of θ r",
+        _relative(by_20, N + T), _relative(_torsor(k, np.array([Nx + Tx, Ny + Ty])), N + T),
+        "not false, but printed twice: it is (17) in (18) to the letter, and θ r, which (33) needs, does not occur",
+    )  # fmt: skip
+
+
+def _torsor(k: Kinematics, force: np.ndarray) -> np.ndarray:
+    """A force at the contact and its moment about the centre of mass, with the arm θ r of (5)."""
+    arm = k.turn @ k.r
+    return np.array([*force, arm[0] * force[1] - arm[1] * force[0]])
+
+
 def _32() -> Erratum:
     _, k = _generic()
     mu = -MU
     force = np.array([-k.Rp[1] + mu * k.Rp[0], k.Rp[0] + mu * k.Rp[1]])  # (31) per λ
-    arm = k.turn @ k.r
-    torsor = np.array([*force, arm[0] * force[1] - arm[1] * force[0]])
+    arm, torsor = k.turn @ k.r, _torsor(k, force)
 
     def column(U_tilde):
         Rp_tilde = U_tilde @ k.Rp
@@ -126,25 +194,24 @@ def _35_axes() -> Erratum:
     )  # fmt: skip
 
 
-def _claim_of_rolling() -> list[Erratum]:
-    """The claim per μ₀; its residual is by how much rolling would exceed the cone."""
-    rows = []
-    for mu in (0.01, 0.1, 0.2):
-        case = cases.load("disc_in_circle", mu=mu)
-        motion = simulate(case, rtol=1e-12)
-        first = motion.transitions[0]
-        rates = velocity(case, first.xi1, first.xi2, 0.0, float(motion(first.time).omega))
-        roll = solve_augmented(case, Mode.ROLL, (first.xi1, first.xi2, rates.xi1_dot, rates.xi2_dot))
-        needed = abs(roll.friction_force) / (mu * roll.normal_force)
-        follows = "it rolls, the claim holds" if first.after is Mode.ROLL else "the slip reverses, the claim fails"
-        rows.append(
-            Erratum(
-                f"end of 4.2, μ₀ = {mu:g}",
-                "when v vanishes the disc rolls",
-                "it rolls only if |T| ≤ μ₀ N, else the slip reverses",
-                max(0.0, needed - 1.0),
-                0.0 if (needed <= 1.0) == (first.after is Mode.ROLL) else float("nan"),
-                f"rolling would take |T| = {needed:.3f} μ₀ N: {follows}",
-            )
-        )
-    return rows
+def _claim_of_rolling(mu: float) -> Erratum:
+    """The claim for one μ₀; its residual is by how much rolling would exceed the cone."""
+    case = cases.load("disc_in_circle", mu=mu)
+    motion = simulate(case, rtol=1e-12)
+    first = motion.transitions[0]
+    rates = velocity(case, first.xi1, first.xi2, 0.0, float(motion(first.time).omega))
+    roll = solve_augmented(case, Mode.ROLL, (first.xi1, first.xi2, rates.xi1_dot, rates.xi2_dot))
+    needed = abs(roll.friction_force) / (mu * roll.normal_force)
+    follows = "it rolls, the claim holds" if first.after is Mode.ROLL else "the slip reverses, the claim fails"
+    bound = rolls_beyond(mu)
+    start = f"released beyond ξ₁ = {bound:.5f} rad it would roll" if bound else "released lower it rolls, too"
+    return Erratum(
+        f"end of 4.2, μ₀ = {mu:g}",
+        "when v vanishes the disc rolls",
+        "it rolls only if |T| ≤ μ₀ N, else the slip reverses",
+        max(0.0, needed - 1.0),
+        0.0 if (needed <= 1.0) == (first.after is Mode.ROLL) else float("nan"),
+        f"let go at rest at ξ₁ = 0 (the paper does not say where), rolling would take |T| = {needed:.3f} μ₀ N: "
+        f"{follows}; {start}. Neither depends on R, r, m or g",
+        mu,
+    )

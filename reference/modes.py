@@ -44,7 +44,7 @@ FLIGHT = Regime(Mode.FLIGHT)
 
 
 class Phase(NamedTuple):
-    """A regime with its equations and their parameters: all an integrator needs.
+    """A regime of a case with its equations and their parameters: all an integrator needs.
 
     `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: what counts as a
     change of order one.
@@ -55,6 +55,7 @@ class Phase(NamedTuple):
     parameters: tuple[float, ...]
     size: float
     lengths: tuple[float, ...]
+    case: Case
 
 
 @lru_cache(maxsize=1024)
@@ -99,7 +100,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     size = sqrt(case.plate.inertia / case.plate.mass)
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
-        return Phase(regime, equations, parameter_values(case, {}, equations.parameters), size, (size, size, 1.0))
+        return Phase(regime, equations, parameter_values(case, {}, equations.parameters), size, (size, size, 1.0), case)
     equations = contact_system(case, regime.kind)
     law = laws(case)
     values = {"nu": float(regime.side)}
@@ -108,7 +109,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     start = start_motion(case)
     lengths = (size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0)
     parameters = parameter_values(case, values, equations.parameters)
-    return Phase(regime, equations, parameters, size, lengths[: equations.positions])
+    return Phase(regime, equations, parameters, size, lengths[: equations.positions], case)
 
 
 def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
 
-# A normal force of a rounding below zero is a release at N = 0, as in the paper's own start.
+# A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
 RELEASE = 1e-12
 
 # How far ahead, in parts of the duration, a normal force of zero is looked at: to tell a release from a departure.

@@ -14,7 +14,7 @@ from cases import BadValue, Case, Cost, Flight, State, Trajectory
 from cases.contact import pose
 from cases.errors import unknown
 
-from . import dop853, taylor
+from . import dop853, literal, taylor
 from .arc import Arc
 from .course import LOCATED, run
 from .modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
@@ -23,10 +23,13 @@ from .transitions import decide
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
+# All that may be asked for: beside them the paper's matrix, filled and solved at every evaluation.
+ROUTES = (*METHODS, "augmented")
 # By name: what prepares a phase and what integrates it. The last one serves certification only.
 INTEGRATORS = {
     "taylor": (taylor.prepare, taylor.integrate),
     "dop853": (dop853.prepare, dop853.integrate),
+    "augmented": (literal.prepare, literal.integrate),
     "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
 }
 
@@ -37,8 +40,9 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     """The motion of a case by the paper's equations.
 
     `rtol` is the integrator's relative tolerance, between 1e-14 and 1e-2; `method` one of `METHODS` (None: the best
-    available). The trajectory's transitions are located to the integrator's accuracy; its `status` tells a motion
-    that ended early. Raises BadValue or UnknownName for arguments that make no sense.
+    available), or "augmented", the paper's own matrix (27), literal and slow. The trajectory's transitions are located
+    to the integrator's accuracy; its `status` tells a motion that ended early, its `reason` also where that matrix was
+    nearly singular. Raises BadValue or UnknownName for arguments that make no sense.
     """
     if not isinstance(case, Case):
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
@@ -62,7 +66,9 @@ def sampled(case: Case, arcs: list[Arc], transitions, ending: tuple[str, str], c
         cost, steps=sum(len(arc.times) - 1 for arc in arcs), evaluations=sum(arc.evaluations for arc in arcs)
     )
     motion = _trajectory(case, arcs, transitions, *ending, cost)
-    return motion if fits_everywhere(case) else _until_second_contact(case, motion)
+    motion = motion if fits_everywhere(case) else _until_second_contact(case, motion)
+    warning = literal.warning([arc for arc in arcs if arc.times[0] <= motion.t[-1]])
+    return replace(motion, reason=f"{motion.reason} {warning}") if warning else motion
 
 
 def first_regime(case: Case, y) -> Regime | None:
@@ -94,7 +100,7 @@ def _known(method: str | None) -> str:
         return METHODS[0]
     known = isinstance(method, str) and method in INTEGRATORS
     if not known or (method.startswith("taylor") and not taylor.AVAILABLE):
-        raise unknown("method of the reference", str(method), METHODS)
+        raise unknown("method of the reference", str(method), ROUTES)
     return method
 
 

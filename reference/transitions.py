@@ -14,8 +14,8 @@ from cases import Case
 from . import series
 from .modes import Phase, Regime, candidates, phase, state_in
 
-# Derivatives looked at before a condition counts as identically zero. The paper's own start needs the second of the
-# normal force; a start at rest on a symmetric place needs the fourth.
+# Derivatives looked at before a condition counts as identically zero. The start of `disc_in_circle` needs the second of
+# the normal force; a start at rest on a symmetric place needs the fourth.
 ORDER = 8
 
 

@@ -1,4 +1,4 @@
-"""`python -m reports.bench`: what the reference costs, against heyoka on the paper's closed form in the same run.
+"""`python -m reports.bench`: what the reference costs, against heyoka on the paper's (35) in the same run.
 
 CPU time of the run alone, contestants interleaved, medians of many repeats: ratios hold on a noisy machine, absolute
 times do not.

@@ -26,10 +26,10 @@ from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Tra
 from cases.contact import pose, start_motion
 from cases.curves import cos, sin
 from cases.library import ellipse
-from reference.augmented import applied_torsor, constraints, mass_matrix, sliding_column, solve_augmented
 from reference.dop853 import prepare
-from reference.kinematics import Kinematics, U, kinematics
 from reference.modes import Regime, phase
+from reference.paper.augmented import applied_torsor, constraints, mass_matrix, sliding_column, solve_augmented
+from reference.paper.kinematics import Kinematics, U, kinematics
 
 from .drawing import Drawn
 
@@ -93,8 +93,8 @@ def solve(case: Case, mode: Mode, formulation: str, rtol: float) -> Answer:
         return Answer(t, _completed(case, states), evaluations, time.process_time() - began)
     stabilise = BAUMGARTE if formulation == "ten with Baumgarte" else 0.0
 
-    def rates(_, y):
-        return np.concatenate([y[5:], _accelerations(case, mode, y, stabilise)])
+    def rates(t, y):
+        return np.concatenate([y[5:], _accelerations(case, mode, t, y, stabilise)])
 
     correct = _projected if formulation == "ten with projection" else None
     t, states, evaluations = _march(rates, _start(case), case, rtol, correct)
@@ -104,8 +104,8 @@ def solve(case: Case, mode: Mode, formulation: str, rtol: float) -> Answer:
 def _independent(case: Case, mode: Mode, rtol: float, eliminated: bool):
     start, now = start_motion(case), phase(case, Regime(mode))
 
-    def literal(_, y):
-        return np.concatenate([y[2:], solve_augmented(case, mode, y.tolist()).q2_ddot])
+    def literal(t, y):
+        return np.concatenate([y[2:], solve_augmented(case, mode, y.tolist(), time=t).q2_ddot])
 
     def short(t, y):
         return now.system.rates_of_numbers(t, y.tolist(), now.parameters)
@@ -168,7 +168,7 @@ def contact_residual(k: Kinematics) -> np.ndarray:
     return np.array([*(k.R0 + k.turn @ k.r - k.R), k.Rp @ U @ k.turn @ k.rp])
 
 
-def _accelerations(case: Case, mode: Mode, y: np.ndarray, stabilise: float) -> np.ndarray:
+def _accelerations(case: Case, mode: Mode, t: float, y: np.ndarray, stabilise: float) -> np.ndarray:
     """(27) with the ten coordinates as they are; Baumgarte's terms −2α φ̇ − α² φ beside C if asked for."""
     k = kinematics_of_ten(case, y)
     friction = case.effect(CoulombFriction)
@@ -177,7 +177,7 @@ def _accelerations(case: Case, mode: Mode, y: np.ndarray, stabilise: float) -> n
     if stabilise:
         C = C - 2 * stabilise * (B @ y[5:8] + D @ y[8:]) - stabilise**2 * contact_residual(k)
     matrix = np.block([[mass_matrix(case), np.zeros((3, 2)), -sliding_column(k, mu)], [B, D, np.zeros((3, 1))]])
-    return np.linalg.solve(matrix, np.concatenate([applied_torsor(case), C]))[:5]
+    return np.linalg.solve(matrix, np.concatenate([applied_torsor(case, (t, *y[:3], *y[5:8])), C]))[:5]
 
 
 def _projected(case: Case, y: np.ndarray) -> np.ndarray:

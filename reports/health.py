@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
-from math import inf, nan, sqrt
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ import reference
 from cases import Case, CaseError, CoulombFriction, Curve, Gravity, Mode, Trajectory, Unilateral
 from cases.contact import start_motion, velocity
 from cases.trajectory import State
-from reference.augmented import augmented_system
+from reference.paper.augmented import condition, fill
 
 from . import distances
 
@@ -154,12 +154,12 @@ def conditioning(case: Case, motion: Trajectory) -> Conditioning:
         if mode is None or mode is Mode.FLIGHT:
             continue
         at = velocity(case, *(float(np.asarray(v)[i]) for v in (state.xi1, state.xi2, state.slip, state.omega)))
-        matrix, _ = augmented_system(case, mode, (at.xi1, at.xi2, at.xi1_dot, at.xi2_dot))
-        if not np.all(np.isfinite(matrix)):
+        filled = fill(case, mode, (at.xi1, at.xi2, at.xi1_dot, at.xi2_dot), time=float(t))
+        if not np.all(np.isfinite(filled.matrix)):
             continue
-        scaled = float(np.linalg.cond(_without_units(case, matrix, at.xi1, at.xi2)))
+        scaled = condition(case, filled)
         found = Conditioning(
-            max(found.largest, float(np.linalg.cond(matrix))),
+            max(found.largest, float(np.linalg.cond(filled.matrix))),
             max(found.scaled, scaled),
             float(t) if scaled > found.scaled else found.when,
         )
@@ -173,18 +173,6 @@ def _mode_at(motion: Trajectory, t: float) -> Mode | None:
             break
         mode = transition.after
     return mode
-
-
-def _without_units(case: Case, matrix: np.ndarray, xi1: float, xi2: float) -> np.ndarray:
-    """The matrix in the plate's own units: mass, radius of gyration and arc lengths are one."""
-    m, rho = case.plate.mass, sqrt(case.plate.inertia / case.plate.mass)
-    P, p = float(case.track.speed(xi1)), float(case.plate.outline.speed(xi2))
-    # Units of the unknowns Ẍ₀, Ÿ₀, θ̈, ξ̈₁, ξ̈₂ and of one or two multipliers λ = N/P; then of the rows: two forces, a
-    # moment, (8) twice, (9), and in roll R_pᵀ v.
-    unknowns = np.array([rho, rho, 1.0, rho / P, rho / p, m * rho / P, m * rho / P])
-    rows = np.array([m * rho, m * rho, m * rho**2, rho, rho, P * p, P * rho])
-    n = len(matrix)
-    return matrix * unknowns[:n] / rows[:n, None]
 
 
 # --- the last bit -----------------------------------------------------------------------------------------------------

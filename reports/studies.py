@@ -64,8 +64,22 @@ def _formulations(plan: Plan, tell: Tell, calls: Calls):
     return {"formulation_study": formulations.frame(rows)}, lambda folder: formulations.draw(rows, folder)
 
 
+def _paper(plan: Plan, tell: Tell, calls: Calls):
+    from . import paper_figures
+
+    (frames,) = tell("the paper", 1, (paper_figures.frames() for _ in range(1)))
+    return frames, paper_figures.draw
+
+
 # By name: title, question, and what answers it.
 _STUDIES: dict[str, tuple[str, str, Callable]] = {
+    "paper_figures": (
+        "The paper, line by line",
+        "Each numbered equation and where it stands in the code, the paper's diagrams beside the motion that goes on, "
+        "its claim that rolling follows with the cone's margin, and its closing remark. Its misprints are in the table "
+        "errata.",
+        _paper,
+    ),
     "effect_costs": (
         "What each effect costs",
         "One scene with its effects added one at a time: what each costs, and how wrong the answer is without it.",

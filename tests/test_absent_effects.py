@@ -156,8 +156,8 @@ def test_without_friction_the_matrix_is_symmetric_and_with_it_it_is_not():
     from scipy.linalg import null_space
 
     from cases import Mode
-    from reference.augmented import augmented_system
     from reference.modes import start_state
+    from reference.paper.augmented import augmented_system
 
     def turn_between(case, mode):
         matrix, _ = augmented_system(case, mode, start_state(case))

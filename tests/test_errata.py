@@ -1,27 +1,123 @@
-"""The paper's misprints are shown by residuals."""
+"""The paper's misprints are shown by residuals, and its claims judged for every size."""
 
-from math import isnan
+from math import isnan, pi, sqrt
 
+import mpmath as mp
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+import cases
+import reference
+from cases import BadValue, Case, CoulombFriction, Gravity, Mode, Start, Unilateral, disc
+from cases.library import circle
+from reference.closed_form import sliding_disc_in_circle
 from reference.errata import errata
+from reference.paper.application import rolls_beyond, slip_end
 
-ROWS = errata()
+ROWS = {row.where: row for row in errata()}
+MISPRINTS = [row for row in ROWS.values() if isnan(row.claim)]
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.where)
+@pytest.mark.parametrize("row", ROWS.values(), ids=ROWS)
 def test_corrected_formula_leaves_no_residual(row):
     # Rounding, but for the row that differentiates numerically with steps of 1e-6.
     assert row.corrected_residual < (1e-9 if row.where == "after (6)" else 1e-14)
 
 
-@pytest.mark.parametrize("row", [row for row in ROWS if "μ₀" not in row.where], ids=lambda row: row.where)
+@pytest.mark.parametrize("row", [row for row in MISPRINTS if row.where != "(20)"], ids=lambda row: row.where)
 def test_printed_formula_leaves_a_large_residual_or_has_no_value(row):
     assert isnan(row.printed_residual) or row.printed_residual > 0.1
 
 
+def test_equation_20_is_no_other_form_but_17_and_18_again():
+    assert ROWS["(20)"].printed_residual <= 1e-15  # the same sums in another order
+
+
+def test_every_misprint_we_know_has_its_row():
+    places = {"section 1", "after (6)", "(9)", "(14)", "(19)", "(20)", "(32)", "(35), v", "(35), axes"}
+    assert {row.where for row in MISPRINTS} == places
+
+
 def test_claim_that_rolling_follows_holds_for_one_of_the_papers_three_coefficients():
-    excess = {row.where.rpartition("= ")[2]: row.printed_residual for row in ROWS if "μ₀" in row.where}
-    assert excess["0.01"] > 1
-    assert excess["0.1"] > 0.5
-    assert excess["0.2"] == 0.0
+    excess = {row.claim: row.printed_residual for row in ROWS.values() if not isnan(row.claim)}
+    assert excess[0.01] > 1
+    assert excess[0.1] > 0.5
+    assert excess[0.2] == 0.0
+
+
+# --- what the claim depends on ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [0.01, 0.1, 0.2])
+def test_unitless_35_meets_the_twenty_digit_values(mu):
+    exact = sliding_disc_in_circle("1", "0.1", str(mu), "9.81")
+    end = slip_end(mu)
+    # Of the tolerance 1e-12 the event's location leaves 1e-11.
+    assert end.time * sqrt(0.9 / 9.81) == pytest.approx(float(exact.time), rel=1e-11)
+    assert end.xi1 == pytest.approx(float(exact.xi1), rel=1e-11)
+    assert (end.needed <= 1.0) == (exact.after is Mode.ROLL)
+
+
+sizes = st.floats(-3.0, 3.0).map(lambda power: 10.0**power)
+
+
+@given(R=sizes, part=st.floats(0.02, 0.95), m=sizes, g=sizes, k=st.floats(0.05, 1.0), mu=st.floats(0.02, 0.5))
+@settings(max_examples=25, deadline=None)
+def test_where_the_slip_ends_and_what_follows_do_not_depend_on_sizes(R, part, m, g, k, mu):
+    r = part * R
+    unit, end = sqrt((R - r) / g), slip_end(mu, 0.0, k)
+    effects = (Gravity(g, pi / 2), CoulombFriction(mu), Unilateral())
+    case = Case(circle(R), disc(r, m, k * m * r * r), effects, Start(0.0), 1.01 * end.time * unit)
+    first = reference.simulate(case, rtol=1e-12).transitions[0]
+    assert first.time / unit == pytest.approx(end.time, rel=1e-10)
+    assert first.xi1 == pytest.approx(end.xi1, rel=1e-10)
+    if abs(end.needed - 1.0) > 1e-8:
+        assert (first.after is Mode.ROLL) == (end.needed <= 1.0)
+
+
+def test_the_shape_of_the_disc_decides_besides_friction_and_start():
+    # μ₀ = 0.1: a homogeneous disc reverses its slip, one with its mass near the centre rolls.
+    assert slip_end(0.1, 0.0, 0.5).needed > 1.6
+    assert slip_end(0.1, 0.0, 0.1).needed < 0.3
+
+
+@pytest.mark.parametrize("mu, bound", [(0.1, 0.629156), (0.01, 1.499867)])
+def test_released_further_down_the_smaller_coefficients_roll_as_well(mu, bound):
+    assert rolls_beyond(mu) == pytest.approx(bound, abs=1e-6)
+    for side, after in ((-1e-4, Mode.SLIP_BACKWARD), (1e-4, Mode.ROLL)):
+        case = cases.load("disc_in_circle", mu=mu, xi1=bound + side)
+        assert reference.simulate(case, rtol=1e-12).transitions[0].after is after
+    # One bound: reversal before it, rolling after it, down to where the disc does not slip at all.
+    releases = np.linspace(0.0, np.arctan(1 / (3 * mu)) - 0.01 * mu, 40)
+    rolls = [slip_end(mu, release).needed <= 1.0 for release in releases]
+    assert rolls == [release > bound for release in releases]
+
+
+@pytest.mark.parametrize("arguments", [(0.1, -0.1), (0.1, 1.6), (0.0, 0.0), (0.1, 0.0, 0.0)])
+def test_releases_outside_the_derivation_are_refused(arguments):
+    with pytest.raises(BadValue, match="give 0 <= release"):
+        slip_end(*arguments)
+
+
+def test_a_release_that_does_not_slip_is_refused():
+    with pytest.raises(BadValue, match="release it higher"):
+        slip_end(0.1, float(mp.atan(1 / mp.mpf("0.3"))) + 1e-9)
+
+
+def test_slip_that_ends_before_the_bottom_ends_in_rolling():
+    # At its end v' ≤ 0, and short of the bottom that is the condition for rolling.
+    ends = [slip_end(mu, release) for mu in (0.01, 0.05, 0.1, 0.3, 1.0) for release in (0.0, 0.2, 0.6, 1.0, 1.4)
+            if np.tan(release) < 1 / (3 * mu)]  # fmt: skip
+    early = [end for end in ends if end.xi1 <= pi / 2]
+    assert len(early) > 5
+    assert all(end.needed <= 1.0 for end in early)
+    assert any(end.needed > 1.0 for end in ends)
+
+
+def test_closing_remark_more_friction_ends_the_slip_earlier_and_at_a_smaller_angle():
+    # The paper compares 0.01 and 0.1 (its figures 3 to 6); 200 coefficients over four decades say the same.
+    ends = [slip_end(mu) for mu in np.geomspace(1e-3, 10.0, 200)]
+    assert all(np.diff([end.time for end in ends]) < 0.0)
+    assert all(np.diff([end.xi1 for end in ends]) < 0.0)

@@ -17,8 +17,8 @@ from cases.library import circle, ellipse, line
 def degenerate_release(mu=0.3, tilt=0.0, a=0.15, b=0.1, R=1.0, m=1.0, g=9.81, duration=0.8):
     """An elliptic plate let go at rest where the inside of a circle is vertical.
 
-    Why: the paper's own start, for a plate that is no disc; `tilt` moves the contact off the plate's axis.
-    Source: Ogaru & Pandrea, 4.2, for the disc; this suite's for the ellipse.
+    Why: the start of `disc_in_circle`, for a plate that is no disc; `tilt` moves the contact off the plate's axis.
+    Source: posed here; Ogaru & Pandrea, 4.2, have the disc in the circle and do not say where it starts.
     Known exactly: at rest with a vertical tangent N = 0 and N' = 0, whatever the plate.
     """
     return Case(

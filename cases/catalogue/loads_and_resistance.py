@@ -87,10 +87,10 @@ def driven_disc(torque=0.4, frequency=6.0, mu=0.15, r=0.1, m=1.0, g=9.81, durati
 
 @case
 def rough_disc_in_circle(R=1.0, r=0.1, m=1.0, xi1=0.0, g=9.81, duration=2.5):
-    """The paper's disc without a bound on friction: it rolls from the start, also where the wall is vertical.
+    """The disc of `disc_in_circle` without a bound on friction: it rolls from the start, also on a vertical wall.
 
     Why: what rolling alone would do; the difference to `disc_in_circle` is all slip.
-    Source: the paper's section 8 with its friction taken to the limit.
+    Source: posed here; Ogaru & Pandrea, 4.2, have the disc in the circle with bounded friction.
     Known exactly: (3/4)(R − r) ξ̇² + g sin ξ is constant: a pendulum of length (3/2)(R − r).
     """
     return Case(

@@ -17,7 +17,7 @@ def _let_go(track: Curve, xi1: float, mu: float, r: float, m: float, g: float, d
 def disc_in_ellipse(xi1=-2.8, mu=0.1, a=1.0, b=0.6, r=0.1, m=1.0, g=9.81, duration=2.0):
     """A disc in an elliptic bowl: the simplest track whose curvature changes, tightest where the disc starts.
 
-    Source: this suite's, after the paper's closing remark that other curves are treated alike. ρ = a²/b.
+    Source: posed here. ρ = a²/b.
     """
     return _let_go(ellipse(a, b), xi1, mu, r, m, g, duration)
 

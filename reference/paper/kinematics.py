@@ -1,12 +1,12 @@
-"""The paper's kinematics, (1)–(12), in its own letters: R, R_p, R_s, R_t on the track, r, r_p, r_s, r_t on the outline.
+"""The paper's kinematics, (1)–(14), in its own letters: R, R_p, R_s, R_t on the track, r, r_p, r_s, r_t on the outline.
 
-Lengths in metres; a dot is a time derivative. Everything here is literal; the fast, eliminated form is in
-`eliminated.py`, and a test holds the two together.
+Lengths in metres; a dot is a time derivative. Everything here is literal: a test holds it against the eliminated form.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import atan2, cos, sin
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class Kinematics:
     """One instant of a plate in contact: (1)–(3) with the rates that (8) and (9) leave free.
 
     `q` and `q_dot` are q₂ = (ξ₁, ξ₂) and its rate. Vectors have shape (2,), `turn` (the paper's matrix θ) (2, 2).
+    `theta` is known up to whole turns, which (6) leaves open.
     """
 
     q: np.ndarray
@@ -42,10 +43,11 @@ class Kinematics:
 
 def kinematics(case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: float) -> Kinematics:
     """All of (1)–(9) at one state in independent coordinates."""
-    R, Rp, Rs, Rt = np.array(case.track.jet(xi1)).reshape(4, 2)
-    r, rp, rs, rt = np.array(case.plate.outline.jet(xi2)).reshape(4, 2)
-    theta = case.track.tangent_angle(xi1) - case.plate.outline.tangent_angle(xi2)  # (6)
-    turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])  # (3)
+    R, Rp, Rs, Rt = np.array(case.track.jet(xi1)).reshape(4, 2)  # (1)
+    r, rp, rs, rt = np.array(case.plate.outline.jet(xi2)).reshape(4, 2)  # (2)
+    theta = atan2(Rp[1], Rp[0]) - atan2(rp[1], rp[0])  # (6), and of its two solutions the one with parallel tangents
+    c, s = cos(theta), sin(theta)
+    turn = np.array([[c, -s], [s, c]])  # (3)
     R0 = R - turn @ r  # (5)
     theta_dot = (xi1_dot * (Rs @ U @ turn @ rp) + xi2_dot * (Rp @ U @ turn @ rs)) / (Rp @ turn @ rp)  # (9)
     R0_dot = xi1_dot * Rp - theta_dot * (U @ turn @ r) - xi2_dot * (turn @ rp)  # (8)
@@ -61,3 +63,8 @@ def slip_vector(k: Kinematics) -> np.ndarray:
 def slip_vector_of_plate(k: Kinematics) -> np.ndarray:
     """(11): the same from the motion of the plate, shape (2,)."""
     return k.R0_dot + k.theta_dot * (U @ k.turn @ k.r)
+
+
+def slip_velocity(k: Kinematics) -> float:
+    """R_pᵀ v / |R_p|, whose sign (13) and (14) ask for, in m/s."""
+    return float(k.Rp @ slip_vector(k) / np.hypot(*k.Rp))

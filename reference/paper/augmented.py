@@ -1,0 +1,243 @@
+"""The paper's augmented system, (15)–(34): accelerations and multipliers from one matrix, block by block.
+
+    [ M  0  −A ] [ q̈₁ ]   [ F ]
+    [ B  D   0 ] [ q̈₂ ] = [ C ]                                                                                  (27)
+                 [ λ  ]
+
+with q₁ = (X₀, Y₀, θ) and q₂ = (ξ₁, ξ₂). A contact that slips has one multiplier (6×6). The paper goes no further; what
+this suite adds are columns and rows of the same kind:
+
+    rolling                  the tangential multiplier, and R_pᵀ v = 0 differentiated (7×7)
+    a rotation that is held  a couple as multiplier, and θ̈ = 0 (7×7 with slip, 8×8 at rest)
+    rolling resistance       a couple arm·|N| against the rotation: it goes with λ, so it stands in λ's column
+    free flight              no multiplier: (16) and (19) alone (3×3)
+
+Literal and slow: what the fast form is tested against, and what `reference.literal` integrates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, CoulombFriction, Gravity, Load, Mode, RollingResistance
+
+from .kinematics import I2, Kinematics, U, kinematics
+
+# (30): the friction coefficient's sign is opposite to the slip velocity's.
+SIGN = {Mode.SLIP_FORWARD: -1.0, Mode.SLIP_BACKWARD: +1.0}
+WITHOUT_SLIP = (Mode.ROLL, Mode.STICK)
+
+
+class Solution(NamedTuple):
+    """(27) solved: q̈₁ shape (3,), q̈₂ shape (2,), multipliers λ (one to three, as the columns of A), the contact forces
+    in N and the couple that resists the rotation in N m."""
+
+    q1_ddot: np.ndarray
+    q2_ddot: np.ndarray
+    multipliers: np.ndarray
+    normal_force: float
+    friction_force: float
+    couple: float
+
+
+class Filled(NamedTuple):
+    """(27) at one instant: its matrix and right-hand side, and what was filled in.
+
+    `ratio` is the μ of (30) with its sign, `arm` the resisting couple per normal force with its sign (m), `rolls` and
+    `held` tell whether the rows of rolling and of a held rotation are there.
+    """
+
+    matrix: np.ndarray
+    right: np.ndarray
+    k: Kinematics
+    ratio: float
+    arm: float
+    rolls: bool
+    held: bool
+
+
+# --- M and F ----------------------------------------------------------------------------------------------------------
+
+
+def mass_matrix(case: Case) -> np.ndarray:
+    """M of (16)."""
+    return np.diag([case.plate.mass, case.plate.mass, case.plate.inertia])
+
+
+def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
+    """F of (19): the external torsor (F_x, F_y, M₀) in the fixed frame, weight and loads together.
+
+    `motion` is what a load may depend on: (t, X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇).
+    """
+    F = np.zeros(3)
+    gravity, load = case.effect(Gravity), case.effect(Load)
+    if gravity is not None:
+        weight = case.plate.mass * gravity.g
+        F[0], F[1] = weight * cos(gravity.direction), weight * sin(gravity.direction)
+    if load is not None:
+        F += load.at(*(float(value) for value in motion))
+    return F
+
+
+# --- A ----------------------------------------------------------------------------------------------------------------
+
+
+def sliding_column(k: Kinematics, mu: float, arm: float = 0.0) -> np.ndarray:
+    """Ã of (33), shape (3, 1), with the corrected Ũ = I₂ − μU of (32); mu carries the sign of (30).
+
+    `arm` is the couple per normal force of a rolling resistance; N = λ |R_p|.
+    """
+    Rp_tilde = (I2 - mu * U) @ k.Rp
+    return np.array([*(U @ Rp_tilde), Rp_tilde @ k.turn @ k.r + arm * sqrt(k.Rp @ k.Rp)]).reshape(3, 1)
+
+
+def tangential_column(k: Kinematics) -> np.ndarray:
+    """The column of the rolling plate's tangential multiplier, shape (3, 1): a force along R_p and its moment."""
+    return np.array([*k.Rp, (U @ k.turn @ k.r) @ k.Rp]).reshape(3, 1)
+
+
+# --- B, D and C -------------------------------------------------------------------------------------------------------
+
+
+def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """B (3×3), D (3×2) of (23) from (8) and (9), and C (3,) of (25), where the third derivatives enter."""
+    arm, rp, rs, rt = k.turn @ k.r, k.turn @ k.rp, k.turn @ k.rs, k.turn @ k.rt
+    (u1, u2), w = k.q_dot, k.theta_dot
+    S, E, G = k.Rp @ rp, k.Rs @ U @ rp, k.Rp @ U @ rs
+    B = np.array([[1, 0, (U @ arm)[0]], [0, 1, (U @ arm)[1]], [0, 0, -S]])
+    D = np.array([[-k.Rp[0], rp[0]], [-k.Rp[1], rp[1]], [E, G]])
+    # (25), the derivative of each coefficient by the product rule and (7).
+    arm_dot, rp_dot = w * (U @ arm) + u2 * rp, w * (U @ rp) + u2 * rs
+    rs_dot = w * (U @ rs) + u2 * rt
+    S_dot = u1 * (k.Rs @ rp) + k.Rp @ rp_dot
+    E_dot = u1 * (k.Rt @ U @ rp) + k.Rs @ U @ rp_dot
+    G_dot = u1 * (k.Rs @ U @ rs) + k.Rp @ U @ rs_dot
+    along = u1**2 * k.Rs - w * (U @ arm_dot) - u2 * rp_dot
+    C = np.array([*along, w * S_dot - u1 * E_dot - u2 * G_dot])
+    return B, D, C
+
+
+def rolling_row(k: Kinematics) -> tuple[np.ndarray, float]:
+    """R_pᵀ v = 0 with v of (12), differentiated: coefficients of q̈₂, shape (2,), and the right-hand side."""
+    rp = k.turn @ k.rp
+    u1, u2 = k.q_dot
+    S_dot = u1 * (k.Rs @ rp) + k.Rp @ (k.theta_dot * (U @ rp) + u2 * (k.turn @ k.rs))
+    return np.array([k.Rp @ k.Rp, -(k.Rp @ rp)]), u2 * S_dot - 2 * u1**2 * (k.Rp @ k.Rs)
+
+
+# --- (27) -------------------------------------------------------------------------------------------------------------
+
+
+def fill(
+    case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
+) -> Filled:
+    """(27) for a contact in that mode.
+
+    `state` is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), with θ (rad) behind it where a load counts whole turns; `side` is the sign of the
+    normal force (−1 only in a two-sided guide), on whose magnitude friction and rolling resistance depend; `turn` is
+    the sense of a rotation that is resisted, 0 where it is held (None: the sign of θ̇); `time` (s) is for loads.
+    """
+    k = kinematics(case, *state[:4])
+    ratio = _friction_ratio(case, mode, side)
+    arm, held = _resistance(case, mode, side, turn, k)
+    A = [sliding_column(k, ratio, arm)]
+    B, D, C = constraints(k)
+    rolls = mode in WITHOUT_SLIP
+    if rolls:
+        row, value = rolling_row(k)
+        A.append(tangential_column(k))
+        B, D, C = np.vstack([B, np.zeros(3)]), np.vstack([D, row]), np.append(C, value)
+    if held:
+        A.append(np.array([[0.0], [0.0], [1.0]]))
+        B, D, C = np.vstack([B, [0.0, 0.0, 1.0]]), np.vstack([D, np.zeros(2)]), np.append(C, 0.0)
+    size = 5 + len(A)
+    matrix = np.zeros((size, size))
+    matrix[:3, :3], matrix[3:, :3], matrix[3:, 3:5] = mass_matrix(case), B, D
+    matrix[:3, 5:] = -np.hstack(A)
+    F = applied_torsor(case, (time, *k.R0, _angle(case, state, k), *k.R0_dot, k.theta_dot))
+    return Filled(matrix, np.concatenate([F, C]), k, ratio, arm, rolls, held)
+
+
+def _friction_ratio(case: Case, mode: Mode, side: int) -> float:
+    """μ of (30): against the slip, by the magnitude of the normal force; 0 without slip or friction."""
+    friction = case.effect(CoulombFriction)
+    return SIGN.get(mode, 0.0) * side * friction.mu if friction else 0.0
+
+
+def _resistance(case: Case, mode: Mode, side: int, turn: int | None, k: Kinematics) -> tuple[float, bool]:
+    """The resisting couple per normal force (m), and whether the rotation is held."""
+    resistance = case.effect(RollingResistance)
+    if resistance is None:
+        return 0.0, False
+    turn = int(np.sign(k.theta_dot)) if turn is None else turn
+    if turn == 0 or mode is Mode.STICK:
+        return 0.0, True
+    return -turn * side * resistance.arm, False
+
+
+def _angle(case: Case, state: Sequence[float], k: Kinematics) -> float:
+    """θ with its whole turns, if a load may ask for them."""
+    if len(state) > 4 or case.effect(Load) is None:
+        return float(state[4]) if len(state) > 4 else k.theta
+    return float(case.track.tangent_angle(state[0]) - case.plate.outline.tangent_angle(state[1]))
+
+
+def augmented_system(
+    case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """The matrix and right-hand side of (27); arguments as of `fill`."""
+    filled = fill(case, mode, state, side, turn, time)
+    return filled.matrix, filled.right
+
+
+def solve_augmented(
+    case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
+) -> Solution:
+    """Accelerations, multipliers and contact forces from (27); raises numpy.linalg.LinAlgError where it is singular."""
+    return solution(fill(case, mode, state, side, turn, time))
+
+
+def solution(filled: Filled) -> Solution:
+    """A filled system solved; raises numpy.linalg.LinAlgError where it is singular."""
+    answer = np.linalg.solve(filled.matrix, filled.right)
+    multipliers = answer[5:]
+    P = sqrt(filled.k.Rp @ filled.k.Rp)
+    normal = float(multipliers[0] * P)
+    friction = float(multipliers[1] * P) if filled.rolls else filled.ratio * normal
+    couple = float(multipliers[-1]) if filled.held else filled.arm * normal
+    return Solution(answer[:3], answer[3:5], multipliers, normal, friction, couple)
+
+
+def flight_acceleration(case: Case, time: float, y: Sequence[float]) -> np.ndarray:
+    """q̈₁ of a plate that touches nothing, (16) and (19) without F_L, shape (3,); y is (X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇)."""
+    return np.linalg.solve(mass_matrix(case), applied_torsor(case, (time, *y)))
+
+
+# --- how near to singular ---------------------------------------------------------------------------------------------
+
+
+def uniqueness(filled: Filled) -> float:
+    """The determinant of (27) over what it is without friction and resistance: 1 there, 0 at Painlevé's paradox.
+
+    Where it vanishes, the normal force is no longer a unique answer of (27).
+    """
+    smooth = filled.matrix.copy()
+    smooth[:3, 5:6] = -sliding_column(filled.k, 0.0)
+    return float(np.linalg.det(filled.matrix) / np.linalg.det(smooth))
+
+
+def condition(case: Case, filled: Filled) -> float:
+    """The 2-norm condition number of (27) in the plate's own units, in which mass, radius of gyration and arc length
+    are one; infinite where the matrix is singular."""
+    m, rho = case.plate.mass, sqrt(case.plate.inertia / case.plate.mass)
+    P, p = float(np.hypot(*filled.k.Rp)), float(np.hypot(*filled.k.rp))
+    # Units of the unknowns Ẍ₀, Ÿ₀, θ̈, ξ̈₁, ξ̈₂, the multipliers N/P and T/P, a couple; then of the rows: two forces, a
+    # moment, (8) twice, (9), R_pᵀ v, θ̈.
+    force, couple = m * rho / P, m * rho**2
+    unknowns = [rho, rho, 1.0, rho / P, rho / p, force, *[force] * filled.rolls, *[couple] * filled.held]
+    rows = [m * rho, m * rho, m * rho**2, rho, rho, P * p, *[P * rho] * filled.rolls, *[1.0] * filled.held]
+    return float(np.linalg.cond(filled.matrix * np.array(unknowns) / np.array(rows)[:, None]))

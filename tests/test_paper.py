@@ -1,0 +1,102 @@
+"""The page that goes through the paper line by line names every equation, and only places that exist."""
+
+import importlib
+import re
+from functools import reduce
+from math import isnan
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reference.errata import errata
+from reference.paper.lines import LINES
+from reports import paper_figures
+from reports.drawing import plt
+
+PAGE = (Path(__file__).parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
+
+
+def rows_below(heading: str) -> list[list[str]]:
+    """The cells of the first table below a heading."""
+    section = PAGE.split(f"## {heading}\n")[1].split("\n## ")[0]
+    lines = [line for line in section.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+def test_every_numbered_equation_of_the_paper_has_its_line():
+    assert [line.number for line in LINES] == list(range(1, 36))
+    told = [[f"({n})", says, ", ".join(f"`{place}`" for place in places)] for n, says, places in LINES]
+    assert rows_below("Equations") == told
+    assert [[row["equation"], row["says"]] for row in paper_figures.equation_rows()] == [line[:2] for line in told]
+
+
+@pytest.mark.parametrize("place", sorted({place for line in LINES for place in line.places}))
+def test_every_place_of_the_code_that_is_named_exists(place):
+    module, name = place.split(":")
+    reduce(getattr, name.split("."), importlib.import_module(module))
+
+
+def test_other_code_that_the_page_names_exists():
+    words = set(re.findall(r"`(reference\.[a-z_.]+|tests/[a-z_]+\.py)`", PAGE))
+    assert {"reference.literal", "reference.errata", "tests/test_errata.py"} <= words
+    for word in words - {"reference.simulate"}:
+        if word.endswith(".py"):
+            assert (Path(__file__).parent.parent / word).exists(), word
+        else:
+            importlib.import_module(word)
+
+
+def test_the_page_has_every_misprint_with_its_residual():
+    told = rows_below("Misprints")
+    known = [row for row in errata() if isnan(row.claim)]
+    assert [cells[0] for cells in told] == [row.where for row in known]
+    for (_, printed, corrected, residual, rest, _), row in zip(told, known, strict=True):
+        assert (printed, corrected) == (row.printed, row.corrected)
+        assert residual == ("no value" if isnan(row.printed_residual) else f"{row.printed_residual:.2g}")
+        assert row.corrected_residual < {"0": 1e-15, "rounding": 1e-14, "below 1e-9": 1e-9}[rest]
+
+
+def test_the_page_has_the_claim_for_each_coefficient():
+    rows = paper_figures.claim_rows()
+    told = rows_below("The claim that rolling follows")
+    assert [float(cells[0]) for cells in told] == [row["mu"] for row in rows]
+    for (_, time, xi1, needed, then, beyond), row in zip(told, rows, strict=True):
+        assert float(time) == pytest.approx(row["time_unitless"], abs=1e-6)
+        assert float(xi1) == pytest.approx(row["xi1"], abs=1e-6)
+        assert float(needed) == pytest.approx(row["needed"], rel=1e-3)
+        assert float(beyond) == pytest.approx(row["rolls_beyond"], abs=1e-5)
+        assert then.startswith("it rolls") == row["claim_holds"] == (row["margin"] >= 0.0)
+
+
+def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
+    for mu in paper_figures.FIGURED:
+        whole, stop = paper_figures.curves(mu), paper_figures._motion(mu).transitions[0].time
+        paper = paper_figures.curves(mu, stop)
+        assert paper["t"][-1] == stop < whole["t"][-1]
+        assert abs(paper["v"][-1]) < 1e-9 and np.all(paper["v"][1:-1] > 0.0)
+        # (35): ξ₂ = ξ₁ − θ, along the whole motion.
+        assert whole["xi2"] - whole["xi2"][0] == pytest.approx(whole["xi1"] - whole["theta"], abs=1e-9)
+
+
+def test_remark_rows_fall_in_time_and_place():
+    rows = paper_figures.remark_rows()
+    assert len(rows) == 200
+    assert all(np.diff([row["time"] for row in rows]) < 0.0)
+    assert all(np.diff([row["xi1"] for row in rows]) < 0.0)
+
+
+def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
+    figure = paper_figures.diagrams()
+    titles = " ".join(ax.get_title() for ax in figure.axes)
+    assert re.findall(r"figure (\d+),", titles) == [str(n) for n in range(3, 13)]
+    plt.close(figure)
+
+
+def test_command_writes_tables_and_pictures(tmp_path, capsys):
+    assert paper_figures.main(["--out", str(tmp_path)]) == 0
+    assert {path.name for path in tmp_path.glob("*.csv")} == {
+        "paper_equations.csv", "paper_claims.csv", "paper_remark.csv",
+    }  # fmt: skip
+    assert {path.name for path in tmp_path.glob("*.svg")} == {"paper_diagrams.svg", "paper_remark.svg"}
+    assert "fails: the slip reverses" in capsys.readouterr().out
