@@ -111,7 +111,7 @@ class Features:
         """(start, end, stride) of the pieces that meet (low, high)."""
         if self.plain:
             return
-        before = low
+        before, last = low, inf
         for distance, stride in self._ahead(low, forward=True):
             if distance > 0.0:
                 yield before, low + distance, last

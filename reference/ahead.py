@@ -19,9 +19,6 @@ PARTS = np.linspace(0.0, 1.0, 9)
 ENOUGH = 0.9
 # Where in a step its defect is looked at.
 INSIDE = np.array([0.3, 0.6, 0.9])
-# How large a defect may be, in units of the tolerance, and at least: a step's own dense output is one order less
-# accurate than its end, and forces are differences of terms a thousand times as large as they are.
-DEFECT, ROUNDING = 1e3, 1e-12
 
 
 def clear_part(phase: Phase, start: float, length: float, states: np.ndarray) -> float:
@@ -29,7 +26,9 @@ def clear_part(phase: Phase, start: float, length: float, states: np.ndarray) ->
 
     `states` of shape (variables, 9) are the dense output at `PARTS` of the step from time `start`.
     """
-    return min((_part(f, start + length * PARTS if row is None else states[row]) for row, f in phase.features), default=1.0)
+    return min(
+        (_part(f, start + length * PARTS if row is None else states[row]) for row, f in phase.features), default=1.0
+    )
 
 
 def _part(features, way: np.ndarray) -> float:
@@ -43,18 +42,12 @@ def _part(features, way: np.ndarray) -> float:
     return float(PARTS[i - 1] + (PARTS[i] - PARTS[i - 1]) * (bound - way[i - 1]) / (way[i] - way[i - 1]))
 
 
-def follows(phase: Phase, times: Sequence[float], states: np.ndarray, slopes: np.ndarray, length: float, rtol: float) -> bool:
-    """Whether a step's dense output satisfies the equations at some times inside it.
-
-    `states` and `slopes` (variables, n): the dense output and its derivative; `length` of the step in s.
-    """
-    if not phase.features:
-        return True
-    return defect(phase, times, states, slopes, length) <= max(DEFECT * rtol, ROUNDING)
-
-
 def defect(phase: Phase, times: Sequence[float], states: np.ndarray, slopes: np.ndarray, length: float) -> float:
-    """The largest defect y' - f(t, y) over the step's length, in parts of the natural sizes."""
+    """By how much a step's dense output misses the equations: the largest y' - f(t, y), times the step's length, in
+    parts of the state's natural sizes.
+
+    `states` and `slopes` (variables, n): the dense output and its derivative at `times`; `length` of the step in s.
+    """
     p = phase.system.positions
     worst = 0.0
     for t, y, slope in zip(times, states.T.tolist(), slopes.T.tolist(), strict=True):
