@@ -12,13 +12,14 @@ from math import atan2, cos, hypot, inf, isfinite, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import DOP853, solve_ivp
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 from scipy.spatial import cKDTree
 
 from cases import Curve
 
 from .second_equations import Scene
+from .second_steps import Watchful
 
 # Points of the outline looked at, and track samples to the size of a plate: the sagitta between neighbours is some
 # 1e-5 of the size, so that every valley between the two curves wider than a hundredth of the plate is seen, and
@@ -208,9 +209,10 @@ class _Course:
     def __init__(self, scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, longest: float):
         self.scene, self.around = scene, around
         self.rtol = max(rtol, 1e-13)
-        self.solver = DOP853(
-            self.rates, t, np.array(body), end, rtol=self.rtol, atol=1e-2 * self.rtol, max_step=longest
-        )
+        self.solver = Watchful(
+            self.rates, t, np.array(body), end, features=scene.in_time,
+            rtol=self.rtol, atol=1e-2 * self.rtol, max_step=longest,
+        )  # fmt: skip
         self.pieces: list[tuple[float, float, Callable]] = []
         self.nodes = [(t, np.array(body))]
 
