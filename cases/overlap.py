@@ -59,7 +59,7 @@ def first_overlap(
     if not outline.period:
         return None
     polygon = _polygon(outline)
-    samples = _samples(track, *_span(track, xi1, polygon.reach), polygon.size)
+    samples = _samples(track, *span(track, xi1, polygon.reach), polygon.size)
     c, s = np.cos(theta), np.sin(theta)
     (mx, my), centres = polygon.middle[:, 0], np.empty((len(x), 2))
     centres[:, 0], centres[:, 1] = x + c * mx - s * my, y + s * mx + c * my
@@ -108,8 +108,11 @@ def _samples(track: Curve, low: float, high: float, size: float) -> _Samples:
     return _Samples(places[there], points[:, there], KDTree(points[:, there].T))
 
 
-def _span(track: Curve, xi1: np.ndarray, reach: float) -> tuple[float, float]:
-    """The stretch of the track that the plate may meet; of one without ends, in powers of two, so that it is kept."""
+def span(track: Curve, xi1, reach: float) -> tuple[float, float]:
+    """The stretch of the track that a plate may meet which touches it at `xi1` (n,) and reaches so far (m).
+
+    Of a track without ends it is rounded up to powers of two, so that what is worked out for it is kept.
+    """
     low, high = track.look
     if track.domain is None and not track.period:
         first, last = float(np.min(xi1)), float(np.max(xi1))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from math import pi
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from cases import Case, Curve, DoesNotFit, Transition
 from cases.contact import Contact, find, overlap, pose
-from cases.overlap import first_overlap
+from cases.overlap import first_overlap, span
 
 from .arc import Arc
 from .modes import FLIGHT
@@ -39,7 +40,7 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
     """Arcs, transitions and ending of a motion, cut where the plate meets its track in a second place, if it does."""
     arcs, transitions, _ = solution
     touching = [arc for arc in arcs if arc.phase.regime != FLIGHT]  # in flight landings are looked for
-    if not touching or fits_everywhere(case, *_visited(touching)):
+    if not touching or fits_everywhere(case, touching):
         return solution
     meeting = first_meeting(case, touching)
     if meeting is None:
@@ -55,23 +56,17 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
     return kept, [t for t in transitions if t.time < meeting.time], ("second_contact", reason)
 
 
-def _visited(arcs: Sequence[Arc]) -> tuple[float, float]:
-    """The track parameters at which the plate touches, at the ends of steps."""
-    xi1 = [arc.states(arc.times)[0] for arc in arcs]
-    return float(min(map(np.min, xi1))), float(max(map(np.max, xi1)))
+def fits_everywhere(case: Case, arcs: Sequence[Arc]) -> bool:
+    """Whether a second contact is impossible on the way, by the curvatures alone."""
+    xi1 = np.concatenate([arc.states(arc.times)[0] for arc in arcs])
+    outline = case.plate.outline
+    return _fits(case.track, outline, *span(case.track, xi1, _reach(outline)))
 
 
-def fits_everywhere(case: Case, low: float, high: float) -> bool:
-    """Whether a second contact is impossible on that stretch of the track, by the curvatures alone."""
-    outline, track = case.plate.outline, case.track
+@lru_cache(maxsize=256)
+def _fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
     if not outline.period:
         return True  # an outline without an inside is only its contact arc
-    if track.domain is not None or track.period:
-        low, high = track.look
-    else:
-        reach = float(np.hypot(*outline.point(np.linspace(*outline.look, 65))).max())
-        low, high = low - 4 * reach / float(track.speed(low)), high + 4 * reach / float(track.speed(high))
-        low, high = min(low, track.look[0]), max(high, track.look[1])
     bends, bend = _bends(outline, *outline.look), _bends(track, low, high)
     if bends.min() <= max(bend.max(), 0.0):
         return False  # not convex, or tighter than the track somewhere
@@ -79,6 +74,12 @@ def fits_everywhere(case: Case, low: float, high: float) -> bool:
     convex = bend.min() >= 0.0 or bend.max() <= 0.0
     # A closed convex track turns once; an open arc that turns by less than half a turn does not come back to itself.
     return bool(convex and (abs(turning) < pi or (track.period is not None and abs(turning) < 2.1 * pi)))
+
+
+@lru_cache(maxsize=256)
+def _reach(outline: Curve) -> float:
+    """The farthest point of the outline from the centre of mass, m."""
+    return float(np.hypot(*outline.point(np.linspace(*outline.look, 65))).max())
 
 
 def _bends(curve: Curve, low: float, high: float) -> np.ndarray:
@@ -90,7 +91,7 @@ def _bends(curve: Curve, low: float, high: float) -> np.ndarray:
 
 def first_meeting(case: Case, arcs: Sequence[Arc]) -> Meeting | None:
     """The first second contact along arcs of contact, looked for between their steps and located; None if none."""
-    reach = float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
+    reach = _reach(case.plate.outline)
     for arc in arcs:
         times = _divided(arc.times, np.full(len(arc.times) - 1, LOOKS))
         x, y, theta, _ = _poses(case, arc, times)
