@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .case import Case
-from .curves import Curve
 from .effects import Flight, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit
+from .overlap import first_overlap
 
 
 class Contact(NamedTuple):
@@ -222,42 +222,12 @@ def _check_start_effects(case: Case) -> None:
         raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {start.slip:g}")
 
 
-def overlap(case: Case, x: float, y: float, theta: float) -> float | None:
+def overlap(case: Case, x: float, y: float, theta: float, near: float | None = None) -> float | None:
     """A track parameter that lies inside the plate in that pose, or None.
 
-    The plate is looked at as the polygon of 720 points of its outline, which lies inside a convex outline: what is
-    found overlaps indeed, by more than the polygon's sagitta. An open outline encloses nothing and overlaps nothing.
+    `near`: a parameter near which the plate is (None: that of the start), which says how far to look on a track
+    without ends.
     """
-    outline = case.plate.outline
-    if not outline.period:
-        return None
-    corners = outline.point(np.linspace(*outline.look, 721)[:-1])
-    # The contact point itself may be a corner; a billionth of the size keeps it outside whatever its rounding.
-    middle = corners.mean(axis=1, keepdims=True)
-    corners = middle + (1 - 1e-9) * (corners - middle)
-    s = _samples(case.track, size=float(np.ptp(corners, axis=1).max()))
-    X, Y = case.track.point(s)
-    c, d = cos(theta), sin(theta)
-    inside = _inside(c * (X - x) + d * (Y - y), c * (Y - y) - d * (X - x), corners)
-    return float(s[inside][0]) if inside.any() else None
-
-
-def _samples(track: Curve, size: float) -> np.ndarray:
-    """Track parameters about a sixteenth of `size` apart, within what stays quick to look at."""
-    low, high = track.look
-    length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
-    return np.linspace(low, high, int(min(20_000, max(720, 16 * length / size))))
-
-
-def _inside(px: np.ndarray, py: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Even–odd rule for many points and one polygon of shape (2, n); only points in its box are looked at closely."""
-    box = (px >= corners[0].min()) & (px <= corners[0].max()) & (py >= corners[1].min()) & (py <= corners[1].max())
-    result = np.zeros(px.shape, dtype=bool)
-    if box.any():
-        (ax, ay), (bx, by) = corners[:, :, None], np.roll(corners, -1, axis=1)[:, :, None]
-        u, v = px[box], py[box]
-        spans = (ay > v) != (by > v)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            crosses = spans & (u < ax + (v - ay) / (by - ay) * (bx - ax))
-        result[box] = crosses.sum(axis=0) % 2 == 1
-    return result
+    xi1 = np.array([case.start.xi1 if near is None else near])
+    found = first_overlap(case.track, case.plate.outline, np.array([x]), np.array([y]), np.array([theta]), xi1)
+    return found[1] if found else None

@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
-from . import expressions
+from . import expressions, features
 from .errors import BadCurve, BadValue, finite
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
@@ -174,6 +174,13 @@ class Curve:
             return self.domain
         return (0.0, self.period) if self.period else UNBOUNDED_LOOK
 
+    @cached_property
+    def features(self) -> features.Features | None:
+        """Where its curvature and speed change, and how finely; None for a straight line run through evenly."""
+        if all(sp.diff(part, PARAMETER, 2) == 0 for part in self.expression):
+            return None
+        return _features(self)
+
     def tangent_angle(self, s):
         """Direction of the tangent in radians, continuous along the curve (it gains 2π in each turn of a closed one).
 
@@ -326,6 +333,20 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
 def _the_one(expressions: T) -> T:
     """The first of all that are equal: what is kept by curve is then found by identity, not by comparing formulas."""
     return expressions
+
+
+@lru_cache(maxsize=256)
+def _features(curve: Curve) -> features.Features:
+    """Kept for equal curves: a scene is often made again with another friction."""
+
+    def bend_and_speed(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        _, _, xp, yp, xs, ys, _, _ = curve.jets(s)
+        speed = np.hypot(xp, yp)
+        return np.array([(xp * ys - yp * xs) / speed**3, speed]), np.array([np.hypot(xs, ys) / speed**2, speed])
+
+    ends = curve.look if curve.domain is not None or curve.period else None
+    centres = features.centres(curve.expression, PARAMETER)
+    return features.Features(bend_and_speed, centres, ends, bool(curve.period))
 
 
 @lru_cache(maxsize=512)

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
+import numpy as np
 import sympy as sp
 
-from . import expressions
+from . import expressions, features
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 
 # What a load may depend on: time (s), pose (m, rad) and velocities (m/s, rad/s) of the centre of mass.
@@ -58,6 +59,23 @@ class Load:
     def at(self) -> Callable[..., list[float]]:
         """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats."""
         return sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+
+    @cached_property
+    def features(self) -> features.Features | None:
+        """Where its parts that depend on time alone change, and how finely; None if it has none.
+
+        Resolved on windows of absolute time, so that they are the same whatever a motion's duration.
+        """
+        parts = features.alone(self.expression, MOTION[0])
+        if not parts:
+            return None
+        compiled = sp.lambdify(MOTION[0], list(parts), modules="numpy", cse=True)
+
+        def values(t):
+            rows = np.array([np.broadcast_to(row, t.shape) for row in compiled(t)], dtype=float)
+            return rows, rows
+
+        return features.Features(values, features.centres(parts, MOTION[0]))
 
 
 def _formula(what: str, value) -> sp.Expr:

@@ -22,18 +22,20 @@ POINTS_A_SIZE = 24
 
 
 class _Track(NamedTuple):
-    """Samples of a track: parameters, points (n, 2), left normals (n, 2), and a tree to look points up in."""
+    """Samples of a track: parameters, points (n, 2), left normals (n, 2), a tree to look points up in, and which of
+    them show features."""
 
     parameters: np.ndarray
     points: np.ndarray
     normals: np.ndarray
     tree: KDTree
+    fine: np.ndarray
 
 
 def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
     track are ends of it or lie on ends of an open outline: there is nothing to land on."""
-    parameters, points = _outline(case.plate.outline)
+    parameters, points, _, _ = _outline(case.plate.outline)
     c, s = cos(theta), sin(theta)
     there = np.column_stack([x + c * points[0] - s * points[1], y + s * points[0] + c * points[1]])
     low, high = case.track.look
@@ -51,21 +53,42 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
         if not ends.any() or case.track.domain is not None or high - low > 1e6:
             break
         low, high = 2 * low, 2 * high  # a track without ends is looked at as far as the plate has come
-    if ends[best]:
+    poking = _poking(case, track, x, y, theta)
+    if poking is not None and (ends[best] or poking.gap < apart[best]):
+        guess = poking
+    elif ends[best]:
         return None
-    guess = float(track.parameters[places[best]]), float(parameters[best])
+    else:
+        guess = Contact(float(track.parameters[places[best]]), float(parameters[best]), float(apart[best]))
     try:
-        contact = find(case, x, y, theta, guess)
+        contact = find(case, x, y, theta, guess[:2])
     except DoesNotFit:
-        return Contact(*guess, float(apart[best]))
+        return guess
     if _outside(case.track, contact.xi1) or _outside(case.plate.outline, contact.xi2):
         return None
-    # Newton's method may run to another pair, farther away; then the samples know better.
-    return (
-        contact
-        if contact.gap <= apart[best] + _size(case.plate.outline) / POINTS_A_SIZE
-        else Contact(*guess, float(apart[best]))
-    )
+    # Newton's method may run to another pair, farther away; then the samples know better. Beside features it may also
+    # run to one that is no nearest pair at all.
+    off = contact.gap - guess.gap
+    wrong = (abs(off) if len(track.fine) else off) > _size(case.plate.outline) / POINTS_A_SIZE
+    return guess if wrong else contact
+
+
+def _poking(case: Case, track: _Track, x: float, y: float, theta: float) -> Contact | None:
+    """The pair with the smallest gap among the points of the track's features, which may lie between two points of the
+    outline; None if no feature is near."""
+    if not len(track.fine) or not case.plate.outline.period:
+        return None
+    parameters, points, normals, tree = _outline(case.plate.outline)
+    c, s = cos(theta), sin(theta)
+    u, v = track.points[track.fine, 0] - x, track.points[track.fine, 1] - y
+    seen = np.column_stack([c * u + s * v, c * v - s * u])
+    near = np.flatnonzero(np.hypot(*seen.T) <= 1.5 * float(np.hypot(*points).max()))
+    if not near.size:
+        return None
+    _, places = tree.query(seen[near])
+    apart = np.einsum("ij,ij->i", points.T[places] - seen[near], normals[places])
+    best = int(np.argmin(apart))
+    return Contact(float(track.parameters[track.fine[near[best]]]), float(parameters[places[best]]), float(apart[best]))
 
 
 def _outside(curve: Curve, parameter: float) -> bool:
@@ -73,9 +96,14 @@ def _outside(curve: Curve, parameter: float) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray]:
-    parameters = np.linspace(*outline.look, OUTLINE_POINTS + 1)[: OUTLINE_POINTS + (0 if outline.period else 1)]
-    return parameters, outline.point(parameters)
+def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray, KDTree]:
+    """Samples of an outline: parameters (n,), points (2, n), left normals (n, 2), and a tree to look points up in."""
+    parameters = np.linspace(*outline.look, OUTLINE_POINTS + 1)
+    if outline.features:
+        parameters = np.union1d(parameters, outline.features.places(*outline.look))
+    parameters = parameters[:-1] if outline.period else parameters
+    points = outline.point(parameters)
+    return parameters, points, outline.normal(parameters).T, KDTree(points.T)
 
 
 @lru_cache(maxsize=64)
@@ -89,5 +117,10 @@ def _track(track: Curve, low: float, high: float, size: float) -> _Track:
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
     # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
     parameters = np.linspace(low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))
+    fine = np.zeros(0)
+    if track.features:
+        # All but the two ends that it begins with.
+        fine = track.features.places(low, high)[1:-1]
+        parameters = np.union1d(parameters, fine)
     points = track.point(parameters).T
-    return _Track(parameters, points, track.normal(parameters).T, KDTree(points))
+    return _Track(parameters, points, track.normal(parameters).T, KDTree(points), np.searchsorted(parameters, fine))

@@ -24,6 +24,7 @@ from .second_bounces import Bounce
 from .second_equations import Phase, Scene, decide, leaves, rates
 from .second_flight import Surroundings, Touch
 from .second_record import Record
+from .second_steps import Watchful
 
 # The rows of an answer's `motions`.
 MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
@@ -283,8 +284,8 @@ class _March:
 
         solution = solve_ivp(
             right_side, (start, self.case.duration), now.z,
-            method="DOP853", rtol=self.rtol, atol=1e-2 * self.rtol, events=events,
-            max_step=self.longest, dense_output=bool(self.record),
+            method=Watchful, rtol=self.rtol, atol=1e-2 * self.rtol, events=events,
+            max_step=self.longest, features=scene.in_contact, dense_output=bool(self.record),
         )  # fmt: skip
         if not solution.success:
             raise FloatingPointError(

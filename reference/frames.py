@@ -62,8 +62,8 @@ def _tidy(expression: sp.Expr) -> sp.Expr:
     # Simplification pays for lines, circles and ellipses; beyond forty operations it takes seconds and gains little.
     if sp.count_ops(expression) > 40:
         return expression
-    flat = sp.expand(expression)
-    return min((expression, flat, sp.trigsimp(flat)), key=sp.count_ops)
+    flat, inside = _multiplied_out(expression)
+    return min((expression, flat.xreplace(inside), sp.trigsimp(flat.xreplace(inside))), key=sp.count_ops)
 
 
 def short(expression: sp.Expr) -> sp.Expr:
@@ -71,8 +71,21 @@ def short(expression: sp.Expr) -> sp.Expr:
     # With a root among the generators, or with more terms than circles and lines bring, factoring takes seconds.
     if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
         return expression
-    flat = sp.expand(expression)
-    return min((_sign_inside(e) for e in (expression, flat, sp.factor(flat))), key=sp.count_ops)
+    flat, inside = _multiplied_out(expression)
+    shapes = (expression, flat.xreplace(inside), sp.factor(flat).xreplace(inside))
+    return min((_sign_inside(e) for e in shapes), key=sp.count_ops)
+
+
+def _multiplied_out(expression: sp.Expr) -> tuple[sp.Expr, dict]:
+    """The expression multiplied out, with symbols for functions of sums, and what these stand for.
+
+    What is inside a function stays as its author wrote it: exp(-(s - c)²) as exp(-s²) exp(2 c s) exp(-c²) overflows
+    for a narrow bump, and multiplied out inside it loses its digits.
+    """
+    functions = [e for e in expression.atoms(sp.Function) if any(a.has(sp.Add) for a in e.args)]
+    outermost = [e for e in functions if not any(e is not other and other.has(e) for other in functions)]
+    names = {e: sp.Symbol(f"inside_{i}") for i, e in enumerate(sorted(outermost, key=sp.default_sort_key))}
+    return sp.expand(expression.xreplace(names)), {name: e for e, name in names.items()}
 
 
 def _sign_inside(expression: sp.Expr) -> sp.Expr:

@@ -14,8 +14,9 @@ from functools import lru_cache
 from math import copysign, sqrt
 from typing import NamedTuple
 
-from cases import Case, Mode
+from cases import Case, Load, Mode
 from cases.contact import pose, start_motion, velocity
+from cases.features import Features
 
 from .effects import SLIP_SIGN, laws
 from .eliminated import U1, U2, X1, X2
@@ -47,7 +48,8 @@ class Phase(NamedTuple):
     """A regime of a case with its equations and their parameters: all an integrator needs.
 
     `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: what counts as a
-    change of order one.
+    change of order one. `features` are those a step could pass over, each with the row of the state they are met by
+    (None: time).
     """
 
     regime: Regime
@@ -56,6 +58,7 @@ class Phase(NamedTuple):
     size: float
     lengths: tuple[float, ...]
     case: Case
+    features: tuple[tuple[int | None, Features], ...] = ()
 
 
 @lru_cache(maxsize=1024)
@@ -100,7 +103,8 @@ def phase(case: Case, regime: Regime) -> Phase:
     size = sqrt(case.plate.inertia / case.plate.mass)
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
-        return Phase(regime, equations, parameter_values(case, {}, equations.parameters), size, (size, size, 1.0), case)
+        parameters = parameter_values(case, {}, equations.parameters)
+        return Phase(regime, equations, parameters, size, (size, size, 1.0), case, _features(case, in_contact=False))
     equations = contact_system(case, regime.kind)
     law = laws(case)
     values = {"nu": float(regime.side)}
@@ -109,7 +113,17 @@ def phase(case: Case, regime: Regime) -> Phase:
     start = start_motion(case)
     lengths = (size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0)
     parameters = parameter_values(case, values, equations.parameters)
-    return Phase(regime, equations, parameters, size, lengths[: equations.positions], case)
+    features = _features(case, in_contact=True)
+    return Phase(regime, equations, parameters, size, lengths[: equations.positions], case, features)
+
+
+def _features(case: Case, in_contact: bool) -> tuple[tuple[int | None, Features], ...]:
+    """What a step may not pass over, where there is such a thing."""
+    load = case.effect(Load)
+    met: list[tuple[int | None, Features | None]] = [(None, load.features if load else None)]
+    if in_contact:
+        met += [(0, case.track.features), (1, case.plate.outline.features)]
+    return tuple((row, found) for row, found in met if found is not None and not found.plain)
 
 
 def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:

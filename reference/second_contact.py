@@ -6,15 +6,24 @@ theorem) nothing is searched.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from math import pi
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Curve, DoesNotFit
-from cases.contact import Contact, find, overlap
+from cases import Case, Curve, DoesNotFit, Transition
+from cases.contact import Contact, find, overlap, pose
+from cases.overlap import first_overlap, span
+
+from .arc import Arc
+from .modes import FLIGHT
+
+# Looks to a step, at least, and the part of the plate's reach that its points move between two looks, at most: what
+# the plate runs into stays inside it for longer.
+LOOKS, CLOSE = 4, 0.25
 
 
 class Meeting(NamedTuple):
@@ -24,46 +33,108 @@ class Meeting(NamedTuple):
     xi1: float
 
 
+Solution = tuple[list[Arc], list[Transition], tuple[str, str]]
+
+
+def until_second_contact(case: Case, solution: Solution) -> Solution:
+    """Arcs, transitions and ending of a motion, cut where the plate meets its track in a second place, if it does."""
+    arcs, transitions, _ = solution
+    touching = [arc for arc in arcs if arc.phase.regime != FLIGHT]  # in flight landings are looked for
+    if not touching or fits_everywhere(case, touching):
+        return solution
+    meeting = first_meeting(case, touching)
+    if meeting is None:
+        return solution
+    number = max(i for i, arc in enumerate(arcs) if arc.times[0] < meeting.time)
+    last = arcs[number]
+    times = np.append(last.times[last.times < meeting.time], meeting.time)
+    # What was integrated beyond the meeting was work all the same.
+    work = sum(arc.evaluations for arc in arcs[number:])
+    stop = last.stop._replace(time=meeting.time)
+    kept = [*arcs[:number], replace(last, times=times, stop=stop, evaluations=work)]
+    reason = f"The plate meets its track in a second place, xi1 = {meeting.xi1:.9g}, at t = {meeting.time:.9g} s."
+    return kept, [t for t in transitions if t.time < meeting.time], ("second_contact", reason)
+
+
+def fits_everywhere(case: Case, arcs: Sequence[Arc]) -> bool:
+    """Whether a second contact is impossible on the way, by the curvatures alone."""
+    xi1 = np.concatenate([arc.states(arc.times)[0] for arc in arcs])
+    outline = case.plate.outline
+    return _fits(case.track, outline, *span(case.track, xi1, _reach(outline)))
+
+
 @lru_cache(maxsize=256)
-def fits_everywhere(case: Case) -> bool:
-    """Whether a second contact is impossible, by the curvatures alone (looked at in 721 places)."""
-    outline, track = _bends(case.plate.outline), _bends(case.track)
-    if not case.plate.outline.period:
+def _fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
+    if not outline.period:
         return True  # an outline without an inside is only its contact arc
-    if outline.min() <= max(track.max(), 0.0):
+    bends, bend = _bends(outline, *outline.look), _bends(track, low, high)
+    if bends.min() <= max(bend.max(), 0.0):
         return False  # not convex, or tighter than the track somewhere
-    low, high = case.track.look
-    turning = case.track.tangent_angle(high) - case.track.tangent_angle(low)
-    convex = track.min() >= 0.0 or track.max() <= 0.0
+    turning = track.tangent_angle(high) - track.tangent_angle(low)
+    convex = bend.min() >= 0.0 or bend.max() <= 0.0
     # A closed convex track turns once; an open arc that turns by less than half a turn does not come back to itself.
-    return bool(convex and (abs(turning) < pi or (case.track.period is not None and abs(turning) < 2.1 * pi)))
+    return bool(convex and (abs(turning) < pi or (track.period is not None and abs(turning) < 2.1 * pi)))
 
 
-def _bends(curve: Curve) -> np.ndarray:
-    return np.asarray(curve.curvature(np.linspace(*curve.look, 721)))
+@lru_cache(maxsize=256)
+def _reach(outline: Curve) -> float:
+    """The farthest point of the outline from the centre of mass, m."""
+    return float(np.hypot(*outline.point(np.linspace(*outline.look, 65))).max())
 
 
-def first_meeting(case: Case, times: np.ndarray, pose: Callable[[float], tuple[float, float, float]]) -> Meeting | None:
-    """The first second contact along a motion, looked for at the given times and located between them; None if none."""
-    before = float(times[0])
-    for t in (float(t) for t in times[1:]):
-        place = overlap(case, *pose(t))
-        if place is not None:
-            return _locate(case, before, t, place, pose)
-        before = t
+def _bends(curve: Curve, low: float, high: float) -> np.ndarray:
+    places = np.linspace(low, high, 721)
+    if curve.features:
+        places = np.union1d(places, curve.features.places(low, high))
+    return np.asarray(curve.curvature(places))
+
+
+def first_meeting(case: Case, arcs: Sequence[Arc]) -> Meeting | None:
+    """The first second contact along arcs of contact, looked for between their steps and located; None if none."""
+    reach = _reach(case.plate.outline)
+    for arc in arcs:
+        times = _divided(arc.times, np.full(len(arc.times) - 1, LOOKS))
+        x, y, theta, _ = _poses(case, arc, times)
+        way = np.hypot(np.diff(x), np.diff(y)) + reach * np.abs(np.diff(theta))
+        times = _divided(times, np.maximum(np.ceil(way / (CLOSE * reach)), 1.0).astype(int))
+        found = first_overlap(case.track, case.plate.outline, *_poses(case, arc, times))
+        if found is not None:
+            before = float(times[max(found[0] - 1, 0)])
+            return _locate(case, before, float(times[found[0]]), found[1], lambda t, arc=arc: _pose(case, arc, t))
     return None
 
 
-def _locate(case: Case, low: float, high: float, place: float, pose) -> Meeting:
+def _divided(times: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """The times with each interval divided into so many parts."""
+    if not len(parts):
+        return times
+    starts = np.cumsum(parts) - parts
+    number = np.arange(parts.sum()) - np.repeat(starts, parts)
+    inside = np.repeat(times[:-1], parts) + number * np.repeat(np.diff(times) / parts, parts)
+    return np.append(inside, times[-1])
+
+
+def _poses(case: Case, arc: Arc, times: np.ndarray):
+    """(x, y, θ, ξ₁) of the plate in contact, each of shape (n,)."""
+    states = arc.states(times)
+    return *pose(case, states[0], states[1]), states[0]
+
+
+def _pose(case: Case, arc: Arc, t: float) -> tuple[float, float, float]:
+    x, y, theta, _ = _poses(case, arc, np.array([t]))
+    return float(x[0]), float(y[0]), float(theta[0])
+
+
+def _locate(case: Case, low: float, high: float, place: float, pose_at: Callable) -> Meeting:
     from scipy.optimize import brentq
 
     outline = case.plate.outline
     # The overlap is pushed back towards its first appearance, where a gap between two points describes it.
     for _ in range(20):
         middle = 0.5 * (low + high)
-        found = overlap(case, *pose(middle))
+        found = overlap(case, *pose_at(middle), near=place)
         low, high, place = (low, middle, found) if found is not None else (middle, high, place)
-    x, y, theta = pose(high)
+    x, y, theta = pose_at(high)
     parameters = np.linspace(*outline.look, 721)[:-1]
     X, Y = case.track.point(place)
     c, s = np.cos(theta), np.sin(theta)
@@ -71,7 +142,7 @@ def _locate(case: Case, low: float, high: float, place: float, pose) -> Meeting:
     nearest = float(parameters[np.argmin(np.hypot(x + c * u - s * v - X, y + s * u + c * v - Y))])
 
     def contact(t: float) -> Contact:
-        x, y, theta = pose(t)
+        x, y, theta = pose_at(t)
         return find(case, x, y, theta, (place, nearest))
 
     def gap(t: float) -> float:

@@ -99,6 +99,10 @@ class Scene:
         else:
             self.laws = Laws(friction.mu, friction.stick, arm) if friction else Laws(None, 0.0, arm)
         self.one_sided = case.effect(Unilateral) is not None
+        # What a step may pass over unseen: in time, and by the first two rows of a state in contact.
+        self.in_time = [(None, load.features)] if load and load.features else []
+        curves = [(0, self.track.features), (1, self.outline.features)]
+        self.in_contact = [*self.in_time, *((row, found) for row, found in curves if found)]
 
     def place(self, xi1: float, xi2: float) -> Place:
         _, _, Xp, Yp, Xs, Ys, _, _ = self.track.jet(xi1)

@@ -12,13 +12,14 @@ from math import atan2, cos, hypot, inf, isfinite, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import DOP853, solve_ivp
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 from scipy.spatial import cKDTree
 
 from cases import Curve
 
 from .second_equations import Scene
+from .second_steps import Watchful
 
 # Points of the outline looked at, and track samples to the size of a plate: the sagitta between neighbours is some
 # 1e-5 of the size, so that every valley between the two curves wider than a hundredth of the plate is seen, and
@@ -101,11 +102,16 @@ class Surroundings:
 
     def __init__(self, scene: Scene, xi1: float):
         self.scene = scene
+        self.fine = np.zeros(0, dtype=int)
         self.params2, _ = _even(scene.outline, *scene.outline.look, OUTLINE_POINTS)
+        if scene.outline.features:
+            self.params2 = np.union1d(self.params2, scene.outline.features.places(*scene.outline.look))
         self.points = scene.outline.point(self.params2)
         self.closed = bool(scene.outline.period)
         if self.closed:
             self.params2, self.points = self.params2[:-1], self.points[:, :-1]
+        self.outline_tangents = scene.outline.tangent(self.params2)
+        self.outline_tree = cKDTree(self.points.T)
         self.reach = float(np.hypot(*self.points).max())
         self.size = float(np.ptp(self.points, axis=1).max())
         track = scene.track
@@ -123,6 +129,11 @@ class Surroundings:
         _, length = _even(track, low, high, 257)
         count = int(min(MOST_TRACK_POINTS, max(512, TRACK_POINTS_TO_A_SIZE * length / self.size)))
         self.params1, _ = _even(track, low, high, count)
+        if track.features:
+            # Beside what the plate's size asks for, all that shows the track's own features.
+            fine = track.features.places(low, high)[1:-1]
+            self.params1 = np.union1d(self.params1, fine)
+            self.fine = np.searchsorted(self.params1, fine)
         jets = track.jets(self.params1)
         self.track_points = jets[:2]
         self.tangents = jets[2:4] / np.hypot(jets[2], jets[3])
@@ -142,7 +153,28 @@ class Surroundings:
         if self.ends:
             # Points beside the end of an open track have nothing below them to land on.
             gaps[(nearest == 0) | (nearest == len(self.params1) - 1)] = inf
-        return self._refined(body, gaps, nearest)
+        return min(self._refined(body, gaps, nearest), self._tips(body))
+
+    def _tips(self, body) -> Pair:
+        """The closest of the track's features, which may come up between two points of the outline; refined."""
+        x, y, theta = body[0], body[1], body[2]
+        c, s = cos(theta), sin(theta)
+        u, v = self.track_points[0, self.fine] - x, self.track_points[1, self.fine] - y
+        near = np.flatnonzero(np.hypot(u, v) < self.reach + NEAR * self.size)
+        if not near.size or not self.closed:
+            return Pair(inf, np.nan, np.nan)
+        u, v = (c * u + s * v)[near], (c * v - s * u)[near]
+        _, places = self.outline_tree.query(np.column_stack([u, v]))
+        tx, ty = self.outline_tangents[:, places]
+        # The plate is on the left of its outline, what is outside on the right.
+        gaps = (u - self.points[0, places]) * ty - (v - self.points[1, places]) * tx
+        lowest = int(np.argmin(gaps))
+        return self._newton(
+            body,
+            Pair(
+                float(gaps[lowest]), float(self.params1[self.fine[near[lowest]]]), float(self.params2[places[lowest]])
+            ),
+        )
 
     def _widened(self, nearest) -> bool:
         """Whether the window of an endless track had to grow, because the plate is near one of its ends."""
@@ -185,7 +217,12 @@ class Surroundings:
             step1 = (b * f.angle - f.bend_outline * f.along) / det
             step2 = -(a * f.angle + f.bend_track * f.along) / det
             longest = max(abs(step1), abs(step2))
-            shorten = min(1.0, 0.1 * self.size / max(longest, 1e-300))
+            furthest = 0.1 * self.size
+            if (
+                self.fine.size
+            ):  # the tangent line that Newton's method follows is no longer true beyond the next feature
+                furthest = min(furthest, f.P * abs(self.scene.track.features.clear(xi1, xi1 + self.size / f.P) - xi1))
+            shorten = min(1.0, furthest / max(longest, 1e-300))
             xi1, xi2 = xi1 + shorten * step1 / f.P, xi2 + shorten * step2 / f.p
             if longest <= 1e-13 * self.size:
                 found = frame(self.scene, body, xi1, xi2).gap
@@ -208,9 +245,10 @@ class _Course:
     def __init__(self, scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, longest: float):
         self.scene, self.around = scene, around
         self.rtol = max(rtol, 1e-13)
-        self.solver = DOP853(
-            self.rates, t, np.array(body), end, rtol=self.rtol, atol=1e-2 * self.rtol, max_step=longest
-        )
+        self.solver = Watchful(
+            self.rates, t, np.array(body), end, features=scene.in_time,
+            rtol=self.rtol, atol=1e-2 * self.rtol, max_step=longest,
+        )  # fmt: skip
         self.pieces: list[tuple[float, float, Callable]] = []
         self.nodes = [(t, np.array(body))]
 

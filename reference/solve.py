@@ -18,7 +18,7 @@ from . import dop853, literal, taylor
 from .arc import Arc
 from .course import LOCATED, run
 from .modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
-from .second_contact import first_meeting, fits_everywhere
+from .second_contact import until_second_contact
 from .transitions import decide
 
 # The integrators that are installed, the best first.
@@ -55,19 +55,23 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     regime = first_regime(case, start)
     setup = time.perf_counter() - began_setup
     cpu, wall = time.process_time(), time.perf_counter()
-    arcs, transitions, ending = run(case, regime, start, rtol, integrate)
+    arcs, transitions, ending = solved(case, regime, start, rtol, integrate)
     spent = time.process_time() - cpu, time.perf_counter() - wall
     return sampled(case, arcs, transitions, ending, Cost(*spent, setup_s=setup))
 
 
+def solved(case: Case, regime: Regime | None, start, rtol: float, integrate):
+    """All that decides the motion: (arcs, transitions, (status, sentence)), cut at a second contact."""
+    return until_second_contact(case, run(case, regime, start, rtol, integrate))
+
+
 def sampled(case: Case, arcs: list[Arc], transitions, ending: tuple[str, str], cost: Cost = _FREE) -> Trajectory:
-    """What `run` returned, as a trajectory: sampled, cut at a second contact; `cost` is filled up with the work."""
+    """What `solved` returned, as a trajectory: sampled; `cost` is filled up with the work."""
     cost = replace(
         cost, steps=sum(len(arc.times) - 1 for arc in arcs), evaluations=sum(arc.evaluations for arc in arcs)
     )
     motion = _trajectory(case, arcs, transitions, *ending, cost)
-    motion = motion if fits_everywhere(case) else _until_second_contact(case, motion)
-    warning = literal.warning([arc for arc in arcs if arc.times[0] <= motion.t[-1]])
+    warning = literal.warning(arcs)
     return replace(motion, reason=f"{motion.reason} {warning}") if warning else motion
 
 
@@ -135,37 +139,6 @@ def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: s
     first_mode = arcs[0].phase.regime.mode
     times = np.concatenate([arc.times for arc in arcs])
     return Trajectory(t=times, **samples._asdict(), **told, first_mode=first_mode, dense=dense)
-
-
-def _until_second_contact(case: Case, motion: Trajectory) -> Trajectory:
-    """The motion up to where the plate meets its track in a second place, if it does."""
-    # Four looks to a step: between two of them a plate moves by a small part of its size.
-    looks = np.unique(
-        np.concatenate([motion.t[:-1] + part * np.diff(motion.t) for part in (0.0, 0.25, 0.5, 0.75, 1.0)])
-    )
-    if case.effect(Flight):
-        looks = looks[np.isfinite(motion(looks).slip)]  # in flight there is no first contact; landings end it
-
-    def pose_at(t: float) -> tuple[float, float, float]:
-        state = motion(t)
-        return float(state.x), float(state.y), float(state.theta)
-
-    meeting = first_meeting(case, looks, pose_at) if len(looks) > 1 else None
-    if meeting is None:
-        return motion
-    kept = motion.t < meeting.time
-    last = motion(meeting.time)
-    columns: dict[str, Any] = {
-        name: np.append(getattr(motion, name)[kept], getattr(last, name)) for name in State._fields
-    }
-    return replace(
-        motion,
-        t=np.append(motion.t[kept], meeting.time),
-        **columns,
-        transitions=tuple(t for t in motion.transitions if t.time < meeting.time),
-        status="second_contact",
-        reason=f"The plate meets its track in a second place, xi1 = {meeting.xi1:.9g}, at t = {meeting.time:.9g} s.",
-    )
 
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:

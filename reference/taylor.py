@@ -12,7 +12,9 @@ from itertools import chain, islice
 
 import numpy as np
 import sympy as sp
+from numpy.polynomial.polynomial import polyder, polyval
 
+from .ahead import ENOUGH, INSIDE, PARTS, clear_part, defect
 from .arc import BREAKDOWN, Arc, Stop
 from .eliminated import T
 from .modes import Phase
@@ -31,6 +33,9 @@ FINEST = 1e-16
 QUADRUPLE_TOLERANCE = 1e-24
 # A step of so few units in the last place of time no longer moves it: towards a singularity steps shrink without end.
 SHORTEST = 16
+# The defect of a step's polynomial, in tolerances: steps that saw what lay in them stayed below 1.1 (bumps, steps and
+# notches at 1e-4 … 1e-12). Forces are known to ROUNDING, as differences of terms up to a thousand times as large.
+DEFECT, ROUNDING = 10.0, 1e-12
 # Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
 # 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
 SMALL = 500
@@ -120,21 +125,23 @@ def _tolerance(rtol: float) -> float:
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN)."""
-    return _integrate(compiled(phase.system, _tolerance(rtol)), phase, t, y, end, float)
+    tolerance = _tolerance(rtol)
+    return _integrate(compiled(phase.system, tolerance), phase, t, y, end, float, tolerance)
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     """The same in quadruple precision, start and end of the phase rounded to double; `rtol` is not looked at."""
-    return _integrate(compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128), phase, t, y, end, hy.real128)
+    integrator = compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
+    return _integrate(integrator, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
 
 
-def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type) -> Arc:
+def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Arc:
     integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
     times: list[float] = [t]
     coefficients: list[np.ndarray] = []
     guard = _leave_start(integrator, phase, t, y, end, real, times, coefficients)
     while integrator.time < end and guard is None:
-        outcome, _ = integrator.step(real(end) - integrator.time, True)
+        outcome = _step(integrator, phase, end, real, tolerance)
         coefficients.append(integrator.tc.astype(float))
         times.append(float(integrator.time))
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
@@ -146,6 +153,34 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type) ->
             return _broken(phase, times, coefficients, y)
     stop = Stop(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
     return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
+
+
+def _step(integrator, phase: Phase, end: float, real: type, tolerance: float):
+    """One step; again from its start, and shorter, where it passes a feature or does not satisfy the equations."""
+    start, before = integrator.time, integrator.state.copy()
+    outcome, _ = integrator.step(real(end) - start, True)
+    while phase.features and np.all(np.isfinite(integrator.tc.astype(float))):
+        length = float(integrator.time - start)
+        part = _good_part(phase, float(start), length, integrator.tc.astype(float), tolerance)
+        if part == 1.0 or part * length <= SHORTEST * np.spacing(float(start)):
+            break
+        integrator.time = start
+        integrator.state[:] = before
+        if integrator.with_events:
+            integrator.reset_cooldowns()
+        outcome, _ = integrator.step(real(part * length), True)
+    return outcome
+
+
+def _good_part(phase: Phase, start: float, length: float, series: np.ndarray, tolerance: float) -> float:
+    """The part of a step that may stand, 1 if all of it."""
+    part = clear_part(phase, start, length, polyval(length * PARTS, series.T))
+    if part < ENOUGH:
+        return part
+    inside = length * INSIDE
+    slopes = polyval(inside, polyder(series.T))
+    missed = defect(phase, start + inside, polyval(inside, series.T), slopes, length)
+    return 1.0 if missed <= max(DEFECT * tolerance, ROUNDING) else 0.5
 
 
 def _broken(phase: Phase, times, coefficients, y) -> Arc:
@@ -175,6 +210,8 @@ def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coeffic
     # back so soon; where one does, the step is shortened until it shows.
     for shorter in range(9):
         h = 1e-3 * reach * 10.0**-shorter
+        if phase.features:
+            h *= clear_part(phase, t, h, polyval(h * PARTS, series.T))
         state = np.polynomial.polynomial.polyval(h, series.T)
         values = phase.system.guards_of_numbers(t + h, state.tolist(), phase.parameters)
         if all(value > 0.0 for value in values):

@@ -75,7 +75,7 @@ def whole_motion(method: str, rtol: float) -> Callable[[], int]:
     start = start_state(case)
     regime = solve.first_regime(case, start)
     _, integrate = solve.INTEGRATORS[method]
-    return lambda: len(solve.run(case, regime, start, rtol, integrate)[1])
+    return lambda: len(solve.solved(case, regime, start, rtol, integrate)[1])
 
 
 def cold_start(curve: str) -> float:

@@ -25,7 +25,7 @@ _LITERAL = 1e-9
 
 @dataclass
 class _Model:
-    """A case and how to integrate it; after the run also what `solve.run` returned."""
+    """A case and how to integrate it; after the run also what `solve.solved` returned."""
 
     case: Case
     integrate: Callable[[], tuple]
@@ -49,11 +49,11 @@ def build(case: Case, route: str, setting: Setting) -> _Model:
     start = start_state(case)
     regime = solve.first_regime(case, start)
     _, integrator = solve.INTEGRATORS[route]
-    return _Model(case, lambda: solve.run(case, regime, start, setting["rtol"], integrator))
+    return _Model(case, lambda: solve.solved(case, regime, start, setting["rtol"], integrator))
 
 
 def run(model: _Model) -> None:
-    """Integrate and locate the transitions: what an engine does while it steps."""
+    """Integrate, locate the transitions, look for a second contact: what an engine does while it steps."""
     model.result = model.integrate()
 
 

@@ -1,0 +1,264 @@
+"""Where a curve or a load changes, and how finely: what no step and no search may pass over unseen.
+
+A step's size comes from derivatives at its start, and a bump ahead has none there. So curvature and speed of a curve,
+and a load as a function of time, are resolved once by piecewise Chebyshev interpolation: a piece is halved until its
+coefficients fall to rounding and the interpolant agrees with the function wherever else it was sampled (the
+construction of Chebfun's splitting: Pachón, Platte & Trefethen 2010, IMA J. Numer. Anal. 30, 898; not looked up). The
+length of a piece is then that of the finest feature in it.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Iterator
+from math import copysign, inf, isfinite
+
+import numpy as np
+import sympy as sp
+from numpy.polynomial import chebyshev, polynomial
+
+# Sixteen is about the order of the Taylor method, so that a piece is about what one step can follow.
+DEGREE = 16
+# Coefficients below this part of the function's size are rounding of some tens of operations.
+RESOLVED = 1e-13
+# Samples of each window besides the nodes. A Gaussian exp(-(s/w)²) shows above rounding over 11 w: in a window of
+# length 16 none wider than a thousandth hides between them, and narrower ones have their centre in the formula.
+SAMPLES = 2048
+# Around a centre samples close in by halves, down to a billionth of the window.
+HALVINGS = 30
+# A window with more pieces than this is no longer refined; the next one is as wide as a window only up to CROWDED.
+MOST_PIECES, CROWDED = 20_000, 64
+# A step covers at most this part of a piece: at a piece's end the function may be rounding, at its other end not.
+PART = 0.5
+# Pieces whose lengths differ by no more than this have one scale, unless the function is quiet in one of them: changes
+# there by less than this part of what it changes elsewhere.
+ALIKE, QUIET = 4.0, 1e-3
+# The first window on each side of zero of a parameter without end; the next is twice as wide.
+WINDOW = 16.0
+
+_NODES = chebyshev.chebpts1(DEGREE + 1)
+_TO_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, DEGREE))
+
+# What is resolved: an array of n parameters to rows (k, n) and the sizes (k, n) of the terms they are differences of.
+Function = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+class Window:
+    """A stretch of the parameter in resolved pieces: their `edges`, and the longest `strides` a step may take in each.
+
+    A stride is infinite where nothing changes, and everywhere if the window has only one scale.
+    """
+
+    def __init__(self, function: Function, low: float, high: float, centres: Iterable[float] = ()):
+        with np.errstate(all="ignore"):  # what overflows is not finite, and seen as such
+            edges, changes = _resolved(function, low, high, centres)
+        lengths = np.diff(edges)
+        varies = changes > 0.0
+        alike = not varies.any() or (
+            np.ptp(np.log2(lengths)) <= np.log2(ALIKE) and changes.min() >= QUIET * changes.max()
+        )
+        self.low, self.high = low, high
+        self.edges: list[float] = edges.tolist()
+        self.strides: list[float] = np.where(varies & (not alike), PART * lengths, inf).tolist()
+        self.plain = bool(alike)
+
+
+class Features:
+    """The pieces of a function of one parameter, on (low, high), repeated if periodic; without limits resolved window
+    after window outwards from zero, as far as it is asked about: what is there does not depend on who asks."""
+
+    def __init__(
+        self,
+        function: Function,
+        centres: Iterable[float] = (),
+        limits: tuple[float, float] | None = None,
+        periodic: bool = False,
+    ):
+        self._function, self._centres, self._limits = function, tuple(centres), limits
+        self._period = limits[1] - limits[0] if limits and periodic else None
+        self._sides: dict[bool, list[Window]] = {True: [], False: []}
+        if limits:
+            self._sides[True].append(Window(function, *limits, self._centres))
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is known that there is nothing that a step could pass over."""
+        return self._limits is not None and self._sides[True][0].plain
+
+    def clear(self, start: float, goal: float) -> float:
+        """How far a step from `start` towards `goal` may go: to the next finer piece, or the stride of where it is."""
+        if self.plain or not (isfinite(start) and isfinite(goal)) or start == goal:
+            return goal
+        allowed = abs(goal - start)
+        for distance, stride in self._ahead(start, goal > start):
+            if distance >= allowed:
+                break
+            allowed = min(allowed, max(distance, stride))
+        return goal if allowed >= abs(goal - start) else start + copysign(allowed, goal - start)
+
+    def finest(self, low: float, high: float) -> float:
+        """The shortest stride on (low, high), in units of the parameter; infinite if there is none."""
+        return min((stride for a, b, stride in self._pieces(low, high)), default=inf)
+
+    def places(self, low: float, high: float, apart: float = inf) -> np.ndarray:
+        """Parameters on (low, high) no farther than `apart` from each other that show every feature, in order."""
+        fine = [np.linspace(a, b, DEGREE, endpoint=False) for a, b, stride in self._pieces(low, high) if stride < inf]
+        count = int(np.ceil((high - low) / apart)) if apart < inf else 1
+        every = np.concatenate([np.linspace(low, high, count + 1), *fine])
+        return np.unique(every[(every >= low) & (every <= high)])
+
+    def _pieces(self, low: float, high: float) -> Iterator[tuple[float, float, float]]:
+        """(start, end, stride) of the pieces that meet (low, high)."""
+        if self.plain:
+            return
+        before, last = low, inf
+        for distance, stride in self._ahead(low, forward=True):
+            if distance > 0.0:
+                yield before, low + distance, last
+                before = low + distance
+            if before >= high:
+                return
+            last = stride
+        yield before, high, last
+
+    def _ahead(self, start: float, forward: bool) -> Iterator[tuple[float, float]]:
+        """(distance, stride) of one piece after the other, from the one that `start` lies in."""
+        number, window, shift = self._window(start)
+        at = start - shift
+        i = min(max(bisect_right(window.edges, at) - 1, 0), len(window.strides) - 1)
+        yield 0.0, window.strides[i]
+        while True:
+            i += 1 if forward else -1
+            if not 0 <= i < len(window.strides):
+                number += 1 if forward else -1
+                following = self._numbered(number)
+                if following is None:
+                    return
+                window, shift = following
+                i = 0 if forward else len(window.strides) - 1
+            edge = window.edges[i] if forward else window.edges[i + 1]
+            yield max(abs(edge + shift - start), 0.0), window.strides[i]
+
+    def _window(self, s: float) -> tuple[int, Window, float]:
+        """The window that s lies in: its number, itself, and what is added to its edges."""
+        if self._limits:
+            number = int((s - self._limits[0]) // self._period) if self._period else 0
+            return number, self._sides[True][0], number * (self._period or 0.0)
+        forward, k = s >= 0.0, 0
+        while not self._side(forward, k).low <= s <= self._side(forward, k).high:
+            k += 1
+        return (k if forward else -1 - k), self._side(forward, k), 0.0
+
+    def _numbered(self, number: int) -> tuple[Window, float] | None:
+        if self._limits:
+            return (self._sides[True][0], number * self._period) if self._period else None
+        return self._side(number >= 0, number if number >= 0 else -1 - number), 0.0
+
+    def _side(self, forward: bool, k: int) -> Window:
+        """The k-th window away from zero."""
+        windows = self._sides[forward]
+        while len(windows) <= k:
+            near, length = 0.0, WINDOW
+            if windows:
+                last = windows[-1]
+                near = last.high if forward else last.low
+                length = (last.high - last.low) * (2.0 if len(last.strides) <= CROWDED else 1.0)
+            ends = (near, near + length) if forward else (near - length, near)
+            windows.append(Window(self._function, *ends, self._centres))
+        return windows[k]
+
+
+def _resolved(function: Function, low: float, high: float, centres: Iterable[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Edges (n + 1,) of the pieces, and how much the function changes in each (n,), in parts of its size; 0: not."""
+    s = _samples(low, high, centres)
+    rows, sizes = function(s)
+    scale = np.max(np.where(np.isfinite(sizes), np.abs(sizes), 0.0), axis=1)
+    scale[scale == 0.0] = 1.0
+    rows = rows / scale[:, None]
+    todo, done = np.array([[low], [high]]), []
+    while todo.shape[1]:
+        a, b = todo
+        nodes = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * _NODES
+        values = function(nodes.ravel())[0].reshape(len(scale), *nodes.shape) / scale[:, None, None]
+        coefficients = values @ _TO_COEFFICIENTS.T
+        # A function is known no better than its parameter, whose last digit moves it by its slope.
+        slope = np.max(np.abs(np.diff(values) / np.diff(nodes)), axis=2)
+        error = RESOLVED + 8 * np.finfo(float).eps * slope * np.maximum(abs(a), abs(b))
+        good = np.all(np.max(np.abs(coefficients[:, :, -3:]), axis=2) <= error, axis=0)
+        good &= ~_missed(s, rows, a, b, coefficients, error, good)
+        # Where nothing is finite there is nothing to resolve; a piece is halved as long as its middle is a number.
+        hopeless = (b - a <= 1e-12 * (high - low)) | ~np.isfinite(values).any(axis=(0, 2))
+        change = np.max(np.where(np.isfinite(coefficients[:, :, 1:]), np.abs(coefficients[:, :, 1:]), 0.0), axis=2)
+        change = np.max(np.where(change > error, change, 0.0), axis=0)
+        stop = good | hopeless | (todo.shape[1] > MOST_PIECES)
+        done.append(np.array([a[stop], change[stop]]))
+        a, b = a[~stop], b[~stop]
+        middle = 0.5 * (a + b)
+        todo = np.array([np.concatenate([a, middle]), np.concatenate([middle, b])])
+    starts, changes = np.concatenate(done, axis=1)
+    order = np.argsort(starts)
+    return np.append(starts[order], high), changes[order]
+
+
+def _missed(s, rows, a, b, coefficients, error, good) -> np.ndarray:
+    """Which of the pieces that look resolved disagree with the samples in them."""
+    missed = np.zeros(len(a), dtype=bool)
+    order = np.argsort(a)
+    piece = order[np.clip(np.searchsorted(a[order], s, side="right") - 1, 0, None)]
+    chosen = good[piece] & (s >= a[piece]) & (s <= b[piece])
+    if not chosen.any():
+        return missed
+    s, piece = s[chosen], piece[chosen]
+    x = (2 * s - a[piece] - b[piece]) / (b[piece] - a[piece])
+    values = np.einsum("nd,knd->kn", chebyshev.chebvander(x, DEGREE), coefficients[:, piece])
+    # Ten: what an interpolant makes of the errors of its nodes.
+    off = np.any(np.abs(values - rows[:, chosen]) > 10 * error[:, piece], axis=0)
+    missed[piece[off]] = True
+    return missed
+
+
+def _samples(low: float, high: float, centres: Iterable[float]) -> np.ndarray:
+    """Parameters at which an interpolant has to agree: even ones, and ever closer ones around each centre."""
+    steps = (high - low) * 0.5 ** np.arange(1, HALVINGS + 1)
+    around = np.concatenate([-steps, [0.0], steps])
+    every = np.concatenate([np.linspace(low, high, SAMPLES), *(centre + around for centre in centres)])
+    return np.unique(every[(every >= low) & (every <= high)])
+
+
+# --- where a formula says that something happens ----------------------------------------------------------------------
+
+
+def centres(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[float, ...]:
+    """Where the arguments of functions (and what is divided by) vanish or turn round, as far as they are polynomials.
+
+    The middle of exp(-((s - c)/w)²), tanh((s - c)/w), 1/(w² + (s - c)²) is c, however small w is.
+    """
+    found: set[float] = set()
+    for argument in {a for e in expressions for a in _arguments(e, symbol)}:
+        if not argument.is_polynomial(symbol):
+            continue
+        coefficients = [float(c) for c in reversed(sp.Poly(argument, symbol).all_coeffs())]
+        for ascending in (coefficients, polynomial.polyder(coefficients)):
+            found.update(float(root.real) for root in np.atleast_1d(polynomial.polyroots(ascending)))
+    return tuple(sorted(c for c in found if isfinite(c)))
+
+
+def _arguments(expression: sp.Expr, symbol: sp.Symbol) -> Iterator[sp.Expr]:
+    for node in sp.preorder_traversal(expression):
+        if node.is_Function and not (isinstance(node, sp.sin | sp.cos) and node.args[0].diff(symbol, 2) == 0):
+            yield from (a for a in node.args if a.has(symbol))
+        elif node.is_Pow and not (node.exp.is_Integer and node.exp > 0):
+            yield from (a for a in node.args if a.has(symbol))
+
+
+def alone(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[sp.Expr, ...]:
+    """The largest parts of expressions in which only that symbol occurs, without the symbol itself."""
+    found: dict[sp.Expr, None] = {}
+    for expression in expressions:
+        walk = sp.preorder_traversal(expression)
+        for node in walk:
+            if node.free_symbols == {symbol}:
+                walk.skip()
+                if node != symbol:
+                    found[node] = None
+    return tuple(found)

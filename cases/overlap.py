@@ -1,0 +1,139 @@
+"""Whether a plate overlaps its track anywhere, in one pose or in many at once.
+
+The plate is looked at as a polygon, which lies inside a convex outline: what is found overlaps indeed, by more than
+the polygon's sagitta. An open outline encloses nothing and overlaps nothing. Polygons and samples are kept by curve.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from .curves import Curve
+
+# Corners of the polygon, besides those that show the outline's features.
+CORNERS = 720
+# Track samples to a size of the plate, and at least and at most so many, besides those that show the track's features.
+POINTS_A_SIZE, FEWEST, MOST = 16, 720, 20_000
+# Pairs of a pose and a track point that are looked at together: some megabytes.
+TOGETHER = 100_000
+
+
+class _Polygon(NamedTuple):
+    """Corners (2, n) about `middle` (2, 1), seen from there at rising `angles` (n,); None where these do not rise."""
+
+    corners: np.ndarray
+    middle: np.ndarray
+    angles: np.ndarray | None
+    reach: float
+    size: float
+
+    def holds(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Whether points in the plate's frame lie inside."""
+        x, y = x - self.middle[0], y - self.middle[1]
+        if self.angles is None:
+            return _even_odd(x, y, self.corners)
+        seen = np.searchsorted(self.angles, np.arctan2(y, x)) % len(self.angles)
+        (ax, ay), (bx, by) = self.corners[:, seen - 1], self.corners[:, seen]
+        return (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0
+
+
+class _Samples(NamedTuple):
+    """Track parameters (n,), their points (2, n), and a tree to look points up in."""
+
+    parameters: np.ndarray
+    points: np.ndarray
+    tree: KDTree
+
+
+def first_overlap(
+    track: Curve, outline: Curve, x: np.ndarray, y: np.ndarray, theta: np.ndarray, xi1: np.ndarray
+) -> tuple[int, float] | None:
+    """The first of n poses in which the plate overlaps its track, with a track parameter inside the plate; or None.
+
+    `xi1` (n,): where it touches or is near, which says how far to look on a track without ends.
+    """
+    if not outline.period:
+        return None
+    polygon = _polygon(outline)
+    samples = _samples(track, *span(track, xi1, polygon.reach), polygon.size)
+    c, s = np.cos(theta), np.sin(theta)
+    (mx, my), centres = polygon.middle[:, 0], np.empty((len(x), 2))
+    centres[:, 0], centres[:, 1] = x + c * mx - s * my, y + s * mx + c * my
+    counts = samples.tree.query_ball_point(centres, polygon.reach, return_length=True)
+    batch = np.cumsum(counts) // TOGETHER
+    for number in np.unique(batch[counts > 0]):
+        poses = np.flatnonzero((batch == number) & (counts > 0))
+        near = [np.sort(found) for found in samples.tree.query_ball_point(centres[poses], polygon.reach)]
+        pose, point = np.repeat(poses, [len(found) for found in near]), np.concatenate(near).astype(int)
+        u, v = samples.points[0, point] - x[pose], samples.points[1, point] - y[pose]
+        inside = polygon.holds(c[pose] * u + s[pose] * v, c[pose] * v - s[pose] * u)
+        if inside.any():
+            first = int(np.argmax(inside))
+            return int(pose[first]), float(samples.parameters[point[first]])
+    return None
+
+
+@lru_cache(maxsize=64)
+def _polygon(outline: Curve) -> _Polygon:
+    low, high = outline.look
+    places = np.linspace(low, high, CORNERS + 1)
+    if outline.features:
+        places = np.union1d(places, outline.features.places(low, high))
+    corners = outline.point(places[:-1])
+    middle = corners[:, :: max(1, len(corners[0]) // CORNERS)].mean(axis=1, keepdims=True)
+    # The contact point itself may be a corner; a billionth of the size keeps it outside whatever its rounding.
+    corners = (1 - 1e-9) * (corners - middle)
+    angles = np.arctan2(corners[1], corners[0])
+    first = int(np.argmin(angles))
+    corners, angles = np.roll(corners, -first, axis=1), np.roll(angles, -first)
+    reach = float(np.hypot(*corners).max())
+    size = float(np.ptp(corners, axis=1).max())
+    return _Polygon(corners, middle, angles if np.all(np.diff(angles) > 0.0) else None, reach, size)
+
+
+@lru_cache(maxsize=64)
+def _samples(track: Curve, low: float, high: float, size: float) -> _Samples:
+    """Track parameters about a sixteenth of `size` apart, within what stays quick to look at."""
+    length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
+    places = np.linspace(low, high, int(min(MOST, max(FEWEST, POINTS_A_SIZE * length / size))))
+    if track.features:
+        places = np.union1d(places, track.features.places(low, high))
+    points = track.point(places)
+    # Far out on a track without ends its points may be too large for a double: nothing meets them.
+    there = np.isfinite(points).all(axis=0)
+    return _Samples(places[there], points[:, there], KDTree(points[:, there].T))
+
+
+def span(track: Curve, xi1, reach: float) -> tuple[float, float]:
+    """The stretch of the track that a plate may meet which touches it at `xi1` (n,) and reaches so far (m).
+
+    Of a track without ends it is rounded up to powers of two, so that what is worked out for it is kept.
+    """
+    low, high = track.look
+    if track.domain is None and not track.period:
+        first, last = float(np.min(xi1)), float(np.max(xi1))
+        first -= 4.0 * reach / float(track.speed(first))
+        last += 4.0 * reach / float(track.speed(last))
+        while first < low:
+            low *= 2.0
+        while last > high:
+            high *= 2.0
+    return low, high
+
+
+def _even_odd(px: np.ndarray, py: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Even–odd rule for many points and one polygon of shape (2, n); only points in its box are looked at closely."""
+    box = (px >= corners[0].min()) & (px <= corners[0].max()) & (py >= corners[1].min()) & (py <= corners[1].max())
+    result = np.zeros(px.shape, dtype=bool)
+    (ax, ay), (bx, by) = corners, np.roll(corners, -1, axis=1)
+    for some in np.array_split(np.flatnonzero(box), 1 + box.sum() * len(ax) // 4_000_000):
+        u, v = px[some, None], py[some, None]
+        spans = (ay > v) != (by > v)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crosses = spans & (u < ax + (v - ay) / (by - ay) * (bx - ax))
+        result[some] = crosses.sum(axis=1) % 2 == 1
+    return result

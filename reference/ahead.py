@@ -1,0 +1,59 @@
+"""What lies ahead of a step: how far it may go before something changes that its start knows nothing of.
+
+An integrator takes its step from derivatives at its start, and a bump ahead (of a curve, or of a load in time) has
+none there. The curves and loads know where they change (`cases.features`): a step ends where a finer piece begins,
+and is halved where its dense output, in which events are searched, does not satisfy the equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .modes import Phase
+
+# Where in a step its course is looked at: it turns round at most once between two of these.
+PARTS = np.linspace(0.0, 1.0, 9)
+# The part of a step up to a feature is interpolated; a tenth more is still well inside the first piece there.
+ENOUGH = 0.9
+# Where in a step its defect is looked at.
+INSIDE = np.array([0.3, 0.6, 0.9])
+
+
+def clear_part(phase: Phase, start: float, length: float, states: np.ndarray) -> float:
+    """The part of a step that passes no feature: 1, or less where a finer piece begins on the way.
+
+    `states` of shape (variables, 9) are the dense output at `PARTS` of the step from time `start`.
+    """
+    return min(
+        (_part(f, start + length * PARTS if row is None else states[row]) for row, f in phase.features), default=1.0
+    )
+
+
+def _part(features, way: np.ndarray) -> float:
+    start, low, high = float(way[0]), float(way.min()), float(way.max())
+    low, high = features.clear(start, low), features.clear(start, high)
+    beyond = np.flatnonzero((way < low) | (way > high))
+    if not beyond.size:
+        return 1.0
+    i = int(beyond[0])
+    bound = high if way[i] > high else low
+    return float(PARTS[i - 1] + (PARTS[i] - PARTS[i - 1]) * (bound - way[i - 1]) / (way[i] - way[i - 1]))
+
+
+def defect(phase: Phase, times: Sequence[float], states: np.ndarray, slopes: np.ndarray, length: float) -> float:
+    """By how much a step's dense output misses the equations: the largest y' - f(t, y), times the step's length, in
+    parts of the state's natural sizes.
+
+    `states` and `slopes` (variables, n): the dense output and its derivative at `times`; `length` of the step in s.
+    """
+    p = phase.system.positions
+    worst = 0.0
+    for t, y, slope in zip(times, states.T.tolist(), slopes.T.tolist(), strict=True):
+        rates = phase.system.rates_of_numbers(t, y, phase.parameters)
+        for i, (rate, own) in enumerate(zip(rates, slope, strict=True)):
+            # A speed is of the size that covers the plate's in the step, or what it is.
+            size = phase.lengths[i] if i < p else phase.lengths[i - p] / length + abs(y[i])
+            worst = max(worst, length * abs(own - rate) / size)
+    return worst

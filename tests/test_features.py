@@ -1,0 +1,317 @@
+"""No step and no search passes over a bump, a step, a notch or a pulse that its start knows nothing of."""
+
+from functools import partial
+from math import pi, sqrt
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.integrate import DOP853
+
+import cases
+import reference
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, Load, Start, Unilateral, disc
+from cases.curves import cos, exp, sin, tanh
+from reference import contact_frame, dop853, solve
+from reference.modes import candidates, phase, start_state
+
+METHODS = reference.METHODS
+RADIUS, G = 0.1, 9.81
+
+
+def scene(track, *effects, start=None, duration=4.0) -> Case:
+    return Case(track, disc(RADIUS, 1.0), (Gravity(G), *effects), start or Start(0.0), duration)
+
+
+def rolling_over(track, duration=4.0) -> Case:
+    return scene(track, CoulombFriction(0.5), Unilateral(), start=Start(0.0, omega=-20.0), duration=duration)
+
+
+def gauss(height: float, centre: float, width: float) -> Curve:
+    return Curve(lambda s: (s, height * exp(-(((s - centre) / width) ** 2))))
+
+
+BUMP = gauss(0.02, 4.0, 0.3)
+STEP = Curve(lambda s: (s, -0.05 * tanh(8 * (s - 3))))
+
+
+def rolls_on_after(track: str, seconds: float, first: float) -> tuple[float, float]:
+    """x of a disc that rolls from s = 0 at `first` m/s after that time, and the cone's least margin: energy and a
+    quadrature of dt = ds (1 - κ r) P / v, with v of the centre; every force by v and v dv/ds."""
+    with mpmath.workdps(30):
+        shape = {"bump": lambda s: mpmath.mpf("0.02") * mpmath.exp(-(((s - 4) / mpmath.mpf("0.3")) ** 2))}[track]
+        r, g = mpmath.mpf("0.1"), mpmath.mpf("9.81")
+        slope = lambda s: mpmath.diff(shape, s)  # noqa: E731
+        bend = lambda s: mpmath.diff(shape, s, 2) / (1 + slope(s) ** 2) ** 1.5  # noqa: E731
+        height = lambda s: shape(s) + r / mpmath.sqrt(1 + slope(s) ** 2)  # noqa: E731
+
+        def speed(s):
+            # ½ m v² + ½ (½ m r²)(v/r)² + m g h is constant.
+            return mpmath.sqrt(first**2 - 4 * g * (height(s) - height(0)) / 3)
+
+        def pace(s):
+            return mpmath.sqrt(1 + slope(s) ** 2) * (1 - r * bend(s)) / speed(s)
+
+        edges = [0, 2, 3, 3.5, 4, 4.5, 5, 6]
+        spent = mpmath.quad(pace, edges)
+        last = 6 + (mpmath.mpf(seconds) - spent) * first  # level again, to e^-44
+        margin = min(_margin(float(s), shape, float(first)) for s in np.linspace(2.5, 5.5, 61))
+        return float(last), margin
+
+
+def _margin(s: float, shape, first: float) -> float:
+    """What is left of the cone μ N - |T|, in weights: N = m (v² κ/(1 - κ r) + g cos a), T = m g sin a / 3."""
+    slope, second = float(mpmath.diff(shape, s)), float(mpmath.diff(shape, s, 2))
+    bend, angle = second / (1 + slope**2) ** 1.5, np.arctan(slope)
+    fall = float(shape(s)) + RADIUS * np.cos(angle) - float(shape(0)) - RADIUS
+    speed = first**2 - 4 * G * fall / 3
+    return 0.5 * (speed * bend / (1 - bend * RADIUS) / G + np.cos(angle)) - abs(np.sin(angle)) / 3
+
+
+def test_over_a_bump_by_energy_and_a_quadrature():
+    """Rolling without slip on a smooth track conserves energy, which gives the end to any number of digits."""
+    exact, margin = rolls_on_after("bump", 4.0, 2.0)
+    assert margin > 0.0
+    assert exact == pytest.approx(7.980986, abs=5e-7)  # what the fault's finder computed
+    case = rolling_over(BUMP)
+    for method in METHODS:
+        for rtol, error in ((1e-4, 1e-5), (1e-8, 1e-8), (1e-12, 2e-11)):
+            motion = reference.simulate(case, rtol=rtol, method=method)
+            assert motion.status == "completed" and not motion.transitions
+            assert float(motion.x[-1]) == pytest.approx(exact, abs=error), (method, rtol)
+    second = contact_frame.solve(case, rtol=1e-12, times=[4.0])
+    assert float(second.motions[0, -1]) == pytest.approx(exact, abs=2e-11)
+
+
+def test_over_a_step_it_slips_and_rolls_again():
+    """Both formulations at several tolerances, none of which alone decides where the two transitions are."""
+    case = rolling_over(STEP)
+    second = contact_frame.solve(case, rtol=1e-12)
+    times = [t.time for t in second.transitions]
+    assert times == pytest.approx([1.469117, 1.490443], abs=5e-7)
+    for method in METHODS:
+        for rtol, error in ((1e-6, 2e-6), (1e-12, 1e-11)):
+            found = reference.simulate(case, rtol=rtol, method=method).transitions
+            assert [t.time for t in found] == pytest.approx(times, abs=error), (method, rtol)
+            assert [t.after for t in found] == [t.after for t in second.transitions]
+
+
+@pytest.mark.parametrize("width", [0.1, 1e-2, 1e-3, 1e-5])
+def test_a_pulse_of_a_load_is_felt(width):
+    """A force F exp(-((t - 1.3)/w)²) along a level line without friction leaves F w √π / m behind."""
+    load = Load(fx=f"{0.5 / width!r}*exp(-((t - 1.3)/{width!r})**2)")
+    case = scene(cases.library.line(), load, Unilateral(), duration=3.0)
+    for method in METHODS:
+        for rtol, error in ((1e-4, 2e-5), (1e-10, 2e-10)):
+            motion = reference.simulate(case, rtol=rtol, method=method)
+            assert float(motion.vx[-1]) == pytest.approx(0.5 * sqrt(pi), abs=error), (method, rtol)
+    second = contact_frame.solve(case, rtol=1e-12, times=[3.0])
+    assert float(second.motions[3, -1]) == pytest.approx(0.5 * sqrt(pi), abs=1e-11)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_pulse_is_felt_whatever_the_duration(method):
+    """Features in time are resolved in absolute time: a thousand times the duration begins with the same motion."""
+    load = Load(fx="5*exp(-((t - 1.3)/0.05)**2)")
+    speeds = [
+        float(reference.simulate(scene(cases.library.line(), load, Unilateral(), duration=T), method=method)(3.0).vx)
+        for T in (3.0, 30.0, 3000.0)
+    ]
+    assert speeds == pytest.approx([0.25 * sqrt(pi)] * 3, abs=1e-9)
+
+
+def landing(height: float, width: float, offset: float, slip: float) -> tuple[Case, float]:
+    """A disc that falls onto a bump beside its lowest point, and the exact instant: the top of the bump is as sharp as
+    a point only to its own curvature, so contact of two smooth curves is solved for."""
+    place = 0.7
+    track = gauss(height, place, width)
+    start = Start(place - offset - slip * 0.2, gap=0.2, slip=slip)
+    case = scene(track, Unilateral(), Flight(), start=start, duration=1.0)
+    begin = cases.contact.start_motion(case)
+    with mpmath.workdps(30):
+        f = lambda s: height * mpmath.exp(-(((s - place) / mpmath.mpf(width)) ** 2))  # noqa: E731
+
+        def misses(t, s):
+            x, y = begin.x + begin.vx * t, begin.y + begin.vy * t - mpmath.mpf(G) * t**2 / 2
+            return [(s - x) + (f(s) - y) * mpmath.diff(f, s), (s - x) ** 2 + (f(s) - y) ** 2 - mpmath.mpf(RADIUS) ** 2]
+
+        t, _ = mpmath.findroot(misses, (mpmath.mpf("0.19"), mpmath.mpf(place) - width / 20))
+    return case, float(t)
+
+
+@pytest.mark.parametrize("height, width, offset, slip", [(0.01, 0.005, 0.003, 0.0), (0.01, 0.002, 0.0, 1.0)])
+def test_a_landing_on_a_narrow_bump_is_seen(height, width, offset, slip):
+    case, exact = landing(height, width, offset, slip)
+    for method in METHODS:
+        motion = reference.simulate(case, method=method)
+        assert motion.status == "landing"
+        assert float(motion.t[-1]) == pytest.approx(exact, abs=1e-12)
+    second = contact_frame.solve(case, rtol=1e-12)
+    assert (second.status, second.end) == ("landing", pytest.approx(exact, abs=1e-12))
+
+
+@pytest.mark.parametrize("height, width", [(0.18, 0.05), (0.02, 0.002), (0.01, 1e-4)])
+def test_a_second_contact_with_a_bump_narrower_than_the_plate_is_seen(height, width):
+    """A disc of 0.3 m slides at 1 m/s towards a bump; where its side meets the bump is solved for in 30 digits."""
+    place, radius = 3.1, 0.3
+    track = gauss(height, place, width)
+    case = Case(track, disc(radius, 1.0), (Gravity(G), Unilateral()), Start(0.0, slip=1.0), 5.0)
+    with mpmath.workdps(30):
+        f = lambda s: height * mpmath.exp(-(((s - place) / mpmath.mpf(width)) ** 2))  # noqa: E731
+
+        def misses(x, s):
+            return [(s - x) + (f(s) - radius) * mpmath.diff(f, s), (s - x) ** 2 + (f(s) - radius) ** 2 - radius**2]
+
+        # The top is met about where a point of that height would be.
+        guess = place - sqrt(radius**2 - (radius - height) ** 2)
+        if width > 0.01:
+            guess += 0.007
+        x, s = mpmath.findroot(misses, (guess, place - width / 3))
+    for method in METHODS:
+        motion = reference.simulate(case, method=method)
+        assert motion.status == "second_contact"
+        assert float(motion.t[-1]) == pytest.approx(float(x), abs=1e-10), float(s)
+
+
+# --- what features cost, and what they are ----------------------------------------------------------------------------
+
+
+ONE_SCALE = {
+    "line": Curve(lambda s: (s, 0.3 * s)),
+    "circle": Curve(lambda s: (2 * cos(s), 2 * sin(s))),
+    "ellipse": Curve(lambda s: (cos(s), 0.6 * sin(s))),
+    "cosine": Curve(lambda s: (s, -0.3 * cos(2 * s)), (-3, 3)),
+    "polynomial": Curve(lambda s: (s, s**4 - s**2), (-2, 2)),
+}
+
+
+@pytest.mark.parametrize("name", ONE_SCALE)
+def test_a_curve_with_one_scale_bounds_no_step(name):
+    """Then integrators do not even ask: the phase has no features."""
+    curve = ONE_SCALE[name]
+    assert curve.features is None or curve.features.plain
+    case = Case(curve, disc(0.02, 1.0), (Gravity(G), Unilateral()), Start(1.0), 1.0)
+    assert phase(case, candidates(case)[0]).features == ()
+
+
+def test_most_of_the_catalogue_has_nothing_to_ask():
+    """All but ramps with a rounded foot and outlines with corners."""
+    asked = {
+        name
+        for name in cases.names()
+        for case in cases.select(name)
+        if any(c.features and not c.features.plain for c in (case.track, case.plate.outline))
+    }
+    assert len(asked) <= 9, asked
+    assert not asked & {"disc_in_circle", "disc_in_cosine", "ellipse_in_circle", "disc_on_incline"}
+
+
+def test_features_are_where_the_bump_is():
+    """Nothing where the line is straight to rounding, strides of the bump's own size within, found at any width."""
+    for width in (0.3, 1e-2, 1e-4, 1e-7):
+        found = gauss(0.05 * width, 4.0, width).features
+        assert found.finest(0.0, 4.0 - 8 * width) == np.inf
+        assert width / 50 < found.finest(3.0, 5.0) < width
+        assert found.clear(4.0 - 20 * width, 5.0) < 4.0 - 3 * width
+        assert found.clear(4.0, 5.0) - 4.0 < width
+        assert found.clear(5.0, 3.0) > 4.0 + 3 * width
+
+
+def test_features_do_not_depend_on_who_asks_first():
+    """Far out, and then near; near, and then far out: the same to the last bit."""
+    one, other = (Curve(lambda s: (s, 0.01 * tanh(30 * (s - 700)) + 0.1 * cos(s))) for _ in range(2))
+    one, other = one.__class__(one.function, None), other
+    questions = [(-500.0, -400.0), (699.0, 702.0), (0.0, 3.0), (30.0, 0.0)]
+    first = [one.features.clear(*q) for q in questions]
+    cases.curves._features.cache_clear()
+    assert [other.features.clear(*q) for q in reversed(questions)] == first[::-1]
+
+
+def test_features_of_a_closed_curve_come_again():
+    """A notch in a circle, in every turn."""
+    curve = Curve(lambda s: ((1 - 1e-3 * exp(200 * (cos(s - 1) - 1))) * cos(s), sin(s)))
+    found = curve.features
+    assert not found.plain
+    for turn in (-7, 0, 40):
+        start = 2 * pi * turn + 3.0
+        stride = found.clear(start, start - 3.0) - start
+        assert stride == pytest.approx(found.clear(3.0, 0.0) - 3.0, rel=1e-9)
+        assert stride > -2.0
+
+
+# --- random tracks ----------------------------------------------------------------------------------------------------
+
+
+def random_narrow(rng: np.random.Generator) -> tuple[Case, float]:
+    """A disc sent over level stretches with bumps, notches and steps at random places, or pushed by pulses; and a step
+    so short that nothing in it can be passed over."""
+    kind = rng.choice(["bump", "step", "two", "pulse", "both"])
+    width, place, apart = 10 ** rng.uniform(-2, -0.5), rng.uniform(0.8, 3.0), rng.uniform(0.5, 1.5)
+    # So flat that the disc fits (a curvature below half its own).
+    height = float(rng.choice([-1, 1])) * rng.uniform(0.05, 0.25) * min(5.0 * width**2, 0.3 * width)
+    other = rng.uniform(0.3, 0.9) * height
+    shapes = {
+        "bump": lambda s: height * exp(-(((s - place) / width) ** 2)),
+        "step": lambda s: height * tanh((s - place) / width),
+        "two": lambda s: height * exp(-(((s - place) / width) ** 2)) + other * tanh((s - place - apart) / width),
+        "pulse": lambda s: 0.0 * s,
+        "both": lambda s: height * exp(-(((s - place) / width) ** 2)),
+    }
+    effects = [CoulombFriction(rng.uniform(0.05, 0.6)), Unilateral()]
+    speed = rng.uniform(0.8, 2.5)
+    shortest = width / 8 / speed
+    if kind in ("pulse", "both"):
+        brief = 10 ** rng.uniform(-2.5, -1)
+        push, when = rng.uniform(-1.0, 1.0) / brief, rng.uniform(0.3, 1.8)
+        effects.append(Load(fx=f"{push!r}*exp(-((t - {when!r})/{brief!r})**2)"))
+        shortest = min(shortest, brief / 4)
+    track = Curve(lambda s: (s, shapes[kind](s)))
+    slips = bool(rng.integers(2))
+    start = Start(0.0, slip=speed if slips else 0.0, omega=0.0 if slips else -speed / RADIUS)
+    return scene(track, *effects, start=start, duration=2.0), shortest
+
+
+def by_hand(case: Case, rtol: float, longest: float):
+    """The motion by DOP853 with steps of at most `longest` s and no knowledge of features."""
+
+    def integrate(now, t, y, end, rtol):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(dop853, "DOP853", partial(DOP853, max_step=longest))
+            return dop853.integrate(now._replace(features=()), t, y, end, rtol)
+
+    solve.prepare(case, "dop853")
+    start = start_state(case)
+    return solve.sampled(case, *solve.solved(case, solve.first_regime(case, start), start, rtol, integrate))
+
+
+def check_random(seed: int) -> None:
+    """Both integrators and the second formulation against the run that is bounded by hand, sequence and place."""
+    case, longest = random_narrow(np.random.default_rng(seed))
+    expected = by_hand(case, 1e-11, longest)
+    sequence = [(t.before, t.after) for t in expected.transitions]
+    times = [t.time for t in expected.transitions]
+    for method in METHODS:
+        motion = reference.simulate(case, rtol=1e-10, method=method)
+        assert motion.status == expected.status, (seed, method)
+        assert [(t.before, t.after) for t in motion.transitions] == sequence, (seed, method)
+        # A thousand times the tolerance: what a bump does to an error before it.
+        assert [t.time for t in motion.transitions] == pytest.approx(times, abs=1e-7), (seed, method)
+        assert float(motion.t[-1]) == pytest.approx(float(expected.t[-1]), abs=1e-7), (seed, method)
+        assert float(motion.x[-1]) == pytest.approx(float(expected.x[-1]), abs=1e-7), (seed, method)
+    if expected.status != "second_contact":  # which the second formulation does not look for
+        second = contact_frame.solve(case, rtol=1e-11)
+        assert second.status == expected.status, seed
+        assert [(t.before, t.after) for t in second.transitions] == sequence, seed
+        assert [t.time for t in second.transitions] == pytest.approx(times, abs=1e-7), seed
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_random_narrow_features_a_few(seed):
+    check_random(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(10))
+def test_random_narrow_features_five_hundred(part):
+    for seed in range(50 * part, 50 * part + 50):
+        check_random(seed)
