@@ -79,7 +79,7 @@ def read(path: str | Path) -> np.ndarray:
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
     """
     try:
-        path = _folder.get() / path
+        path = Path(_folder.get(), path)
         there = path.is_file()
     except (TypeError, ValueError, OSError):
         raise BadValue(f"the file to read points from is {path!r}; give its path") from None
