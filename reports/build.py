@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     store = Store(plan.store, plan.fresh)
     try:
-        idle = _build(plan, store)
+        return _build(plan, store)
     except KeyboardInterrupt:
         # A progress bar may stand on the line.
         print(f"\nreports.build: stopped; {store.kept_words()}", file=sys.stderr)
@@ -60,16 +60,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as problem:
         print(f"reports.build: cannot write the report: {problem}", file=sys.stderr)
         return 1
-    for sentence in idle:
-        print(f"reports.build: {sentence}", file=sys.stderr)
-    return 3 if idle else 0
 
 
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def _build(plan: Plan, store: Store) -> list[str]:
-    """Make the report; returns a sentence for each named case that no solver could run."""
+def _build(plan: Plan, store: Store) -> int:
+    """Make the report; returns the command's exit status, 3 if no solver could run a case that was named."""
     from . import experiment as xp
     from . import studies
     from .recall import Recall
@@ -91,7 +88,10 @@ def _build(plan: Plan, store: Store) -> list[str]:
         shutil.rmtree(partial, ignore_errors=True)
     store.trim()
     print(_told(plan, shown, store))
-    return _run_by_nobody(shown) if plan.asked else []
+    idle = _run_by_nobody(shown) if plan.asked else []
+    for sentence in idle:
+        print(f"reports.build: {sentence}", file=sys.stderr)
+    return 3 if idle else 0
 
 
 def _run_by_nobody(found: Experiment) -> list[str]:
