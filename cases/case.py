@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from . import curves, effects
+from .bounds import check_sizes
 from .curves import Curve
 from .effects import Effect
 from .errors import BadCurve, BadValue, finite, not_negative, positive
@@ -117,6 +118,7 @@ class Case:
         object.__setattr__(self, "effects", effects.checked(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        check_sizes(self)
         from .contact import check_start  # the geometry is written in terms of cases, so it is imported late
 
         check_start(self)

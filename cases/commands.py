@@ -2,12 +2,13 @@
 
     python -m cases                            lists every case in one line, hard ones with a star
     python -m cases new NAME                   writes NAME.py, a commented case to start from
-    python -m cases check FILE                 validates a file of cases and says what is wrong and where
+    python -m cases check FILE                 says what is wrong in a file of cases, and where; else what happens
     python -m cases show NAME [mu=0.3 …]       a picture of scene and motion, facts, and who can run it
     python -m cases export NAME [mu=0.3 …]     the scene and its true transitions as JSON and CSV
 
 `show` and `export` need solvers, which this package knows nothing of: whoever has them declares them as entry points
-of the group "slip_to_roll.commands" (the suite's own are `reports.show` and `reports.export`).
+of the group "slip_to_roll.commands" (the suite's own are `reports.show` and `reports.export`). There `check` is a
+function that runs a case and says in a line what happens (the suite's own is in `reference.narration`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from __future__ import annotations
 import keyword
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from .errors import BadValue, CaseError, UnknownName, unknown
 
 OWN = ("new", "check")
 BY_OTHERS = ("show", "export")
+NO_SOLVER = "no solver is installed that could run it (pip install -e .)"
 
 TEMPLATE = '''"""One case of your own. Edit the expression, then: python -m cases check {name}.py"""
 
@@ -39,7 +41,8 @@ def {name}(depth=0.3, mu=0.1):
     """
     return Case(
         # The track, in metres: the plate lies on the left of increasing s. Use the functions of cases.curves,
-        # a ready-made curve of cases.library, or measured points: Curve.from_csv("points.csv").
+        # a ready-made curve of cases.library, or measured points: Curve.from_csv("points.csv", closed=False), a path
+        # that counts from this file.
         track=Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3)),
         # The plate: a disc, or Plate(outline, mass, inertia) with an outline about the centre of mass.
         plate=disc(radius=0.1, mass=1.0),
@@ -73,17 +76,23 @@ def run(command: str, words: Sequence[str]) -> None:
     if command not in OWN + BY_OTHERS:
         raise unknown("command", command, OWN + BY_OTHERS)
     if command in BY_OTHERS:
-        found = list(entry_points(group="slip_to_roll.commands", name=command))
+        found = _of_others(command)
         if not found:
             raise BadValue(
                 f"{command} needs the installed suite: pip install -e . first, or python -m reports.{command}"
             )
-        found[0].load()(words)
+        found(words)
         return
     if len(words) != 1:
         what = "NAME" if command == "new" else "FILE"
         raise BadValue(f"{command} takes one {what}: python -m cases {command} {what}")
     print(new(words[0]) if command == "new" else check(words[0]))
+
+
+def _of_others(command: str) -> Callable | None:
+    """What an installed package declares for that command."""
+    found = list(entry_points(group="slip_to_roll.commands", name=command))
+    return found[0].load() if found else None
 
 
 def listing() -> str:
@@ -109,7 +118,8 @@ def new(name: str) -> str:
 
 
 def check(file: str) -> str:
-    """Load a file and make every variant of its cases; raises CaseError with file and line of what is wrong."""
+    """Load a file, make every variant of its cases and run it, where there is a solver; raises CaseError with file and
+    line of what is wrong."""
     path = Path(file)
     try:
         names = registry.load_file(path)
@@ -117,14 +127,15 @@ def check(file: str) -> str:
         raise
     except CaseError as problem:
         raise BadValue(f"{where(path, problem)}: {problem}") from problem
-    lines = []
+    lines, run = [], _of_others("check")
     for name in names:
         try:
             made = registry.select(name)
+            told = [run(case) if run else NO_SOLVER for case in made]
         except (Exception, SystemExit) as problem:  # the author's code may fail in any way; it is told with its place
             kind = "" if isinstance(problem, CaseError) else f"{type(problem).__name__}: "
             raise BadValue(f"{where(path, problem)}, in {name}: {kind}{' '.join(str(problem).split())}") from problem
-        lines += [f"{case.label}: fits, and lasts {case.duration:g} s" for case in made]
+        lines += [f"{case.label}: fits; {what}" for case, what in zip(made, told, strict=True)]
         if "Source:" not in (registry.entry(name).function.__doc__ or ""):
             lines.append(f"{name}: its docstring names no source yet (Source: …); the acceptance tests ask for one")
     return "\n".join(lines)

@@ -67,11 +67,15 @@ def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> M
 
 def start_motion(case: Case) -> Motion:
     """The case's start as pose, velocities and contact rates."""
-    start = case.start
-    xi2 = level_parameter(case) if start.xi2 is None else start.xi2
+    start, xi2 = case.start, _start_xi2(case)
     if start.in_contact:
         return velocity(case, start.xi1, xi2, start.slip, start.omega)
     return _off_track(case, xi2)
+
+
+def _start_xi2(case: Case) -> float:
+    """The outline parameter of the start."""
+    return level_parameter(case) if case.start.xi2 is None else case.start.xi2
 
 
 def _off_track(case: Case, xi2: float) -> Motion:
@@ -194,13 +198,14 @@ def check_start(case: Case) -> None:
     if domain and not case.track.period and not domain[0] <= xi1 <= domain[1]:
         raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
     _check_start_effects(case)
-    start = start_motion(case)
-    if case.start.gap == 0.0 and clearance(case, xi1, start.xi2) <= 0.0:
+    xi2 = _start_xi2(case)
+    if case.start.gap == 0.0 and clearance(case, xi1, xi2) <= 0.0:
         raise DoesNotFit(
             f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
             f"{float(case.track.curvature(xi1)):.6g} 1/m is not below the outline's "
-            f"{float(case.plate.outline.curvature(start.xi2)):.6g} 1/m; give a smaller plate or a wider track"
+            f"{float(case.plate.outline.curvature(xi2)):.6g} 1/m; give a smaller plate or a wider track"
         )
+    start = start_motion(case)  # only where the plate fits: it divides by the difference of the curvatures
     place = overlap(case, start.x, start.y, start.theta)
     if place is not None:
         raise DoesNotFit(

@@ -82,7 +82,7 @@ class Curve:
 
     @classmethod
     def from_csv(cls, path, closed: bool) -> Curve:
-        """The same from a file of two columns x, y."""
+        """The same from a file of two columns x, y; in a case file its path counts from there."""
         from . import measured
 
         return cls.through(measured.read(path), closed)

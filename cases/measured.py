@@ -7,6 +7,9 @@ order, so the third derivatives the paper needs exist and are finite.
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +23,20 @@ from .errors import BadCurve, BadValue, UnknownName
 MOST_TERMS = 10
 # Points missed by less than this part of the curve's size are met: about what a caliper reads off a hand-sized plate.
 CLOSE_ENOUGH = 1e-3
+
+
+# The folder of the case file that is being read, from which its paths count; outside of one: where one works.
+_folder: ContextVar[Path] = ContextVar("_folder", default=Path())
+
+
+@contextmanager
+def paths_count_from(folder: Path) -> Iterator[None]:
+    """Inside, relative paths of points count from that folder."""
+    before = _folder.set(folder)
+    try:
+        yield
+    finally:
+        _folder.reset(before)
 
 
 class Fit(NamedTuple):
@@ -58,10 +75,11 @@ def fit(points, closed: bool) -> Fit:
 def read(path: str | Path) -> np.ndarray:
     """Points from a CSV file of two columns x, y in metres, with or without a heading; shape (n, 2).
 
+    A relative path counts from the case file that names it, else from the working folder.
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
     """
     try:
-        path = Path(path)
+        path = Path(_folder.get(), path)
         there = path.is_file()
     except (TypeError, ValueError, OSError):
         raise BadValue(f"the file to read points from is {path!r}; give its path") from None

@@ -17,6 +17,7 @@ from typing import Any
 
 from .case import Case
 from .errors import BadValue, CaseError, UnknownName, unknown
+from .measured import paths_count_from
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,15 @@ class Entry:
     hard: str = ""
     outcome: str = ""
     long: tuple[Mapping[str, Any], ...] = ()
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the file that holds the function: its relative paths count from there."""
+        try:
+            file = inspect.getsourcefile(self.function)
+        except TypeError:  # a callable that was written in no file
+            file = None
+        return Path(file).parent if file else Path()
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -103,7 +113,8 @@ def load(name: str, **parameters) -> Case:
         if key not in found.parameters:
             raise unknown(f"parameter of {bare}", key, found.parameters)
     try:
-        made = found.function(**parameters)
+        with paths_count_from(found.folder):
+            made = found.function(**parameters)
     except CaseError:
         raise
     except Exception as problem:
@@ -145,11 +156,12 @@ def load_file(path: str | Path) -> list[str]:
     before = dict(_entries)
     if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
-    name = f"case_file_{path.stem}"
-    spec = importlib.util.spec_from_loader(name, _AsWritten(name, str(path)))
+    name, place = f"case_file_{path.stem}", path.resolve()  # workers look for it from other folders
+    spec = importlib.util.spec_from_loader(name, _AsWritten(name, str(place)))
     assert spec is not None and spec.loader is not None
     try:
-        spec.loader.exec_module(importlib.util.module_from_spec(spec))
+        with paths_count_from(place.parent):
+            spec.loader.exec_module(importlib.util.module_from_spec(spec))
     except CaseError:
         raise
     except (Exception, SystemExit) as problem:

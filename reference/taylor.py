@@ -49,7 +49,7 @@ def _expressions(system: System) -> dict:
 
 def _converted(expression: sp.Expr, known: dict):
     """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero."""
-    known = dict(known)
+    known = known | {number: _number(number) for number in _numbers(expression)}
     products: dict[sp.Expr, sp.Symbol] = {}
     powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
     # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
@@ -59,6 +59,28 @@ def _converted(expression: sp.Expr, known: dict):
         products[power] = sp.Symbol(f"power_{i:04d}")
         known[products[power]] = _power(base, int(power.exp))
     return hy.from_sympy(expression.xreplace(products), known)
+
+
+def _numbers(expression: sp.Expr) -> Iterator[sp.Expr]:
+    """Numbers inside the expression that heyoka refuses or rounds to double precision: 1/3, sqrt(2), exp(1)."""
+    nodes = sp.preorder_traversal(expression)
+    for node in nodes:
+        # π is heyoka's own; halves, quarters, … are exact, and as exponents they are square roots.
+        plain = isinstance(node, sp.Integer | sp.Float) or node is sp.pi or (node.is_Rational and _is_binary(node.q))
+        if isinstance(node, sp.Expr) and node.is_number and not plain:
+            yield node
+            nodes.skip()
+
+
+def _is_binary(denominator: int) -> bool:
+    """Whether the denominator is a power of two."""
+    return denominator & (denominator - 1) == 0
+
+
+def _number(number: sp.Expr):
+    """The number in quadruple precision, where heyoka has it; a compilation in double precision rounds it once more."""
+    digits = str(sp.N(number, 40))  # quadruple precision has 34
+    return hy.expression(hy.real128(digits) if hasattr(hy, "real128") else float(digits))
 
 
 def _power(base, exponent: int):

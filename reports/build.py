@@ -34,7 +34,7 @@ _LEFT_BEHIND = 86400.0
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
-    written, 130 if it was stopped."""
+    written, 3 if it is written and no solver could run a case that was named, 130 if it was stopped."""
     argv = list(sys.argv[1:] if argv is None else argv)
     try:
         options = parser().parse_args(argv)
@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     store = Store(plan.store, plan.fresh)
     try:
-        _build(plan, store)
+        return _build(plan, store)
     except KeyboardInterrupt:
         # A progress bar may stand on the line.
         print(f"\nreports.build: stopped; {store.kept_words()}", file=sys.stderr)
@@ -60,13 +60,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as problem:
         print(f"reports.build: cannot write the report: {problem}", file=sys.stderr)
         return 1
-    return 0
 
 
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def _build(plan: Plan, store: Store) -> None:
+def _build(plan: Plan, store: Store) -> int:
+    """Make the report; returns the command's exit status, 3 if no solver could run a case that was named."""
     from . import experiment as xp
     from . import studies
     from .recall import Recall
@@ -88,6 +88,21 @@ def _build(plan: Plan, store: Store) -> None:
         shutil.rmtree(partial, ignore_errors=True)
     store.trim()
     print(_told(plan, shown, store))
+    idle = _run_by_nobody(shown) if plan.asked else []
+    for sentence in idle:
+        print(f"reports.build: {sentence}", file=sys.stderr)
+    return 3 if idle else 0
+
+
+def _run_by_nobody(found: Experiment) -> list[str]:
+    """A sentence for each case of which no run is a motion, with what the first solver says of it."""
+    moved = {run.case for run in found.runs if run.outcome in ("right", "wrong")}
+    first = {run.case: run for run in reversed(found.runs)}
+    return [
+        f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}"
+        for label, run in first.items()
+        if label not in moved
+    ]
 
 
 def _with_trajectories(plan: Plan, found: Experiment) -> Experiment:

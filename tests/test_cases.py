@@ -8,10 +8,25 @@ import pytest
 from hypothesis import given, settings
 
 import cases
-from cases import BadCurve, BadValue, Case, CoulombFriction, Curve, DoesNotFit, Gravity, Plate, Start, UnknownName, disc
+from cases import (
+    BadCurve,
+    BadValue,
+    Case,
+    CoulombFriction,
+    Curve,
+    DoesNotFit,
+    Gravity,
+    Plate,
+    RollingResistance,
+    Start,
+    UnknownName,
+    disc,
+)
 from cases import curves as c
 from cases.contact import find, follow, overlap, pose, slip_velocity, start_motion
+from cases.library import line
 from cases.shapes import as_circle, as_line
+from reference import METHODS, simulate
 from tests.scenes import ellipse, elliptic_scenes
 
 
@@ -49,6 +64,60 @@ def test_a_wrong_question_is_refused_in_one_sentence_that_says_what_to_change(ca
     with pytest.raises(kind, match=re.escape(says)) as error:
         call()
     one_sentence(error)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "says"),
+    [
+        ("disc_in_circle", dict(mu=1e9), "PerfectlyRough"),
+        ("at_any_size", dict(length=1e100), "m long"),
+        ("at_any_size", dict(length=1e-100), "m long"),
+        ("at_any_size", dict(mass=1e100), "mass of the plate"),
+        ("at_any_size", dict(mass=1e-100), "mass of the plate"),
+        ("disc_in_circle", dict(duration=1e100), "duration"),
+    ],
+)
+def test_what_leaves_doubles_no_digits_is_refused_when_the_case_is_made(name, parameters, says):
+    with pytest.raises(BadValue, match=re.escape(says)) as error:
+        cases.load(name, **parameters)
+    one_sentence(error)
+
+
+@pytest.mark.parametrize(
+    ("plate", "start", "effects", "says"),
+    [
+        (disc(0.1, 1.0, inertia=1e100), Start(0.0), (), "radius of gyration"),
+        (disc(0.1, 1.0, inertia=1e-100), Start(0.0), (), "radius of gyration"),
+        (disc(0.1, 1.0), Start(1e100), (), "from the origin"),
+        (disc(0.1, 1.0), Start(0.0, slip=1e100), (), "slip of Start"),
+        (disc(0.1, 1.0), Start(0.0, omega=1e100), (), "omega of Start"),
+        (disc(0.1, 1.0), Start(0.0), (Gravity(1e100),), "g of Gravity"),
+        (disc(0.1, 1.0), Start(0.0), (CoulombFriction(0.1, mu_static=1e9),), "mu_static"),
+        (disc(0.1, 1.0), Start(0.0), (CoulombFriction(0.1), RollingResistance(1e100)), "arm"),
+    ],
+)
+def test_each_enormous_number_is_named(plate, start, effects, says):
+    with pytest.raises(BadValue, match=says) as error:
+        Case(line(), plate, effects, start, 1.0)
+    one_sentence(error)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("parameters", [dict(mu=1e4), dict(length=5e-9), dict(length=5e9), dict(mass=1e-60)], ids=str)
+def test_at_the_bounds_the_motion_is_still_the_papers(parameters, method):
+    """At the largest and smallest sizes allowed the paper's disc keeps its four transitions and its parameters' digits;
+    at the strongest friction allowed a disc keeps the three that it has at a tenth of it."""
+    if "mu" in parameters:
+        ours, plain = (
+            simulate(cases.load("disc_in_circle", mu=mu), method=method)
+            for mu in (parameters["mu"], parameters["mu"] / 10)
+        )
+        assert [t.after for t in ours.transitions] == [t.after for t in plain.transitions]
+        return
+    ours, plain = (simulate(cases.load("at_any_size", **p), method=method) for p in (parameters, {}))
+    assert len(ours.transitions) == len(plain.transitions) == 4
+    for one, other in zip(ours.transitions, plain.transitions, strict=True):
+        assert one.xi1 == pytest.approx(other.xi1, abs=1e-9)
 
 
 def test_a_plate_that_fits_at_its_contact_but_not_elsewhere_is_refused():

@@ -10,6 +10,7 @@ import pytest
 import cases
 from cases import registry
 from cases.commands import TEMPLATE, main
+from reference import narration
 from reports import export, show
 
 
@@ -19,7 +20,7 @@ def desk(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     cases.names()
     monkeypatch.setattr(registry, "_entries", dict(registry._entries))
-    commands = {"show": show.run, "export": export.run}
+    commands = {"show": show.run, "export": export.run, "check": narration.check}
     monkeypatch.setattr(
         "cases.commands.entry_points", lambda group, name: [SimpleNamespace(load=lambda: commands[name])]
     )
@@ -52,6 +53,61 @@ def test_new_then_check_then_show_works_without_an_edit(desk, capsys):
     status, out, _ = run(capsys, "show", "my_valley", "mu=0.2", "--case-file", "my_valley.py")
     assert status == 0 and "mu = 0.2" in out and "reference: runs it" in out
     assert (desk / "my_valley.png").stat().st_size > 10_000
+
+
+def test_check_runs_the_motion_and_says_what_happens(desk, capsys):
+    """A third in a curve is an ordinary number; a motion that ends early says why."""
+    text = TEMPLATE.format(name="my_bowl")
+    text = text.replace("-depth * cos(2 * s)", "depth * s**2 / 3").replace("mu=0.1):", "mu=0.05):")
+    (desk / "my_bowl.py").write_text(text)
+    status, out, _ = run(capsys, "check", "my_bowl.py")
+    assert status == 0 and re.search(r"my_bowl: fits; slides forward for 1\.05 s, then rolls", out)
+    text = (
+        TEMPLATE.format(name="my_hill")
+        .replace("-depth * cos(2 * s)", "-(s + 1)**2")
+        .replace("Start(xi1", "Start(slip=2, xi1")
+    )
+    (desk / "my_hill.py").write_text(text)
+    status, out, _ = run(capsys, "check", "my_hill.py")
+    assert status == 0 and "lift_off" in out and "normal force vanished" in out
+
+
+def test_check_of_a_motion_that_fails_says_so_in_a_line(desk, capsys, monkeypatch):
+    (desk / "my_valley.py").write_text(TEMPLATE.format(name="my_valley"))
+
+    def fails(case):
+        raise ZeroDivisionError("float division by zero")
+
+    monkeypatch.setattr(narration, "simulate", fails)
+    assert "the motion fails: ZeroDivisionError" in refused(capsys, "check", "my_valley.py")
+
+
+def test_points_beside_a_case_file_are_read_from_there(desk, capsys, tmp_path_factory, monkeypatch):
+    """What the template advises: a path counts from the case file, wherever one works and however the file is named."""
+    text = TEMPLATE.format(name="my_points")
+    before = "Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3))"
+    assert before in text
+    text = text.replace(before, 'Curve.from_csv("points.csv", closed=False)').replace("xi1=-1.0", "xi1=-0.8")
+    s = np.linspace(-1.5, 1.5, 60)
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (desk / "scenes").mkdir()
+    (desk / "scenes" / "my_points.py").write_text(text)
+    np.savetxt(desk / "scenes" / "points.csv", np.column_stack([s, 0.3 * s**2]), delimiter=",")
+    status, out, err = run(capsys, "check", "scenes/my_points.py")
+    assert status == 0, err
+    monkeypatch.chdir(elsewhere)  # as the workers of a report do
+    assert cases.load("my_points").duration == 2.0
+    status, out, err = run(capsys, "check", str(desk / "scenes" / "my_points.py"))
+    assert status == 0 and "fits" in out, err
+
+
+def test_the_template_advises_what_works():
+    """Its comment on measured points is a call that Curve.from_csv takes."""
+    (advice,) = re.findall(r"Curve\.from_csv\(.*?\)", TEMPLATE)
+    assert eval(advice, {"Curve": SimpleNamespace(from_csv=lambda path, closed: (path, closed))}) == (
+        "points.csv",
+        False,
+    )
 
 
 def test_export_holds_what_a_scene_needs(desk, capsys):

@@ -1,0 +1,80 @@
+"""Sizes beyond which doubles have no digits left to answer with: refused when a case is made.
+
+Only what does not depend on the choice of coordinates is bounded: extents, ratios, the distance of the contact from
+the origin in sizes of the plate.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .effects import CoulombFriction, Gravity, RollingResistance
+from .errors import BadValue
+
+if TYPE_CHECKING:
+    from .case import Case
+
+# A slip on a curve presses by a power of the coefficient. At 1e4 both integrators agree on what happens on a circle, at
+# 1e5 they do not. Rubber on dry concrete has about 1.
+STRONGEST_FRICTION = 1e4
+# m. Nothing in mechanics has a size, root finders and searches have: on the paper's disc both integrators agree from
+# 1e-16 to 1e10 m, and do not at 1e12 m.
+SMALLEST, LARGEST = 1e-9, 1e9
+# Ratios enter the equations with their squares: 1e12 leaves four digits of sixteen.
+RATIO = 1e6
+# Positions are kept from the origin: so many sizes away from it, half of their digits are left for the contact.
+FURTHEST = 1e8
+# Speeds and accelerations enter with their squares, times and lengths with them; 1e308 is a double's end. In m, s, kg.
+TINY, ENORMOUS = 1e-60, 1e60
+
+
+def check_sizes(case: Case) -> None:
+    """Raises BadValue, with one sentence, for a number with which no solver keeps its digits."""
+    friction, resistance, gravity = case.effect(CoulombFriction), case.effect(RollingResistance), case.effect(Gravity)
+    if friction and friction.stick > STRONGEST_FRICTION:
+        name = "mu" if friction.mu > STRONGEST_FRICTION else "mu_static"
+        raise BadValue(
+            f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
+        )
+    outline, plate, start = case.plate.outline, case.plate, case.start
+    extent = float(np.ptp(outline.point(np.linspace(*outline.look, 721)), axis=1).max())
+    if not SMALLEST <= extent <= LARGEST:
+        raise BadValue(
+            f"the plate is {extent:g} m long; give one between {SMALLEST:g} and {LARGEST:g} m, where solvers "
+            "keep their digits"
+        )
+    gyration = sqrt(plate.inertia / plate.mass) / extent
+    if not 1 / RATIO <= gyration <= RATIO:
+        raise BadValue(
+            f"the plate's radius of gyration, the root of inertia/mass, is {gyration:.3g} times its length; give an "
+            f"inertia that brings it between {1 / RATIO:g} and {RATIO:g} times"
+        )
+    if resistance and resistance.arm > RATIO * extent:
+        raise BadValue(
+            f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
+            f"{RATIO:g} times"
+        )
+    away = float(np.hypot(*case.track.point(start.xi1)))
+    if not away <= FURTHEST * extent:
+        raise BadValue(
+            f"the plate begins {away / extent:.3g} times its own length from the origin; give a place, or a track, "
+            f"within {FURTHEST:g} times"
+        )
+    numbers = {
+        "mass of the plate": plate.mass,
+        "slip of Start": start.slip,
+        "omega of Start": start.omega,
+        "lift of Start": start.lift,
+        "gap of Start": start.gap,
+        "g of Gravity": gravity.g if gravity else 0.0,
+        "duration of the case": case.duration,
+    }
+    for what, number in numbers.items():
+        if abs(number) > ENORMOUS:
+            raise BadValue(f"{what} is {number:g}; give a number up to {ENORMOUS:g}")
+    for what, number in (("mass of the plate", plate.mass), ("duration of the case", case.duration)):
+        if number < TINY:
+            raise BadValue(f"{what} is {number:g}; give at least {TINY:g}")
