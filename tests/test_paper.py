@@ -93,6 +93,7 @@ def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
     plt.close(figure)
 
 
+@pytest.mark.slow
 def test_command_writes_tables_and_pictures(tmp_path, capsys):
     assert paper_figures.main(["--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.glob("*.csv")} == {
