@@ -7,16 +7,16 @@ and is halved where its dense output, in which events are searched, does not sat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
+
+from cases.features import Features
 
 from .modes import Phase
 
 # Where in a step its course is looked at: it turns round at most once between two of these.
 PARTS = np.linspace(0.0, 1.0, 9)
-# The part of a step up to a feature is interpolated; a tenth more is still well inside the first piece there.
-ENOUGH = 0.9
+# How far a step may go beyond its bound, in strides of what begins there: the part up to it is interpolated.
+BEYOND = 0.1
 # Where in a step its defect is looked at.
 INSIDE = np.array([0.3, 0.6, 0.9])
 
@@ -31,10 +31,12 @@ def clear_part(phase: Phase, start: float, length: float, states: np.ndarray) ->
     )
 
 
-def _part(features, way: np.ndarray) -> float:
-    start, low, high = float(way[0]), float(way.min()), float(way.max())
-    low, high = features.clear(start, low), features.clear(start, high)
-    beyond = np.flatnonzero((way < low) | (way > high))
+def _part(features: Features, way: np.ndarray) -> float:
+    start, lowest, highest = float(way[0]), float(way.min()), float(way.max())
+    low, high = features.clear(start, lowest), features.clear(start, highest)
+    if low == lowest and high == highest:
+        return 1.0
+    beyond = np.flatnonzero((way < low - _slack(features, start, low)) | (way > high + _slack(features, start, high)))
     if not beyond.size:
         return 1.0
     i = int(beyond[0])
@@ -42,7 +44,14 @@ def _part(features, way: np.ndarray) -> float:
     return float(PARTS[i - 1] + (PARTS[i] - PARTS[i - 1]) * (bound - way[i - 1]) / (way[i] - way[i - 1]))
 
 
-def defect(phase: Phase, times: Sequence[float], states: np.ndarray, slopes: np.ndarray, length: float) -> float:
+def _slack(features: Features, start: float, bound: float) -> float:
+    """How far beyond its bound a step is still within what begins there."""
+    about = 1e-6 * abs(bound - start)  # the bound may lie a rounding before the piece that it is the end of
+    stride = features.finest(bound - about, bound + about)
+    return BEYOND * stride if stride < np.inf else 0.0
+
+
+def defect(phase: Phase, times: np.ndarray, states: np.ndarray, slopes: np.ndarray, length: float) -> float:
     """By how much a step's dense output misses the equations: the largest y' - f(t, y), times the step's length, in
     parts of the state's natural sizes.
 
@@ -50,7 +59,7 @@ def defect(phase: Phase, times: Sequence[float], states: np.ndarray, slopes: np.
     """
     p = phase.system.positions
     worst = 0.0
-    for t, y, slope in zip(times, states.T.tolist(), slopes.T.tolist(), strict=True):
+    for t, y, slope in zip(times.tolist(), states.T.tolist(), slopes.T.tolist(), strict=True):
         rates = phase.system.rates_of_numbers(t, y, phase.parameters)
         for i, (rate, own) in enumerate(zip(rates, slope, strict=True)):
             # A speed is of the size that covers the plate's in the step, or what it is.

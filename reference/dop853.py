@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
-from .ahead import ENOUGH, INSIDE, PARTS, clear_part, defect
+from .ahead import INSIDE, PARTS, clear_part, defect
 from .arc import BREAKDOWN, Arc, Stop
 from .modes import Phase
 
@@ -134,7 +134,7 @@ def _good_part(phase: Phase, piece, rtol: float) -> float:
     """The part of a step that may stand, 1 if all of it."""
     start, length = piece.t_old, piece.h
     part = clear_part(phase, start, length, (piece.y_old + _AT_PARTS @ piece.F).T)
-    if part < ENOUGH:
+    if part < 1.0:
         return part
     states, slopes = (piece.y_old + _INSIDE @ piece.F).T, (_SLOPES_INSIDE @ piece.F).T / length
     missed = defect(phase, start + length * INSIDE, states, slopes, length)

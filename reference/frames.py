@@ -63,7 +63,7 @@ def _tidy(expression: sp.Expr) -> sp.Expr:
     if sp.count_ops(expression) > 40:
         return expression
     flat, inside = _multiplied_out(expression)
-    return min((expression, flat.xreplace(inside), sp.trigsimp(flat.xreplace(inside))), key=sp.count_ops)
+    return min((expression, flat.xreplace(inside), sp.trigsimp(flat).xreplace(inside)), key=sp.count_ops)
 
 
 def short(expression: sp.Expr) -> sp.Expr:
@@ -77,12 +77,12 @@ def short(expression: sp.Expr) -> sp.Expr:
 
 
 def _multiplied_out(expression: sp.Expr) -> tuple[sp.Expr, dict]:
-    """The expression multiplied out, with symbols for functions of sums, and what these stand for.
+    """The expression multiplied out, with symbols for functions of sums (but sine and cosine), and what they stand for.
 
     What is inside a function stays as its author wrote it: exp(-(s - c)²) as exp(-s²) exp(2 c s) exp(-c²) overflows
     for a narrow bump, and multiplied out inside it loses its digits.
     """
-    functions = [e for e in expression.atoms(sp.Function) if any(a.has(sp.Add) for a in e.args)]
+    functions = [e for e in expression.atoms(sp.Function) - expression.atoms(sp.sin, sp.cos) if e.has(sp.Add)]
     outermost = [e for e in functions if not any(e is not other and other.has(e) for other in functions)]
     names = {e: sp.Symbol(f"inside_{i}") for i, e in enumerate(sorted(outermost, key=sp.default_sort_key))}
     return sp.expand(expression.xreplace(names)), {name: e for e, name in names.items()}

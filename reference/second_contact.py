@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import pi
 from typing import NamedTuple
 
@@ -100,7 +100,7 @@ def first_meeting(case: Case, arcs: Sequence[Arc]) -> Meeting | None:
         found = first_overlap(case.track, case.plate.outline, *_poses(case, arc, times))
         if found is not None:
             before = float(times[max(found[0] - 1, 0)])
-            return _locate(case, before, float(times[found[0]]), found[1], lambda t, arc=arc: _pose(case, arc, t))
+            return _locate(case, before, float(times[found[0]]), found[1], partial(_pose, case, arc))
     return None
 
 
@@ -125,7 +125,9 @@ def _pose(case: Case, arc: Arc, t: float) -> tuple[float, float, float]:
     return float(x[0]), float(y[0]), float(theta[0])
 
 
-def _locate(case: Case, low: float, high: float, place: float, pose_at: Callable) -> Meeting:
+def _locate(
+    case: Case, low: float, high: float, place: float, pose_at: Callable[[float], tuple[float, float, float]]
+) -> Meeting:
     from scipy.optimize import brentq
 
     outline = case.plate.outline

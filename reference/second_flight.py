@@ -206,7 +206,7 @@ class Surroundings:
 
     def _newton(self, body, pair: Pair) -> Pair:
         """Newton's method in arc lengths: the outline's point straight above the track's, their tangents parallel."""
-        xi1, xi2 = pair.xi1, pair.xi2
+        xi1, xi2, features = pair.xi1, pair.xi2, self.scene.track.features
         for _ in range(30):
             f = frame(self.scene, body, xi1, xi2)
             # d(along) = (κ_track gap − 1) ds_track + cos(angle) ds_outline; d(angle) = −κ_track, κ_outline.
@@ -218,10 +218,8 @@ class Surroundings:
             step2 = -(a * f.angle + f.bend_track * f.along) / det
             longest = max(abs(step1), abs(step2))
             furthest = 0.1 * self.size
-            if (
-                self.fine.size
-            ):  # the tangent line that Newton's method follows is no longer true beyond the next feature
-                furthest = min(furthest, f.P * abs(self.scene.track.features.clear(xi1, xi1 + self.size / f.P) - xi1))
+            if features:  # the tangents that Newton's method follows are not true beyond the next feature
+                furthest = min(furthest, f.P * abs(features.clear(xi1, xi1 + self.size / f.P) - xi1))
             shorten = min(1.0, furthest / max(longest, 1e-300))
             xi1, xi2 = xi1 + shorten * step1 / f.P, xi2 + shorten * step2 / f.p
             if longest <= 1e-13 * self.size:

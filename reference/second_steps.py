@@ -19,6 +19,11 @@ INSIDE = np.linspace(0.0, 1.0, 9)[1:]
 class Watchful(DOP853):
     """SciPy's DOP853 with steps that stop at features: pairs of a row of the state (None: time) and what it meets."""
 
+    t: float
+    y: np.ndarray
+    f: np.ndarray
+    max_step: float
+
     def __init__(self, *arguments, features: Sequence[tuple[int | None, Features]] = (), **options):
         super().__init__(*arguments, **options)
         self.features = [(row, found) for row, found in features if not found.plain]

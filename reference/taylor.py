@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 from numpy.polynomial.polynomial import polyder, polyval
 
-from .ahead import ENOUGH, INSIDE, PARTS, clear_part, defect
+from .ahead import INSIDE, PARTS, clear_part, defect
 from .arc import BREAKDOWN, Arc, Stop
 from .eliminated import T
 from .modes import Phase
@@ -197,7 +197,7 @@ def _step(integrator, phase: Phase, end: float, real: type, tolerance: float):
 def _good_part(phase: Phase, start: float, length: float, series: np.ndarray, tolerance: float) -> float:
     """The part of a step that may stand, 1 if all of it."""
     part = clear_part(phase, start, length, polyval(length * PARTS, series.T))
-    if part < ENOUGH:
+    if part < 1.0:
         return part
     inside = length * INSIDE
     slopes = polyval(inside, polyder(series.T))

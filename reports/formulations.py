@@ -28,7 +28,7 @@ from cases.curves import cos, sin
 from cases.library import ellipse
 from reference.dop853 import prepare
 from reference.modes import Regime, phase
-from reference.paper.augmented import applied_torsor, constraints, mass_matrix, sliding_column, solve_augmented
+from reference.paper.augmented import assemble, constraints, solve_augmented
 from reference.paper.kinematics import Kinematics, U, kinematics
 
 from .drawing import Drawn
@@ -170,14 +170,12 @@ def contact_residual(k: Kinematics) -> np.ndarray:
 
 def _accelerations(case: Case, mode: Mode, t: float, y: np.ndarray, stabilise: float) -> np.ndarray:
     """(27) with the ten coordinates as they are; Baumgarte's terms −2α φ̇ − α² φ beside C if asked for."""
-    k = kinematics_of_ten(case, y)
-    friction = case.effect(CoulombFriction)
-    mu = -friction.mu if friction and mode is Mode.SLIP_FORWARD else 0.0  # (30)
-    B, D, C = constraints(k)
+    filled = assemble(case, mode, kinematics_of_ten(case, y), (t, *y[:3], *y[5:8]))
+    matrix, right = filled.matrix, filled.right
     if stabilise:
-        C = C - 2 * stabilise * (B @ y[5:8] + D @ y[8:]) - stabilise**2 * contact_residual(k)
-    matrix = np.block([[mass_matrix(case), np.zeros((3, 2)), -sliding_column(k, mu)], [B, D, np.zeros((3, 1))]])
-    return np.linalg.solve(matrix, np.concatenate([applied_torsor(case, (t, *y[:3], *y[5:8])), C]))[:5]
+        drift = matrix[3:6, :3] @ y[5:8] + matrix[3:6, 3:5] @ y[8:]
+        right[3:6] -= 2 * stabilise * drift + stabilise**2 * contact_residual(filled.k)
+    return np.linalg.solve(matrix, right)[:5]
 
 
 def _projected(case: Case, y: np.ndarray) -> np.ndarray:

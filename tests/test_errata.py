@@ -1,8 +1,7 @@
 """The paper's misprints are shown by residuals, and its claims judged for every size."""
 
-from math import isnan, pi, sqrt
+from math import atan, isnan, pi, sqrt
 
-import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,9 +11,9 @@ import cases
 import reference
 from cases import BadValue, Case, CoulombFriction, Gravity, Mode, Start, Unilateral, disc
 from cases.library import circle
-from reference.closed_form import sliding_disc_in_circle
 from reference.errata import errata
 from reference.paper.application import rolls_beyond, slip_end
+from tests.authorities.paper_application import FIRST_TRANSITION
 
 ROWS = {row.where: row for row in errata()}
 MISPRINTS = [row for row in ROWS.values() if isnan(row.claim)]
@@ -50,14 +49,14 @@ def test_claim_that_rolling_follows_holds_for_one_of_the_papers_three_coefficien
 # --- what the claim depends on ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mu", [0.01, 0.1, 0.2])
+@pytest.mark.parametrize("mu", FIRST_TRANSITION)
 def test_unitless_35_meets_the_twenty_digit_values(mu):
-    exact = sliding_disc_in_circle("1", "0.1", str(mu), "9.81")
+    time, xi1, after = FIRST_TRANSITION[mu]
     end = slip_end(mu)
     # Of the tolerance 1e-12 the event's location leaves 1e-11.
-    assert end.time * sqrt(0.9 / 9.81) == pytest.approx(float(exact.time), rel=1e-11)
-    assert end.xi1 == pytest.approx(float(exact.xi1), rel=1e-11)
-    assert (end.needed <= 1.0) == (exact.after is Mode.ROLL)
+    assert end.time * sqrt(0.9 / 9.81) == pytest.approx(time, rel=1e-11)
+    assert end.xi1 == pytest.approx(xi1, rel=1e-11)
+    assert (end.needed <= 1.0) == (after is Mode.ROLL)
 
 
 sizes = st.floats(-3.0, 3.0).map(lambda power: 10.0**power)
@@ -103,7 +102,7 @@ def test_releases_outside_the_derivation_are_refused(arguments):
 
 def test_a_release_that_does_not_slip_is_refused():
     with pytest.raises(BadValue, match="release it higher"):
-        slip_end(0.1, float(mp.atan(1 / mp.mpf("0.3"))) + 1e-9)
+        slip_end(0.1, atan(1 / 0.3) + 1e-9)
 
 
 def test_slip_that_ends_before_the_bottom_ends_in_rolling():

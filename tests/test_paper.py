@@ -79,13 +79,6 @@ def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
         assert whole["xi2"] - whole["xi2"][0] == pytest.approx(whole["xi1"] - whole["theta"], abs=1e-9)
 
 
-def test_remark_rows_fall_in_time_and_place():
-    rows = paper_figures.remark_rows()
-    assert len(rows) == 200
-    assert all(np.diff([row["time"] for row in rows]) < 0.0)
-    assert all(np.diff([row["xi1"] for row in rows]) < 0.0)
-
-
 def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
     figure = paper_figures.diagrams()
     titles = " ".join(ax.get_title() for ax in figure.axes)
@@ -93,6 +86,7 @@ def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
     plt.close(figure)
 
 
+@pytest.mark.slow
 def test_command_writes_tables_and_pictures(tmp_path, capsys):
     assert paper_figures.main(["--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.glob("*.csv")} == {

@@ -18,7 +18,7 @@ Literal and slow: what the fast form is tested against, and what `reference.lite
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, sin, sqrt
+from math import cos, nan, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -142,6 +142,13 @@ def fill(
     the sense of a rotation that is resisted, 0 where it is held (None: the sign of θ̇); `time` (s) is for loads.
     """
     k = kinematics(case, *state[:4])
+    return assemble(case, mode, k, (time, *k.R0, _angle(case, state, k), *k.R0_dot, k.theta_dot), side, turn)
+
+
+def assemble(
+    case: Case, mode: Mode, k: Kinematics, motion: Sequence[float], side: int = 1, turn: int | None = None
+) -> Filled:
+    """(27) from kinematics that are known, whether or not they fit the contact; `motion` as of `applied_torsor`."""
     ratio = _friction_ratio(case, mode, side)
     arm, held = _resistance(case, mode, side, turn, k)
     A = [sliding_column(k, ratio, arm)]
@@ -158,8 +165,7 @@ def fill(
     matrix = np.zeros((size, size))
     matrix[:3, :3], matrix[3:, :3], matrix[3:, 3:5] = mass_matrix(case), B, D
     matrix[:3, 5:] = -np.hstack(A)
-    F = applied_torsor(case, (time, *k.R0, _angle(case, state, k), *k.R0_dot, k.theta_dot))
-    return Filled(matrix, np.concatenate([F, C]), k, ratio, arm, rolls, held)
+    return Filled(matrix, np.concatenate([applied_torsor(case, motion), C]), k, ratio, arm, rolls, held)
 
 
 def _friction_ratio(case: Case, mode: Mode, side: int) -> float:
@@ -223,11 +229,13 @@ def flight_acceleration(case: Case, time: float, y: Sequence[float]) -> np.ndarr
 def uniqueness(filled: Filled) -> float:
     """The determinant of (27) over what it is without friction and resistance: 1 there, 0 at Painlevé's paradox.
 
-    Where it vanishes, the normal force is no longer a unique answer of (27).
+    Where it vanishes, the normal force is no longer a unique answer of (27). NaN where the curvatures are equal, which
+    makes (27) singular in any case.
     """
     smooth = filled.matrix.copy()
     smooth[:3, 5:6] = -sliding_column(filled.k, 0.0)
-    return float(np.linalg.det(filled.matrix) / np.linalg.det(smooth))
+    without = float(np.linalg.det(smooth))
+    return float(np.linalg.det(filled.matrix)) / without if without else nan
 
 
 def condition(case: Case, filled: Filled) -> float:

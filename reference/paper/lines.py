@@ -18,7 +18,7 @@ class Line(NamedTuple):
 
 _KINEMATICS = "reference.paper.kinematics:"
 _AUGMENTED = "reference.paper.augmented:"
-_FILL = _AUGMENTED + "fill"
+_FILL = _AUGMENTED + "assemble"
 _CONSTRAINTS = _AUGMENTED + "constraints"
 _COLUMN = _AUGMENTED + "sliding_column"
 
