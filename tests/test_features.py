@@ -196,6 +196,7 @@ def test_a_curve_with_one_scale_bounds_no_step(name):
     assert phase(case, candidates(case)[0]).features == ()
 
 
+@pytest.mark.slow
 def test_most_of_the_catalogue_has_nothing_to_ask():
     """All but ramps with a rounded foot and outlines with corners."""
     asked = {
@@ -306,7 +307,8 @@ def check_random(seed: int) -> None:
         assert [t.time for t in second.transitions] == pytest.approx(times, abs=1e-7), seed
 
 
-@pytest.mark.parametrize("seed", range(5))
+# Bumps and pulses, whose equations the tests above derive; 5 is a pulse of 4 ms a second ahead.
+@pytest.mark.parametrize("seed", [4, 5, 8, 10, 11])
 def test_random_narrow_features_a_few(seed):
     check_random(seed)
 
