@@ -18,9 +18,9 @@ routes = solve.ROUTES
 
 # From what a hurried user asks for to the last digit double precision holds.
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
-# The literal matrix takes some fifteen times as long as the eliminated equations with the same steps: what it costs is
-# seen without the last digits, which would take longer than all engines together.
-_LITERAL = 1e-9
+# The literal matrix takes some fifteen times as long as the eliminated equations with the same steps. What that costs
+# is seen without the last digits, which alone would take longer than the engines.
+_LITERAL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9)
 
 
 @dataclass
@@ -39,8 +39,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Relative tolerances from coarse to fine."""
-    finest = _LITERAL if route == "augmented" else 0.0
-    return tuple(Setting.of(rtol=rtol) for rtol in _TOLERANCES if rtol >= finest)
+    return tuple(Setting.of(rtol=rtol) for rtol in (_LITERAL if route == "augmented" else _TOLERANCES))
 
 
 def build(case: Case, route: str, setting: Setting) -> _Model:
