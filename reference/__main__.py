@@ -1,5 +1,8 @@
 """`python -m reference` rebuilds the kept truth of the catalogue."""
 
-from .certification import main
+import sys
 
-main()
+from .rebuild import main
+
+if __name__ == "__main__":
+    sys.exit(main())

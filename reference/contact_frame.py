@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 from cases import Case, Flight, Impact, Mode, Transition
 from cases.contact import pose, start_motion
 
-from . import second_bounces, second_flight, second_hops, second_impact
+from . import second_bounces, second_flight, second_hops, second_impact, second_overlap
 from .second_bounces import Bounce
 from .second_equations import Phase, Scene, decide, leaves, rates
 from .second_flight import Surroundings, Touch
@@ -29,7 +29,13 @@ from .second_steps import Watchful
 # The rows of an answer's `motions`.
 MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
 
-STOPS = {"painleve": "paradox", "fit": "no_fit", "track": "track_end", "outline": "outline_end"}
+STOPS = {
+    "painleve": "paradox",
+    "fit": "no_fit",
+    "track": "track_end",
+    "outline": "outline_end",
+    "elsewhere": "second_contact",
+}
 
 # A slip (or rotation) that has just begun is not watched for this part of the duration: an instant located to 1e-13
 # may still lie inside the cone, where it would first go back by far less than anything resolved here.
@@ -116,19 +122,22 @@ class Stopped(NamedTuple):
     status: str
 
 
-def solve(case: Case, rtol: float = 1e-10, times=(), looks: int = 60) -> Answer:
+def solve(case: Case, rtol: float = 1e-10, times=(), looks: int = 60, overlaps: bool = False) -> Answer:
     """The case's motion by the second formulation.
 
     `looks` is how many steps the duration is divided into at least: events are found by their signs at steps' ends.
+    With `overlaps` a second place in which plate and track meet is looked for too, and ends the motion.
     """
-    return _March(case, rtol, np.asarray(times, dtype=float), looks).run()
+    return _March(case, rtol, np.asarray(times, dtype=float), looks, overlaps).run()
 
 
 class _March:
     """One motion on its way: what has happened so far, and the time."""
 
-    def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int):
+    def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int, overlaps: bool):
         self.case, self.scene = case, Scene(case)
+        # An outline without an inside is only its contact arc.
+        self.overlaps = overlaps and bool(case.plate.outline.period)
         self.rtol, self.longest = max(rtol, 1e-13), case.duration / looks
         self.record = Record(case, times)
         self.t = 0.0
@@ -256,6 +265,9 @@ class _March:
         if not scene.one_sided and (phase.slip is not None or phase.turn is not None):
             guards["side"] = lambda t, z: phase.side * forces(t, z).push
         guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
+        if self.overlaps:
+            around, body = self._surroundings(), scene.body
+            guards["elsewhere"] = lambda t, z: second_overlap.gap_elsewhere(around, body(z, turns), z[0], z[1])
         for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
             if curve.domain and not curve.period:
                 guards[name] = _inside(i, *curve.domain)

@@ -141,19 +141,23 @@ class Surroundings:
 
     def closest(self, body) -> Pair:
         """The smallest signed gap in a pose; infinite where no point of the outline lies beside the track."""
+        return min(self._refined(body, *self.gaps(body)), self._tips(body))
+
+    def gaps(self, body) -> tuple[np.ndarray, np.ndarray]:
+        """Signed gaps of the outline's samples in a pose, and which sample of the track each is nearest to."""
         x, y, theta = body[0], body[1], body[2]
         c, s = cos(theta), sin(theta)
         px, py = x + c * self.points[0] - s * self.points[1], y + s * self.points[0] + c * self.points[1]
         _, nearest = self.tree.query(np.column_stack([px, py]))
         if self.endless and self._widened(nearest):
-            return self.closest(body)
+            return self.gaps(body)
         dx, dy = px - self.track_points[0, nearest], py - self.track_points[1, nearest]
         tx, ty = self.tangents[:, nearest]
         gaps = dy * tx - dx * ty
         if self.ends:
             # Points beside the end of an open track have nothing below them to land on.
             gaps[(nearest == 0) | (nearest == len(self.params1) - 1)] = inf
-        return min(self._refined(body, gaps, nearest), self._tips(body))
+        return gaps, nearest
 
     def _tips(self, body) -> Pair:
         """The closest of the track's features, which may come up between two points of the outline; refined."""
@@ -169,7 +173,7 @@ class Surroundings:
         # The plate is on the left of its outline, what is outside on the right.
         gaps = (u - self.points[0, places]) * ty - (v - self.points[1, places]) * tx
         lowest = int(np.argmin(gaps))
-        return self._newton(
+        return self.refined(
             body,
             Pair(
                 float(gaps[lowest]), float(self.params1[self.fine[near[lowest]]]), float(self.params2[places[lowest]])
@@ -192,19 +196,23 @@ class Surroundings:
 
     def _refined(self, body, gaps, nearest) -> Pair:
         """The lowest valley of the sampled gaps, refined."""
+        rough = self.valleys(gaps, nearest)
+        if not rough:
+            return Pair(inf, np.nan, np.nan)
+        if rough[0].gap > 0.5 * self.size:
+            return rough[0]  # far away; a look only asks how long nothing can happen
+        return min(self.refined(body, pair) for pair in rough if pair.gap <= rough[0].gap + NEAR * self.size)
+
+    def valleys(self, gaps, nearest) -> list[Pair]:
+        """The lowest places of the sampled gaps, the lowest first."""
         left, right = np.roll(gaps, 1), np.roll(gaps, -1)
         if not self.closed:
             left[0] = right[-1] = -inf  # the end of an open outline is no point of contact
         valleys = np.nonzero((gaps <= left) & (gaps <= right) & np.isfinite(gaps))[0]
-        if not valleys.size:
-            return Pair(inf, np.nan, np.nan)
         lowest = sorted(valleys, key=gaps.__getitem__)[:MOST_VALLEYS]
-        rough = [Pair(float(gaps[i]), float(self.params1[nearest[i]]), float(self.params2[i])) for i in lowest]
-        if rough[0].gap > 0.5 * self.size:
-            return rough[0]  # far away; a look only asks how long nothing can happen
-        return min(self._newton(body, pair) for pair in rough if pair.gap <= rough[0].gap + NEAR * self.size)
+        return [Pair(float(gaps[i]), float(self.params1[nearest[i]]), float(self.params2[i])) for i in lowest]
 
-    def _newton(self, body, pair: Pair) -> Pair:
+    def refined(self, body, pair: Pair) -> Pair:
         """Newton's method in arc lengths: the outline's point straight above the track's, their tangents parallel."""
         xi1, xi2, features = pair.xi1, pair.xi2, self.scene.track.features
         for _ in range(30):

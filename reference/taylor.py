@@ -14,6 +14,8 @@ import numpy as np
 import sympy as sp
 from numpy.polynomial.polynomial import polyder, polyval
 
+from cases import NotSupported
+
 from .ahead import INSIDE, PARTS, clear_part, defect
 from .arc import BREAKDOWN, Arc, Stop
 from .eliminated import T
@@ -55,10 +57,18 @@ def _converted(expression: sp.Expr, known: dict):
     # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
     # compiled before, so that a motion is the same to its last bit whatever ran earlier.
     for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
-        base = hy.from_sympy(power.base.xreplace(products), known)
+        base = _from_sympy(power.base.xreplace(products), known)
         products[power] = sp.Symbol(f"power_{i:04d}")
         known[products[power]] = _power(base, int(power.exp))
-    return hy.from_sympy(expression.xreplace(products), known)
+    return _from_sympy(expression.xreplace(products), known)
+
+
+def _from_sympy(expression: sp.Expr, known: dict):
+    """heyoka's own conversion; raises NotSupported for a function that it has no series of."""
+    try:
+        return hy.from_sympy(expression, known)
+    except (TypeError, ValueError) as problem:
+        raise NotSupported(f"the Taylor method cannot do this case ({problem}); give method='dop853'") from problem
 
 
 def _numbers(expression: sp.Expr) -> Iterator[sp.Expr]:
@@ -164,7 +174,8 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, to
     guard = _leave_start(integrator, phase, t, y, end, real, times, coefficients)
     while integrator.time < end and guard is None:
         outcome = _step(integrator, phase, end, real, tolerance)
-        coefficients.append(integrator.tc.astype(float))
+        with np.errstate(over="ignore"):
+            coefficients.append(integrator.tc.astype(float))
         times.append(float(integrator.time))
         if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
             number = -int(outcome) - 1
@@ -207,10 +218,14 @@ def _good_part(phase: Phase, start: float, length: float, series: np.ndarray, to
 
 def _broken(phase: Phase, times, coefficients, y) -> Arc:
     """The arc up to the last finite state, where numbers stopped being finite."""
-    states = _dense(times[:-1], coefficients[:-1], y)
-    last = times[-2]
+    steps = len(coefficients) - 1
+    # Towards a singularity the coefficients of quadruple precision outgrow doubles while the state is still finite.
+    while steps > 1 and not np.all(np.isfinite(coefficients[steps - 1])):
+        steps -= 1
+    states = _dense(times[: steps + 1], coefficients[:steps], y)
+    last = times[steps]
     stop = Stop(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
-    return Arc(phase, np.array(times[:-1]), states, stop, len(coefficients))
+    return Arc(phase, np.array(times[: steps + 1]), states, stop, len(coefficients))
 
 
 def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coefficients: list) -> str | None:

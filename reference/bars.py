@@ -1,0 +1,128 @@
+"""Error bars: what the witnesses differ by, and what rounding makes of values that all of them share.
+
+A bar is the largest distance of any witness from the centre, and at least the sum of
+- the rounding of the value itself: of the sum it was worked out as, whose terms are larger than it (an angle is a
+  difference of two tangents' angles, a slip of two speeds),
+- the way it goes during a rounding of its time,
+- the way it goes when each component of the state is moved by its rounding, summed over the components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case
+from cases.contact import velocity
+
+from .witnesses import EPS, QUANTITIES, Witness, components, moved
+
+# A state is worked out in a handful of operations, each of which rounds by half a unit in the last place.
+ULPS = 4
+# The state is moved by so many roundings, and the difference divided by them: an integrator's own rounding is then
+# far below what is measured. Where so much changes what happens, by a few.
+STEPS = (64.0, float(ULPS))
+
+
+class Bar(NamedTuple):
+    """A value and the half-width of its error bar."""
+
+    value: float
+    bar: float
+
+
+def bar(values: Sequence[float], least: float, period: float | None = None) -> Bar:
+    """The first value and the others' largest distance from it, at least `least`; of a parameter with a period, whole
+    turns aside.
+
+    Where no witness has a value (slip in flight) that is certain; where only some have, nothing is.
+    """
+    centre = float(values[0])
+    if np.all(np.isnan(values)):
+        return Bar(centre, 0.0)
+    if np.any(np.isnan(values)):
+        return Bar(centre, np.inf)
+    apart = [float(value) - centre for value in values]
+    if period:
+        # After a flight each witness says in its own way how many turns of a closed track it has gone round.
+        apart = [distance - period * round(distance / period) for distance in apart]
+    return Bar(centre, max(*map(abs, apart), least))
+
+
+class Shares(NamedTuple):
+    """What moving the state by its rounding changes: times of transitions (s), their ξ₁, the end (s), and the samples
+    by quantity; `ill` says which move changes what happens, "" if none does."""
+
+    times: np.ndarray
+    places: np.ndarray
+    end: float
+    samples: dict[str, np.ndarray]
+    ill: str = ""
+
+
+def shares(case: Case, times: np.ndarray, method: str) -> Shares:
+    """The change of everything by the roundings of the state, summed over its components."""
+    plain = moved(case, 0, 0.0, method)
+    sums = _differences(plain, plain, times, case.track.period)
+    ill = ""
+    for component in range(components(case)):
+        for steps in STEPS:
+            other = moved(case, component, steps, method)
+            if other.events == plain.events:
+                changes = _differences(plain, other, times, case.track.period)
+                sums = [a + ULPS / steps * b for a, b in zip(sums, changes, strict=True)]
+                break
+        else:
+            ill = f"moving a component of its state by {steps:g} roundings gives {other.answer}"
+    at, places, end, *samples = sums
+    return Shares(at, places, float(end), dict(zip(plain.states(times), samples, strict=True)), ill)
+
+
+def _differences(plain: Witness, other: Witness, times: np.ndarray, period: float | None) -> list[np.ndarray]:
+    """Absolute differences of times, places, end and samples."""
+    pairs = list(zip(plain.transitions, other.transitions, strict=True))
+    places = np.array([b.xi1 - a.xi1 for a, b in pairs])
+    if period:
+        places = places - period * np.round(places / period)
+    here, there = plain.states(times), other.states(times)
+    return [
+        np.abs(np.array([b.time - a.time for a, b in pairs])),
+        np.abs(np.nan_to_num(places)),
+        np.abs(np.array(other.end - plain.end)),
+        *(np.abs(np.nan_to_num(there[q] - here[q])) for q in here),
+    ]
+
+
+def roundings(case: Case, witness: Witness, times: np.ndarray) -> dict[str, np.ndarray]:
+    """The rounding of each sample's own value and of its time, by quantity: `ULPS` of the largest terms that the
+    quantity is a sum of anywhere in the motion, and the way it goes during a rounding of the time."""
+    terms = _terms(case, witness, times)
+    last = max(float(times[-1]), np.finfo(float).tiny)
+    h = 1e-6 * last  # short beside any motion of eleven samples, long beside the roundings of values and times
+    before, after = np.clip(times - h, 0.0, last), np.clip(times + h, 0.0, last)
+    early, late = witness.states(before), witness.states(after)
+    rate = {q: np.nan_to_num(np.abs(late[q] - early[q])) / (after - before) for q in QUANTITIES}
+    return {q: ULPS * EPS * (terms[q] + rate[q] * times) for q in QUANTITIES}
+
+
+def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
+    """The size of the terms that each quantity is worked out from, the largest of the motion."""
+    outline, track = case.plate.outline, case.track
+    reach = float(np.hypot(*outline.point(np.linspace(*outline.look, 721))).max())
+    state = witness.states(times)
+    place = float(np.max(np.hypot(state["x"], state["y"])))
+    turned, slip, omega = (float(np.nanmax(np.abs(np.append(state[q], 0.0)))) for q in ("theta", "slip", "omega"))
+    for xi1, xi2, v, w in zip(*(state[q] for q in ("xi1", "xi2", "slip", "omega")), strict=True):
+        if not np.isfinite(xi2) or not np.isfinite(v):
+            continue
+        turned = max(turned, abs(float(track.tangent_angle(xi1))) + abs(float(outline.tangent_angle(xi2))))
+        now = velocity(case, xi1, xi2, v, w)
+        speeds = abs(now.xi1_dot) * float(track.speed(xi1)), abs(now.xi2_dot) * float(outline.speed(xi2))
+        slip = max(slip, sum(speeds))
+        omega = max(
+            omega, abs(float(track.curvature(xi1))) * speeds[0] + abs(float(outline.curvature(xi2))) * speeds[1]
+        )
+    # Where the plate is, is a sum of the contact's place and the outline's point.
+    return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": turned, "slip": slip, "omega": omega}

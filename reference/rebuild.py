@@ -1,0 +1,120 @@
+"""The command `python -m reference`: certify the catalogue's cases again and keep what comes out in truth.json.
+
+Each certificate is kept as soon as it is there, so a rebuild that is stopped has lost nothing; rows of cases that were
+not named stay as they are.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+import cases
+from cases import BadValue, CaseError
+from cases.errors import whole
+
+from .certification import TRUTH, Certificate, NotCertified, certify, read, write
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, by the suite's own error."""
+
+    def error(self, message: str) -> NoReturn:
+        raise BadValue(f"{message}; see {self.prog} --help")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command's options."""
+    made = _Parser(
+        prog="python -m reference",
+        description="Certify the cases of the catalogue again and keep their truth (reference/truth.json).",
+        epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"',
+        allow_abbrev=False,
+    )
+    made.add_argument(
+        "--only",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        help='cases: a name (all its variants) or "name[parameter=value,…]"; rows of others stay (default: all)',
+    )
+    made.add_argument("--jobs", metavar="N", help="processes beside each other (default: one to a core)")
+    return made
+
+
+def main(argv: Sequence[str] | None = None, path: Path = TRUTH) -> int:
+    """Run the command; returns its exit status: 0; 1 if an ordinary case has no certificate, 2 if what was asked for
+    makes no sense, 130 if it was stopped."""
+    try:
+        options = parser().parse_args(sys.argv[1:] if argv is None else argv)
+        labels = _labels(options.only)
+        jobs = _jobs(options.jobs)
+    except CaseError as problem:
+        print(f"reference: {problem}", file=sys.stderr)
+        return 2
+    try:
+        return _rebuild(labels, jobs, path, whole_catalogue=options.only is None)
+    except KeyboardInterrupt:
+        print("\nreference: stopped; what was finished is kept", file=sys.stderr)
+        return 130
+
+
+def _jobs(text: str | None) -> int:
+    cores = os.cpu_count() or 1
+    try:
+        return cores if text is None else whole("--jobs", int(text), 1, 1000)
+    except ValueError as problem:
+        raise BadValue(f"--jobs is {text!r}; give a whole number, for example {cores}") from problem
+
+
+def _labels(names: Sequence[str] | None) -> list[str]:
+    """The labels of the cases that are meant, each once."""
+    return list(dict.fromkeys(case.label for name in names or cases.names() for case in cases.select(name)))
+
+
+def _rebuild(labels: list[str], jobs: int, path: Path, whole_catalogue: bool) -> int:
+    """Certify and keep; returns the exit status."""
+    order = _labels(None)
+    kept = dict(read(path))
+    if whole_catalogue:
+        kept = {label: row for label, row in kept.items() if label in order}
+    failed = 0
+    for n, (label, outcome) in enumerate(_outcomes(labels, jobs), start=1):
+        if isinstance(outcome, Certificate):
+            kept[label] = outcome
+            widest = max((t[2].bar for t in outcome.transitions), default=0.0)
+            told = f"{label}: {len(outcome.transitions)} transitions, widest bar {widest:.1e} s"
+            told += "".join(f"; {sentence}" for sentence in outcome.missing)
+        else:
+            kept.pop(label, None)
+            # Some hard scenes hang on the last bit; an ordinary one without truth is a fault.
+            failed += not cases.entry(label.partition("[")[0]).hard
+            told = f"not kept: {outcome}"
+        print(f"{n}/{len(labels)} {told}", flush=True)
+        places = {name: i for i, name in enumerate(order)}
+        write(sorted(kept.values(), key=lambda row: places.get(row.case, len(places))), path)
+    read.cache_clear()
+    print(f"written: {path.name}, {len(kept)} cases")
+    return 1 if failed else 0
+
+
+def _outcomes(labels: list[str], jobs: int) -> Iterator[tuple[str, Certificate | str]]:
+    """Certificates, or the sentence why there is none, as they come."""
+    if jobs == 1 or len(labels) < 2:
+        yield from map(_outcome, labels)
+        return
+    # Fresh processes: a fork would copy threads of the compiler.
+    with multiprocessing.get_context("spawn").Pool(min(jobs, len(labels))) as pool:
+        yield from pool.imap_unordered(_outcome, labels)
+
+
+def _outcome(label: str) -> tuple[str, Certificate | str]:
+    try:
+        return label, certify(cases.load(label))
+    except NotCertified as problem:
+        return label, str(problem)

@@ -1,0 +1,147 @@
+"""The ways of solving a case that certify each other, and what roundings of their own make of each.
+
+Witnesses start from the same rounded state, so their distance from each other does not show what that rounding does.
+`moved` shows it: the same motion again, one component of the state moved by some roundings at the beginning of each
+phase, where the motion is kept in doubles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Flight, NotSupported, Trajectory, Transition
+
+from . import contact_frame, course, solve, taylor
+from .modes import FLIGHT, Phase, candidates, phase, start_state
+
+QUANTITIES = ("x", "y", "theta", "slip", "omega")
+EPS = float(np.finfo(float).eps)
+
+# Steps to a motion of the second formulation, at least: with 300 its errors are 1e-14, with its usual 60 up to 1e-11.
+LOOKS = 300
+SECOND = "contact frame"
+# Where each method's error meets rounding.
+FINEST = {"taylor": 1e-14, "dop853": 1e-13}
+
+
+class Witness(NamedTuple):
+    """One way of solving: its transitions, status, end of the motion, and states at any times, by quantity (those of
+    the first formulation with the contact's parameters)."""
+
+    name: str
+    transitions: Sequence[Transition]
+    status: str
+    end: float
+    states: Callable[[np.ndarray], dict[str, np.ndarray]]
+
+    @property
+    def events(self):
+        """What happens, without times."""
+        return self.status, [(t.before, t.after) for t in self.transitions]
+
+    @property
+    def answer(self) -> str:
+        """What happens, for a reader."""
+        parts = [f"{t.after} at {t.time:.9g} s" for t in self.transitions]
+        if len(parts) > 4:
+            parts = [*parts[:4], f"… ({len(self.transitions)} transitions in all)"]
+        return ", ".join([*parts, f"{self.status} at {self.end:.9g} s"])
+
+
+def witnesses(case: Case) -> tuple[list[Witness], list[str]]:
+    """All witnesses of a case, the most precise first, and a sentence for each that cannot run.
+
+    Raises FloatingPointError where the second formulation starts and cannot go on.
+    """
+    able, missing = [], []
+    for name, (method, rtol) in _ways().items():
+        try:
+            able.append(_by_second(case, name, rtol) if method == SECOND else _by_first(case, name, method, rtol))
+        except NotSupported as problem:
+            missing.append(f"{name} cannot run: {problem}")
+    return able, missing
+
+
+def _ways() -> dict[str, tuple[str, float]]:
+    """Names of the witnesses, with method and relative tolerance."""
+    best = {
+        "taylor, quadruple precision": ("taylor_quadruple", 1e-14),
+        "taylor 1e-14": ("taylor", 1e-14),
+        "taylor 1e-12": ("taylor", 1e-12),
+    }
+    return (best if taylor.AVAILABLE else {}) | {
+        "dop853 1e-13": ("dop853", 1e-13),
+        "contact frame 1e-13": (SECOND, 1e-13),
+    }
+
+
+def _by_first(case: Case, name: str, method: str, rtol: float) -> Witness:
+    return _told(name, solve.simulate(case, rtol=rtol, method=method))
+
+
+def _told(name: str, motion: Trajectory) -> Witness:
+    def states(times):
+        state = motion(np.minimum(times, motion.t[-1]))
+        return {q: np.asarray(getattr(state, q)) for q in (*QUANTITIES, "xi1", "xi2")}
+
+    return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), states)
+
+
+def _by_second(case: Case, name: str, rtol: float) -> Witness:
+    answer = contact_frame.solve(case, rtol=rtol, looks=LOOKS, overlaps=True)
+
+    def states(times):
+        # Beyond a second contact the equations may be singular; where there is none it is not looked for twice.
+        again = answer.status == contact_frame.STOPS["elsewhere"]
+        motions = contact_frame.solve(case, rtol=rtol, times=times, looks=LOOKS, overlaps=again).motions
+        return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
+
+    return Witness(name, answer.transitions, answer.status, answer.end, states)
+
+
+# --- the same motion from a state that is a little off ----------------------------------------------------------------
+
+
+def components(case: Case) -> int:
+    """How many components the state has, in the phase that has most."""
+    regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
+    return max(len(phase(case, regime).system.variables) for regime in regimes)
+
+
+def moved(case: Case, component: int, roundings: float, method: str) -> Witness:
+    """The motion with one component of the state moved by so many roundings at the beginning of each phase; with 0
+    roundings the motion to compare it with."""
+    rtol = FINEST[method]
+    _, integrate = solve.INTEGRATORS[method]
+    solve.prepare(case, method, rtol)
+
+    def shifted(now: Phase, t: float, y, end: float, tolerance: float):
+        return integrate(now, t, _shifted(now, y, component, roundings), end, tolerance)
+
+    start = start_state(case)
+    regime = solve.first_regime(case, start)
+    arcs, transitions, ending = course.run(case, regime, start, rtol, shifted)
+    return _told(
+        f"component {component} moved by {roundings:g} roundings", solve.sampled(case, arcs, transitions, ending)
+    )
+
+
+def _shifted(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:
+    """The state with one component moved by so many roundings of its own size.
+
+    A position is a difference of places of the plate's size at least. A speed is a difference of speeds: what it is
+    rounded by is the largest of them.
+    """
+    if component >= len(y):
+        return tuple(y)
+    positions = now.system.positions
+    if component < positions:
+        size = max(abs(y[component]), now.lengths[component])
+    else:
+        speeds, lengths = y[positions:], now.lengths
+        fastest = max(abs(u) / length for u, length in zip(speeds, lengths, strict=False))
+        size = fastest * lengths[component - positions]
+    return (*y[:component], y[component] + roundings * EPS * size, *y[component + 1 :])
