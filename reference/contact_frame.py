@@ -9,22 +9,21 @@ they follow each other.
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import count
 from math import inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cases import Case, Flight, Impact, Mode, Transition
+from cases import Case, CaseError, Flight, Impact, Mode, Transition
 from cases.contact import pose, start_motion
 
 from . import second_bounces, second_flight, second_hops, second_impact, second_overlap
 from .second_bounces import Bounce
-from .second_equations import Phase, Scene, decide, leaves, rates
+from .second_equations import Phase, Scene, decide, leaves, lets_go, rates
 from .second_flight import Surroundings, Touch
 from .second_record import Record
-from .second_steps import Watchful
+from .second_steps import Lost, Paced
 
 # The rows of an answer's `motions`.
 MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
@@ -37,8 +36,8 @@ STOPS = {
     "elsewhere": "second_contact",
 }
 
-# A slip (or rotation) that has just begun is not watched for this part of the duration: an instant located to 1e-13
-# may still lie inside the cone, where it would first go back by far less than anything resolved here.
+# A slip (or rotation) that has just begun is not watched for this part of the motion's own time: an instant located to
+# 1e-13 may still lie inside the cone, where it would first go back by far less than anything resolved here.
 BLIND = 1e-6
 
 # Friction and normal force that are both below this part of the scene's forces when friction reaches its bound have
@@ -48,23 +47,25 @@ VANISHED = 1e-9
 # A start's spin or slip that is this part of the other is a few roundings of it.
 NOTHING = 1e-15
 
-# Far more changes than any motion of a few seconds has; a loop without progress is told, not run for ever.
+# Far more changes than any motion makes while it turns once; a loop without progress is told, not run for ever.
 MOST_CHANGES = 5000
 
-# Evaluations within one phase: several times what the longest of the catalogue takes. Towards Painlevé's singularity
-# steps shrink without end.
-MOST_EVALUATIONS = 300_000
+# A rebound is listed if its speed is at least this part of the greatest closing speed since the plate last lay on its
+# track; slower ones belong to bouncing that comes to rest.
+LISTED = 7e-4
 
-# The flight after a rebound is listed if it lasts this part of the duration; a shorter one belongs to an accumulation.
-LISTED = 1e-3
+# A flight is a hop close to the track if all that acts on the plate turns by no more than this (rad) before it is over.
+SHORT = 1 / 32
 
-# An accumulation's limit is taken when its time is known this well (in parts of the duration), or when bounces are this
-# short: nothing of what is left of them is resolved in the motions asked for.
-SETTLED = 1e-14
-SHORTEST = 1e-10
+# An accumulation's limit is taken when its time is known this well, or when bounces are this short, both in parts of
+# the time in which the plate falls by its own size: nothing of what is left of them is resolved in the motions asked
+# for (they rise by 1e-15 of that size).
+SETTLED = 1e-13
+SHORTEST = 1e-7
 
-# Bounces as short as this, of which no limit was found (each ends otherwise than the one before), are taken as over.
-OVER = 1e-12
+# A rebound that rises by no more than this part of the plate's size, a position's rounding, is none: bouncing of which
+# no limit was found (each ends otherwise than the one before) is then over.
+OVER = 2.0**-52
 
 # A gap this far below zero (in plate's sizes) at the end of a hop is one in another place: far above rounding.
 ELSEWHERE = 1e-9
@@ -93,12 +94,14 @@ class Touching(NamedTuple):
 
 
 class Leap(NamedTuple):
-    """Where a flight left the track: (ξ₁, ξ₂, ω, v), turns, normal velocity, and how long a small one lasts (s)."""
+    """Where a flight left the track: (ξ₁, ξ₂, ω, v), turns, normal velocity; how long a small one lasts (s), and
+    whether it is one."""
 
     z: list[float]
     turns: int
     lift: float
     lasts: float
+    short: bool
 
 
 class Flying(NamedTuple):
@@ -122,38 +125,67 @@ class Stopped(NamedTuple):
     status: str
 
 
-def solve(case: Case, rtol: float = 1e-10, times=(), looks: int = 60, overlaps: bool = False) -> Answer:
-    """The case's motion by the second formulation.
+def solve(
+    case: Case, rtol: float = 1e-10, times=(), looks: int = 60, until: float = inf, overlaps: bool = False
+) -> Answer:
+    """The case's motion by the second formulation, at most `until` that time (s).
 
-    `looks` is how many steps the duration is divided into at least: events are found by their signs at steps' ends.
-    With `overlaps` a second place in which plate and track meet is looked for too, and ends the motion.
+    `looks` is how many steps it takes at least while what acts on the plate turns once (`Scene.pace`): events are found
+    by their signs at steps' ends. With `overlaps` a second place in which plate and track meet is looked for too, and
+    ends the motion. Raises Lost, a FloatingPointError with one sentence, where numbers leave the range of
+    a double, a load has no value, or steps come to nothing.
     """
-    return _March(case, rtol, np.asarray(times, dtype=float), looks, overlaps).run()
+    march = None
+    try:
+        # An overflow or an undefined value would go on as inf or NaN.
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            march = _March(case, rtol, np.asarray(times, dtype=float), looks, until, overlaps)
+            return march.run()
+    except (Lost, CaseError):
+        raise
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as problem:
+        raise Lost(
+            f"the second formulation's numbers leave the range of a double at t = {march.t if march else 0.0:.9g} s "
+            f"({problem}); give sizes, speeds and coefficients nearer to one"
+        ) from problem
 
 
 class _March:
     """One motion on its way: what has happened so far, and the time."""
 
-    def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int, overlaps: bool):
+    def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int, until: float, overlaps: bool):
         self.case, self.scene = case, Scene(case)
         # An outline without an inside is only its contact arc.
         self.overlaps = overlaps and bool(case.plate.outline.period)
-        self.rtol, self.longest = max(rtol, 1e-13), case.duration / looks
+        self.rtol, self.looks, self.end = max(rtol, 1e-13), looks, min(case.duration, until)
         self.record = Record(case, times)
         self.t = 0.0
         self.transitions: list[Transition] = []
         self.bounces: list[Bounce] = []
-        self.rebound: Transition | None = None  # the last impact, until its flight is long enough to be listed
+        self.fastest = 0.0  # closing speed since the plate last lay on its track
         self.around: Surroundings | None = None  # sampled when the first flight begins
         self.last_xi1 = case.start.xi1
 
     def run(self) -> Answer:
         now: Touching | Flying | Stopped = self._start()
-        for _ in range(MOST_CHANGES):
-            if isinstance(now, Stopped):
-                return Answer(tuple(self.transitions), now.status, self.t, self.record.states, self.record.motions)
+        changes, counted_until = 0, 0.0
+        while not isinstance(now, Stopped):
+            if self.t >= counted_until:
+                changes, counted_until = 0, self.t + self._turn(now)
+            changes += not (isinstance(now, Flying) and now.leap)  # rebounds end where they are no longer resolved
+            if changes > MOST_CHANGES:
+                now = Stopped("accumulation")
+                break
             now = self._contact(now) if isinstance(now, Touching) else self._flight(now)
-        return Answer(tuple(self.transitions), "accumulation", self.t, self.record.states, self.record.motions)
+        if not self.record.finite_until(self.t):
+            raise Lost(f"the second formulation's motion is not finite before t = {self.t:.9g} s; give smaller numbers")
+        return Answer(tuple(self.transitions), now.status, self.t, self.record.states, self.record.motions)
+
+    def _turn(self, now: Touching | Flying) -> float:
+        """How long the plate takes to turn, or to go its own size, s."""
+        body = now.body if isinstance(now, Flying) else self.scene.body(now.z, now.turns)
+        pace = self.scene.free_pace(self.t, body)
+        return 2 * pi / pace if pace > 0.0 else inf
 
     def _start(self) -> Touching | Flying | Stopped:
         begin = start_motion(self.case)
@@ -199,11 +231,9 @@ class _March:
             return Stopped(stop)
         after: Touching | Flying | Stopped
         if self._vanishes(phase, fired, z, turns):
-            after = self._off(z, turns)
-            # A perfectly rough contact may end while friction still acts; freed of it, the plate must not be pressed
-            # onto its track, or it can neither stay nor leave.
-            if isinstance(after, Flying) and self.scene.laws.stick == inf and not leaves(self.scene, self.t, z, turns):
+            if self.scene.laws.stick == inf and not lets_go(self.scene, self.t, z, phase, turns):
                 return Stopped("paradox")
+            after = self._off(z, turns)
         else:
             after = self._after(phase, fired, z, turns) or self._without_mode(z, turns)
         mode = after.phase.mode if isinstance(after, Touching) else Mode.FLIGHT
@@ -278,51 +308,41 @@ class _March:
         just_begun = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
         if not scene.one_sided and self._forceless(phase, now.z, turns):
             just_begun |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
+        pace = scene.pace(start, now.z, turns)
+        blind = BLIND / pace if pace > 0.0 else inf
         events = []
         for name, guard in guards.items():
-            watched = start + BLIND * self.case.duration if just_begun.get(name) else start
+            watched = start + blind if just_begun.get(name) else start
 
             def event(t, z, guard=guard, watched=watched):
                 return 1.0 if t < watched else guard(t, z)
 
             event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
             events.append(event)
-        evaluations = count(1)
-
-        def right_side(t, z):
-            if next(evaluations) > MOST_EVALUATIONS:
-                raise FloatingPointError(f"the second formulation hardly moves on at t = {t:.9g} s")
-            return rates(scene, t, z.tolist(), phase, turns)
-
         solution = solve_ivp(
-            right_side, (start, self.case.duration), now.z,
-            method=Watchful, rtol=self.rtol, atol=1e-2 * self.rtol, events=events,
-            max_step=self.longest, features=scene.in_contact, dense_output=bool(self.record),
+            lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, self.end), now.z,
+            method=Paced, rtol=self.rtol, atol=1e-2 * self.rtol, events=events, dense_output=bool(self.record),
+            pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=self.looks,
+            features=scene.in_contact,
         )  # fmt: skip
-        if not solution.success:
-            raise FloatingPointError(
-                f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}"
-            )
+        if not solution.success or not np.isfinite(solution.y[:, -1]).all():
+            raise Lost(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
         self.record.contact(start, float(solution.t[-1]), solution.sol, turns)
         return solution
 
     # --- off the track ----------------------------------------------------------------------------------------------
 
     def _flight(self, now: Flying) -> Touching | Flying | Stopped:
-        began, duration = self.t, self.case.duration
-        after = self._short(now.leap) if now.leap and now.leap.lasts < LISTED * duration else None
-        after = after or self._long(now)
-        self.rebound, rebound = None, self.rebound
-        if self.t - began >= LISTED * duration:
+        after = self._short(now.leap) if now.leap and now.leap.short else None
+        if after is None:
             self.bounces.clear()  # no bounce of an accumulation yet
-            if rebound:
-                self.transitions.append(rebound)
+            after = self._long(now)
         return self._landing(after) if isinstance(after, Landing) else after
 
-    def _short(self, leap: Leap) -> Landing | Stopped | None:
+    def _short(self, leap: Leap) -> Landing | None:
         """A hop close to the track; None if it is not: it lasts longer, or the plate meets the track elsewhere."""
         found = second_hops.hop(self.scene, self.t, leap.z, leap.turns, leap.lift, leap.lasts, self.rtol)
-        if found is None or self.t + found.duration > self.case.duration:
+        if found is None or self.t + found.duration > self.end:
             return None
         around, middle_and_end = self._surroundings(), np.array([0.5, 1.0]) * found.duration
         if min(around.closest(body).gap for body in found.bodies(middle_and_end).T) < -ELSEWHERE * around.size:
@@ -333,9 +353,9 @@ class _March:
 
     def _long(self, now: Flying) -> Landing | Stopped:
         """A flight to wherever the outline meets the track."""
-        end, lasts = self.case.duration, now.leap.lasts if now.leap else inf
+        lasts = now.leap.lasts if now.leap else inf
         flown = second_flight.fly(
-            self.scene, self._surroundings(), self.t, now.body, end, self.rtol, self.longest, lasts
+            self.scene, self._surroundings(), self.t, now.body, self.end, self.rtol, self.looks, lasts
         )
         self.t = flown.end
         for start, until, interpolant in flown.pieces:
@@ -368,49 +388,62 @@ class _March:
             return Stopped("energy_gain")
         z = [xi1, xi2, result.spin, result.slip]
         self.last_xi1 = xi1
+        self.fastest = max(self.fastest, -landing.lift)
         if result.lift == 0.0:
             return self._settled(z, turns)
         self.bounces.append(Bounce(self.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
-        limit = self._accumulation(turns)
+        listed = result.lift >= LISTED * self.fastest
+        limit = None if listed else self._accumulation(turns)
         if limit is not None:
             self.t = limit.time
             return self._settled(limit.z, turns)
         after = self._leaps(z, turns, result.lift)
-        if isinstance(after, Flying):
-            self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2)
+        if listed and isinstance(after, Flying):
+            self.transitions.append(Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2))
         return after
+
+    def _press(self, z, turns: int) -> float:
+        """The acceleration (m/s²) that brings a plate back to its track."""
+        return self.scene.forces(self.t, z, Phase(None, None), turns).push
 
     def _leaps(self, z, turns: int, lift: float) -> Touching | Flying | Stopped:
         """Flight from the track with a normal velocity."""
-        press = self.scene.forces(self.t, z, Phase(None, None), turns).push
+        press = self._press(z, turns)
         lasts = 2.0 * lift / press if press > 0.0 else inf
-        if lasts < OVER * self.case.duration:
+        if 0.25 * lasts * lift <= OVER * self.scene.reach or self.t + lasts == self.t:
             return self._settled(z, turns)
-        return Flying(second_hops.body(self.scene, [*z, lift, 0.0], turns), Leap(z, turns, lift, lasts))
+        pace = self.scene.pace(self.t, z, turns) + sqrt(max(press, 0.0) / self.scene.reach)
+        leap = Leap(z, turns, lift, lasts, lasts * pace <= SHORT)
+        return Flying(second_hops.body(self.scene, [*z, lift, 0.0], turns), leap)
 
     def _settled(self, z, turns: int) -> Touching | Flying | Stopped:
         """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
         self.bounces.clear()
         after = self._touching(z, turns)
         if after is None:
-            if not leaves(self.scene, self.t, z, turns):
-                return Stopped("paradox")
-            self.rebound = Transition(self.t, Mode.FLIGHT, Mode.FLIGHT, z[0], z[1])
-            return Flying(self.scene.body(z, turns))
+            return Flying(self.scene.body(z, turns)) if leaves(self.scene, self.t, z, turns) else Stopped("paradox")
+        self.fastest = 0.0
         self.transitions.append(Transition(self.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
         return after
 
     def _accumulation(self, turns: int) -> second_bounces.Limit | None:
         """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
-        found = second_bounces.limit(self.bounces)
-        if found is None or not self.t < found.time < self.case.duration:
+        found, last = second_bounces.limit(self.bounces), self.bounces[-1]
+        if found is None or not self.t < found.time < self.end:
             return None
-        last = self.t - self.bounces[-2].time
-        if last > SHORTEST * self.case.duration:
-            if self.record.asks_between(self.t, found.time) or found.error > SETTLED * self.case.duration:
+        press = self._press(last.z, turns)
+        fall = sqrt(self.scene.reach / press) if press > 0.0 else 0.0
+        if self.t - self.bounces[-2].time > SHORTEST * fall:
+            known = found.error <= max(SETTLED * fall, np.spacing(self.t))
+            if not known or self.record.asks_between(self.t, found.time):
                 return None
-        # What is left of the bounces is closer to their limit than anything resolved.
-        self.record.contact(self.t, found.time, lambda times: np.outer(found.z, np.ones(len(times))), turns)
+
+        def settling(times: np.ndarray) -> np.ndarray:
+            # What is left of the bounces is closer to their limit than anything resolved.
+            part = (times - last.time) / (found.time - last.time)
+            return np.array(last.z)[:, None] + np.outer(np.subtract(found.z, last.z), part)
+
+        self.record.contact(self.t, found.time, settling, turns)
         return found
 
     def _wound(self, landing: Touch) -> tuple[float, float, int]:

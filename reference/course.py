@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Flight, Impact, Mode, Trajectory, Transition, Unilateral
+from cases import Case, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
 
 from .arc import BREAKDOWN, Arc
 from .bounces import Bounces
@@ -65,6 +65,11 @@ LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate lea
 LANDED = ("landing", "The plate meets its track again, and the case names no Impact.")
 ENERGY = ("energy_gain", "Newton's law of restitution would create energy in this impact; give law='poisson'.")
 NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
+NO_SLIP = (
+    "paradox",
+    "A perfectly rough contact would have to pull here, and the free plate would move into its track: "
+    "without a slip it can neither stay nor leave.",
+)
 TOO_MANY = ("accumulation", f"Changes of regime accumulate: {MOST_PHASES} of them, or {MOST_HARDLY} in no time.")
 
 # Guards whose zero changes the mode: the phrase a transition carries.
@@ -241,7 +246,12 @@ def _breakdown(now: Phase, arc: Arc) -> Ending:
 
 
 def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
-    """Why no contact follows: the plate flies off, unless without contact it would move into its track."""
+    """Why no contact follows: the plate flies off, unless without contact it would move into its track.
+
+    So it is where the normal force of a perfectly rough contact vanishes while friction T acts: without T the gap's
+    acceleration is arm_t arm_n T/J. Where that is negative, Coulomb friction of any μ begins to slip with N ≈ |T|/μ;
+    in the limit of a perfectly rough contact, which excludes slip, nothing is left.
+    """
     if case.effect(Unilateral) is None:
         return NO_MODE
     now = phase(case, candidates(case)[-1])
@@ -252,7 +262,9 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
     )
     scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
     # At a lift-off the normal force has vanished, to the location's error and the growth of what it is a difference of.
-    return NO_MODE if m.closing > 1e6 * LOCATED * scale else LIFT_OFF
+    if m.closing <= 1e6 * LOCATED * scale:
+        return LIFT_OFF
+    return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 
 
 # --- after flight -----------------------------------------------------------------------------------------------------

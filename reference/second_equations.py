@@ -11,7 +11,7 @@ is v̇ t + (v κ_track ṡ_track − ω ṡ_outline) n.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import cos, hypot, inf, pi, sin
+from math import cos, hypot, inf, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -19,11 +19,20 @@ import numpy as np
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
 
+from .second_steps import Lost
+
 # A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
 RELEASE = 1e-12
 
-# How far ahead, in parts of the duration, a normal force of zero is looked at: to tell a release from a departure.
-SOON = 1e-5
+# How far ahead, in parts of the motion's own time, a normal force of zero is looked at: to tell a release from a
+# departure. A force that grows with the square of time is then 1e-8 of the scene's, far above rounding.
+SOON = 1e-4
+
+# Curvatures are looked at in this many places of a track; one whose values agree to `EVEN` is a line or a circle.
+TRACK_LOOKS, EVEN = 721, 1e-9
+
+# A scene that nothing moves yet is searched for a load that sets in, this many doublings of time ahead, from 2⁻⁴⁰ s.
+DOUBLINGS = 80
 
 
 class Phase(NamedTuple):
@@ -103,6 +112,26 @@ class Scene:
         self.in_time = [(None, load.features)] if load and load.features else []
         curves = [(0, self.track.features), (1, self.outline.features)]
         self.in_contact = [*self.in_time, *((row, found) for row, found in curves if found)]
+        self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.look, TRACK_LOOKS))).max())
+        self.is_disc = case.plate.radius is not None
+        self.grain = self._grain()
+
+    def _grain(self) -> float:
+        """The length (m) along the track over which what acts on the plate changes; infinite on an endless line.
+
+        A circle's is its radius, that of a line with ends their distance; any other curve's is at most the plate's.
+        """
+        places = np.linspace(*self.track.look, TRACK_LOOKS)
+        bends = np.abs(np.asarray(self.track.curvature(places)))
+        bend = float(bends.max())
+        if bend * self.reach <= EVEN:
+            return float(np.hypot(*(self.track.point(places[-1]) - self.track.point(places[0])))) if self.ends else inf
+        return 1.0 / bend if np.ptp(bends) <= EVEN * bend else min(self.reach, 1.0 / bend)
+
+    @property
+    def ends(self) -> bool:
+        """Whether the track has ends."""
+        return self.track.domain is not None and not self.track.period
 
     def place(self, xi1: float, xi2: float) -> Place:
         _, _, Xp, Yp, Xs, Ys, _, _ = self.track.jet(xi1)
@@ -117,7 +146,10 @@ class Scene:
         """What acts at a distance, per mass: acceleration in the fixed frame and M/m, for (x, y, θ, vx, vy, ω)."""
         if self.load is None:
             return self.g[0], self.g[1], 0.0
-        fx, fy, moment = self.load(t, *body)
+        try:
+            fx, fy, moment = self.load(t, *body)
+        except (ArithmeticError, ValueError) as problem:
+            raise Lost(f"the load has no value at t = {t:.9g} s ({problem}); end the case before") from None
         return self.g[0] + fx / self.m, self.g[1] + fy / self.m, moment / self.m
 
     def body(self, z, turns: int) -> list[float]:
@@ -167,6 +199,46 @@ class Scene:
         q = self.place(z[0], z[1])
         arm = hypot(q.arm_t, q.arm_n)
         return self.m * (hypot(ax, ay) + abs(spin_pull) * arm * self.m / self.J + z[2] ** 2 * arm)
+
+    def pace(self, t: float, z, turns: int) -> float:
+        """How fast what acts on the plate in contact changes, rad/s: speeds over lengths, and √(acceleration/length).
+
+        The length of a swing is a pendulum's, 1/κ_track − 1/κ_outline, on a circle. Zero where nothing changes: a disc
+        on an endless line, whose forces are the same everywhere.
+        """
+        q, (_, _, w, v) = self.place(z[0], z[1]), z
+        along_track, along_outline = speeds(q, w, v)
+        bends = [abs(q.bend_track * q.bend_outline / (q.bend_outline - q.bend_track))]
+        frequencies = [abs(along_track) / self.grain]
+        if not self.is_disc:
+            bends.append(1.0 / self.reach)
+            frequencies += [abs(w), abs(along_outline) / self.reach]
+        if self.grain * abs(q.bend_track) < 1.0 - EVEN:
+            bends.append(1.0 / self.grain)
+        if self.load:
+            frequencies.append(self.free_pace(t, self.body(z, turns)))
+        return max(*frequencies, sqrt(self.scale(t, z, turns) / self.m * max(bends)))
+
+    def free_pace(self, t: float, body) -> float:
+        """The same for a plate off its track or under a load, rad/s: by the plate's own size."""
+        ax, ay, spin_pull = self.pull(t, body)
+        pull = hypot(ax, ay) + abs(spin_pull) * self.m / self.J * self.reach
+        frequency = max(hypot(body[3], body[4]) / self.reach, abs(body[5]), sqrt(pull / self.reach))
+        return frequency if frequency > 0.0 or self.load is None else self._pace_of_what_comes(t, body)
+
+    def _pace_of_what_comes(self, t: float, body) -> float:
+        """Where nothing moves or acts yet, rad/s: the inverse of how soon a load sets in and moves the plate."""
+        soonest = inf
+        for wait in 2.0 ** np.arange(DOUBLINGS) * 2.0**-40:
+            if wait >= soonest:
+                break
+            try:
+                ax, ay, spin_pull = self.pull(t + wait, body)
+            except Lost:
+                break  # the load's own end; a motion that comes so far meets it
+            pull = hypot(ax, ay) + abs(spin_pull) * self.m / self.J * self.reach
+            soonest = min(soonest, wait + sqrt(self.reach / pull)) if pull > 0.0 else soonest
+        return 1.0 / soonest
 
 
 def speeds(q: Place, w: float, v: float) -> tuple[float, float]:
@@ -255,7 +327,10 @@ def decide(scene: Scene, t: float, z, turns: int, may_stick: bool = True, may_ho
 
 def _soon(scene: Scene, t: float, z, phase: Phase, turns: int) -> float:
     """The normal force on its side a moment later (N), for an instant at which it is zero: by a midpoint step."""
-    moment = SOON * scene.case.duration
+    pace = scene.pace(t, z, turns)
+    if pace == 0.0:
+        return phase.side * scene.forces(t, z, phase, turns).normal  # nothing changes
+    moment = SOON / pace
     middle = np.array(z) + 0.5 * moment * rates(scene, t, z, phase, turns)
     after = np.array(z) + moment * rates(scene, t + 0.5 * moment, middle.tolist(), phase, turns)
     return phase.side * scene.forces(t + moment, after.tolist(), phase, turns).normal
@@ -265,6 +340,25 @@ def leaves(scene: Scene, t: float, z, turns: int) -> bool:
     """Whether the plate left to itself would leave its track (and not move into it)."""
     free = Phase(None, None)
     return scene.forces(t, z, free, turns).push <= RELEASE * scene.scale(t, z, turns) / scene.m
+
+
+def lets_go(scene: Scene, t: float, z, phase: Phase, turns: int) -> bool:
+    """Whether a plate leaves a perfectly rough contact whose normal force has just vanished.
+
+    Friction T may act there, since nothing bounds it. With a, b the arm along tangent and normal, per mass (J = ρ² m):
+
+        v̇ = … + (1 + b²/ρ²) T − (a b/ρ²) N,      γ̈ = … + (1 + a²/ρ²) N − (a b/ρ²) T,
+
+    and while the contact held, both were zero. Without it N = T = 0 and γ̈ = (a b/ρ²) T: where that is positive the
+    plate departs. Where it is negative the plate would move into its track, and held on it would have to be pulled.
+    Coulomb friction, whatever its μ, has an answer there: where N falls to |T|/μ a slip v with v T < 0 begins, whose
+    Painlevé number 1 + a²/ρ² + μ |a b|/ρ² is positive, with N of the order of |T|/μ and T such that γ̈ = 0. Velocities
+    do not jump, so there is no impulse, and the limit μ → ∞ is a slip on friction without a normal force. A perfectly
+    rough contact excludes every slip: of rigid contact nothing is left, a paradox, with or without Flight. (Where
+    a b T > 0 the same number, 1 + a²/ρ² − μ |a b|/ρ², is negative for large μ: no slip, and departure alone is left.)
+    """
+    q, friction = scene.place(z[0], z[1]), scene.forces(t, z, phase, turns).friction
+    return q.arm_t * q.arm_n * scene.m / scene.J * friction >= -RELEASE * scene.scale(t, z, turns)
 
 
 def rates(scene: Scene, t: float, z, phase: Phase, turns: int) -> np.ndarray:

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from cases import Curve
 
 from .second_equations import Scene
-from .second_steps import Watchful
+from .second_steps import Lost, Paced
 
 # Points of the outline looked at, and track samples to the size of a plate: the sagitta between neighbours is some
 # 1e-5 of the size, so that every valley between the two curves wider than a hundredth of the plate is seen, and
@@ -248,12 +248,14 @@ def _even(curve: Curve, low: float, high: float, count: int) -> tuple[np.ndarray
 class _Course:
     """A flight as it is integrated, step by step, and looked at."""
 
-    def __init__(self, scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, longest: float):
+    def __init__(self, scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int):
         self.scene, self.around = scene, around
         self.rtol = max(rtol, 1e-13)
-        self.solver = Watchful(
-            self.rates, t, np.array(body), end, features=scene.in_time,
-            rtol=self.rtol, atol=1e-2 * self.rtol, max_step=longest,
+        # Without a load a flight is a parabola, which no step is too long for.
+        pace = scene.free_pace if scene.load else lambda t, body: 0.0
+        self.solver = Paced(
+            self.rates, t, np.array(body), end, pace=pace, looks=looks, features=scene.in_time,
+            rtol=self.rtol, atol=1e-2 * self.rtol,
         )  # fmt: skip
         self.pieces: list[tuple[float, float, Callable]] = []
         self.nodes = [(t, np.array(body))]
@@ -268,7 +270,7 @@ class _Course:
         while solver.t < t:
             problem = solver.step()
             if solver.status == "failed":
-                raise FloatingPointError(f"the second formulation's flight stopped at t = {solver.t:.9g} s: {problem}")
+                raise Lost(f"the second formulation's flight stopped at t = {solver.t:.9g} s: {problem}")
             self.pieces.append((solver.t_old, solver.t, solver.dense_output()))
             self.nodes.append((solver.t, solver.y.copy()))
 
@@ -290,15 +292,13 @@ class _Course:
         return found.y[:, -1].tolist()
 
 
-def fly(
-    scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, longest: float, hop: float
-) -> Flown:
+def fly(scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, hop: float) -> Flown:
     """Free flight from a pose until the outline meets the track, at most until `end`.
 
-    `longest`: longest step, s; `hop`: roughly when a flight that begins on the track comes down again, s (inf:
-    nothing known). A start overlapping its track by rounding is taken as touching it.
+    `looks`: steps to a turn under a load, at least; `hop`: roughly when a flight that begins on the track comes down
+    again, s (inf: nothing known). A start overlapping its track by rounding is taken as touching it.
     """
-    course = _Course(scene, around, t, body, end, rtol, longest)
+    course = _Course(scene, around, t, body, end, rtol, looks)
     before, near = t, around.closest(body)
     # A flight that begins on the track is first looked at well before its hop is over, then at growing intervals.
     touching = near.gap <= TOUCH * around.size

@@ -62,7 +62,7 @@ def hit(scene: Scene, effect: Impact, q: Place, slip: float, lift: float, spin: 
         impulse.push(amount=effect.restitution * compression)
     if impulse.lift < 0.0:
         raise Jammed
-    change = (impulse.energy() - before) / before
+    change = (impulse.energy() - before) / before if before > 0.0 else 0.0  # speeds whose squares underflow
     return Hit(impulse.slip, impulse.lift, impulse.spin, impulse.phase, change)
 
 

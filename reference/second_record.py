@@ -23,6 +23,10 @@ class Record:
     def asks_between(self, start: float, end: float) -> bool:
         return bool(np.any((self.times > start) & (self.times < end)))
 
+    def finite_until(self, end: float) -> bool:
+        """Whether poses and velocities of all times up to `end` are numbers."""
+        return bool(np.isfinite(self.motions[:6, self.times <= end]).all())
+
     def contact(self, start: float, end: float, z_at, turns: int) -> None:
         """Notes contact from `start` to `end`; `z_at` maps an array of times to (ξ₁, ξ₂, ω, v)."""
         inside = (self.times >= start) & (self.times <= end)

@@ -1,41 +1,67 @@
-"""Steps of the second formulation that pass no feature of track, outline or load (`cases.features`).
+"""Steps of the second formulation: as long as its motion's own time allows, past no feature, however long it lasts.
 
-A step that does is taken again with half its length, as often as it takes: slow and simple on purpose.
+A step that passes a feature of track, outline or load (`cases.features`) is taken again with half its length, as often
+as it takes: slow and simple on purpose.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from math import inf, pi
 
 import numpy as np
 from scipy.integrate import DOP853
 
 from cases.features import Features
 
+# Steps within one of the motion's own times: ten times what the closest look takes. Towards Painlevé's singularity
+# steps shrink without end.
+MOST_STEPS = 20_000
+
 # Between its ends a step's course is looked at by Hermite's cubic, which turns round where the motion does.
 INSIDE = np.linspace(0.0, 1.0, 9)[1:]
 
 
-class Watchful(DOP853):
-    """SciPy's DOP853 with steps that stop at features: pairs of a row of the state (None: time) and what it meets."""
+class Lost(FloatingPointError):
+    """The second formulation cannot go on; one sentence says where and why."""
+
+
+class Paced(DOP853):
+    """DOP853 whose steps are at most a part of a turn: `looks` of them while the motion's frequency turns by 2π.
+
+    `pace` maps (t, y) to that frequency (rad/s, zero where nothing sets one); `features` are what no step passes, each
+    with the row of the state it is met by (None: time). Raises Lost where steps come to nothing.
+    """
 
     t: float
     y: np.ndarray
     f: np.ndarray
     max_step: float
 
-    def __init__(self, *arguments, features: Sequence[tuple[int | None, Features]] = (), **options):
-        super().__init__(*arguments, **options)
+    def __init__(
+        self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int,
+        features: Sequence[tuple[int | None, Features]] = (), **options,
+    ):  # fmt: skip
+        self.pace, self.looks = pace, looks
         self.features = [(row, found) for row, found in features if not found.plain]
+        self.steps, self.counted_until = 0, -inf
+        super().__init__(fun, t0, y0, t_bound, **options)
 
     def _step_impl(self):
-        t, y, f, longest = self.t, self.y, self.f, self.max_step
+        frequency = self.pace(self.t, self.y)
+        turn = 2 * pi / frequency if frequency > 0.0 else inf
+        if self.t >= self.counted_until:
+            self.steps, self.counted_until = 0, self.t + turn
+        self.steps += 1
+        if self.steps > MOST_STEPS:
+            raise Lost(f"the second formulation hardly moves on at t = {self.t:.9g} s")
+        self.max_step = turn / self.looks
+        t, y, f = self.t, self.y, self.f
         while True:
             success, message = super()._step_impl()
             h = self.t - t
             # A step as short as ten roundings of the time is SciPy's shortest.
             if not success or h <= 20 * np.spacing(abs(t)) or not self._passes(t, y, f, h):
-                self.max_step = longest
                 return success, message
             self.t, self.y, self.f, self.max_step = t, y, f, 0.5 * h
 

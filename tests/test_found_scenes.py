@@ -137,8 +137,8 @@ SCENES = {
         gap=0.023887408884832345,
         lift=-2.913545561339567e-101,
     ),
-    # A rough contact's normal force vanishes while friction acts, and without it the plate would be pressed on:
-    # where the case ends at a lift-off, the one calls it a paradox.
+    # A rough contact's normal force vanishes while friction acts, and without it the plate would be pressed on: where
+    # the case ends at a lift-off, the second formulation called it one.
     "rough contact that can neither stay nor leave": rough(
         ellipse_in_ellipse(
             A=1.1959981406854079,

@@ -22,6 +22,7 @@ from cases import (
 )
 from cases.contact import slip_velocity
 from cases.nearest import nearest
+from reference import contact_frame
 from tests.motions import energy
 from tests.scenes import ellipse_in_ellipse, numbers
 from tests.test_two_formulations import check_agreement
@@ -125,6 +126,30 @@ def test_energy_never_grows_the_track_never_pulls_and_nothing_overlaps(case):
 @given(scenes)
 def test_both_formulations_agree_with_every_effect(case):
     check_agreement(case)
+
+
+rough_scenes = st.builds(
+    with_effects, bases, law=st.just((PerfectlyRough(),)), resistance=st.just(0.0),
+    sided=st.sampled_from(["ends", "lands"]), e=st.just(0.0), gap=st.just(0.0), lift=st.just(0.0),
+)  # fmt: skip
+
+
+@settings(max_examples=12, **UNHURRIED)
+@given(rough_scenes)
+def test_a_rough_contact_ends_in_a_paradox_exactly_where_its_friction_held_the_plate_off_the_track(case):
+    # Where N vanishes, the free plate's gap has the acceleration a b T/J: (a, b) the arm from the centre of mass to the
+    # contact along tangent and normal, T the friction that acts until then.
+    both = reference.simulate(case, rtol=1e-11, method="dop853"), contact_frame.solve(case, rtol=1e-11)
+    assert both[0].status == both[1].status
+    if both[0].first_mode is not Mode.ROLL or not (both[0].transitions or both[0].status == "paradox"):
+        return  # it flies from the first instant, or nothing ends the contact
+    end = both[0].transitions[0].time if both[0].transitions else float(both[0].t[-1])
+    state = both[0](np.array([end * (1 - 1e-9)]))
+    arm = case.track.point(state.xi1)[:, 0] - [state.x[0], state.y[0]]
+    tangent, normal = case.track.tangent(state.xi1)[:, 0], case.track.normal(state.xi1)[:, 0]
+    away = (arm @ tangent) * (arm @ normal) * state.friction_force[0] / case.plate.inertia
+    if abs(away) > 1e-5:  # the friction is seen a billionth of the time before the end
+        assert (both[0].status == "paradox") == (away < 0.0)
 
 
 @pytest.mark.slow
