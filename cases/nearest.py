@@ -30,42 +30,73 @@ class _Track(NamedTuple):
     tree: KDTree
 
 
+class _Guess(NamedTuple):
+    """A pair of samples of track and outline and how far they are apart along the track's normal, m."""
+
+    xi1: float
+    xi2: float
+    apart: float
+
+
 def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
     track are ends of it or lie on ends of an open outline: there is nothing to land on."""
+    guess = _of_disc(case, x, y, theta) or _of_outline(case, x, y, theta)
+    if guess is None:
+        return None
+    try:
+        contact = find(case, x, y, theta, guess[:2])
+    except DoesNotFit:
+        return Contact(*guess)
+    if _outside(case.track, contact.xi1) or _outside(case.plate.outline, contact.xi2):
+        return None
+    # Newton's method may run to another pair, farther away; then the samples know better.
+    return contact if contact.gap <= guess.apart + _size(case.plate.outline) / POINTS_A_SIZE else Contact(*guess)
+
+
+def _of_outline(case: Case, x: float, y: float, theta: float) -> _Guess | None:
+    """The nearest samples of any outline; None if those of the track are ends of it."""
     parameters, points = _outline(case.plate.outline)
     c, s = cos(theta), sin(theta)
     there = np.column_stack([x + c * points[0] - s * points[1], y + s * points[0] + c * points[1]])
+    track, places, ends = _below(case, there)
+    apart = np.einsum("ij,ij->i", there - track.points[places], track.normals[places])
+    # Past an end of the track, the gap along its normal means nothing.
+    best = int(np.argmin(np.where(ends, inf, apart)))
+    if ends[best]:
+        return None
+    return _Guess(float(track.parameters[places[best]]), float(parameters[best]), float(apart[best]))
+
+
+def _of_disc(case: Case, x: float, y: float, theta: float) -> _Guess | None:
+    """The nearest samples of a disc, which is as far from its track as its centre less its radius: one point is looked
+    up and not all of its outline. None if the plate is no disc, or past an end of the track."""
+    radius = case.plate.radius
+    if radius is None:
+        return None
+    track, places, ends = _below(case, np.array([[x, y]]))
+    if ends[0]:
+        return None
+    (px, py), (nx, ny) = track.points[places[0]].tolist(), track.normals[places[0]].tolist()
+    parameters, points = _outline(case.plate.outline)
+    c, s = cos(theta), sin(theta)
+    against = int(np.argmin((c * nx + s * ny) * points[0] + (c * ny - s * nx) * points[1]))
+    apart = (x - px) * nx + (y - py) * ny - radius
+    return _Guess(float(track.parameters[places[0]]), float(parameters[against]), apart)
+
+
+def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarray]:
+    """Samples of the track, which of them are nearest to the points `there`, and whether these are its ends."""
     low, high = case.track.look
     while True:
         track = _track(case.track, low, high, _size(case.plate.outline))
         _, places = track.tree.query(there)
-        apart = np.einsum("ij,ij->i", there - track.points[places], track.normals[places])
-        # Past an end of the track, the gap along its normal means nothing.
-        ends = (
-            np.zeros(len(places), dtype=bool)
-            if case.track.period
-            else (places == 0) | (places == len(track.tree.data) - 1)
-        )
-        best = int(np.argmin(np.where(ends, inf, apart)))
+        ends = np.zeros(len(places), dtype=bool)
+        if not case.track.period:
+            ends = (places == 0) | (places == len(track.parameters) - 1)
         if not ends.any() or case.track.domain is not None or high - low > 1e6:
-            break
+            return track, places, ends
         low, high = 2 * low, 2 * high  # a track without ends is looked at as far as the plate has come
-    if ends[best]:
-        return None
-    guess = float(track.parameters[places[best]]), float(parameters[best])
-    try:
-        contact = find(case, x, y, theta, guess)
-    except DoesNotFit:
-        return Contact(*guess, float(apart[best]))
-    if _outside(case.track, contact.xi1) or _outside(case.plate.outline, contact.xi2):
-        return None
-    # Newton's method may run to another pair, farther away; then the samples know better.
-    return (
-        contact
-        if contact.gap <= apart[best] + _size(case.plate.outline) / POINTS_A_SIZE
-        else Contact(*guess, float(apart[best]))
-    )
 
 
 def _outside(curve: Curve, parameter: float) -> bool:

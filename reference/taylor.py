@@ -5,6 +5,7 @@ Optional: where heyoka is not installed, `AVAILABLE` is False and DOP853 does ev
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
@@ -163,6 +164,8 @@ def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coeffic
     detection would find that root again, and a cool-down after it would hide the next.
     """
     _set(integrator, t, y, real)
+    if not phase.system.guards:
+        return None
     integrator.step(real(0.0), True)
     series = integrator.tc.astype(float)
     if not np.all(np.isfinite(series)):
@@ -195,11 +198,20 @@ def _set(integrator, t: float, y, real: type) -> None:
 
 def _dense(times, coefficients, y):
     """The steps' own Taylor polynomials."""
+    starts = np.array(times[:-1])
+
+    @lru_cache(maxsize=4)
+    def rows(i: int) -> list[list[float]]:
+        """One step's polynomials from the highest power down, without what vanishes there."""
+        used = max(np.flatnonzero(coefficients[i].any(axis=0)), default=0) + 1
+        return coefficients[i][:, used - 1 :: -1].tolist() if used > 1 else coefficients[i][:, :1].tolist()
 
     def states(when: np.ndarray) -> np.ndarray:
         if not coefficients:
             return np.repeat(np.array(y, dtype=float)[:, None], len(when), axis=1)
-        starts = np.array(times[:-1])
+        if len(when) == 1:  # a search looks at one instant after the other: a tenth of the time below
+            i = max(bisect_right(times, float(when[0]), hi=len(coefficients)) - 1, 0)
+            return np.array([[_horner(row, float(when[0]) - times[i])] for row in rows(i)])
         which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(coefficients) - 1)
         values = np.empty((len(y), len(when)))
         for i in np.unique(which):
@@ -208,3 +220,11 @@ def _dense(times, coefficients, y):
         return values
 
     return states
+
+
+def _horner(row: list[float], x: float) -> float:
+    """A polynomial's value, its coefficients from the highest down."""
+    value = 0.0
+    for coefficient in row:
+        value = coefficient + value * x
+    return value
