@@ -7,7 +7,7 @@ from math import cos, inf, sin
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
+from scipy.spatial import cKDTree
 
 from .case import Case
 from .contact import Contact, find
@@ -27,7 +27,7 @@ class _Track(NamedTuple):
     parameters: np.ndarray
     points: np.ndarray
     normals: np.ndarray
-    tree: KDTree
+    tree: cKDTree
 
 
 class _Guess(NamedTuple):
@@ -121,4 +121,4 @@ def _track(track: Curve, low: float, high: float, size: float) -> _Track:
     # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
     parameters = np.linspace(low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))
     points = track.point(parameters).T
-    return _Track(parameters, points, track.normal(parameters).T, KDTree(points))
+    return _Track(parameters, points, track.normal(parameters).T, cKDTree(points))

@@ -55,6 +55,7 @@ class _Look(NamedTuple):
     time: float
     contact: Contact | None
     rate: float  # of the gap, m/s
+    speed: float  # of the plate's points, at most, m/s
     beyond: float = nan  # of a landing: how much later it is than the rounded time, s
 
     @property
@@ -82,7 +83,7 @@ def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) ->
             return _landing(case, arc, first, near)
         before = first
     while before.time < end:
-        step = _time_for(arc, before.time, max(CLOSE * size, 0.5 * min(before.gap, 1e6 * size)), size)
+        step = _time_for(arc, before, min(before.gap, 1e6 * size), size)
         if leaves:
             step = min(step, before.time - start)  # what has just begun may end as soon
         now = _look(case, arc, min(before.time + step, end))
@@ -96,7 +97,7 @@ def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) ->
 
 def _first_look(case: Case, arc: Arc, start: _Look, size: float) -> _Look | None:
     """A look soon after the start at which the gap is positive and grows, or a hop's landing; None if it closes."""
-    part = min(_time_for(arc, start.time, CLOSE * size, size), float(arc.times[-1]) - start.time)
+    part = _time_for(arc, start, 0.0, size)
     soonest = SOONEST * part
     while part > soonest:
         look = _look(case, arc, start.time + part)
@@ -124,12 +125,14 @@ def _hop(case: Case, arc: Arc, start: _Look, ahead: _Look) -> _Look | None:
     half, whole = (_look(case, arc, start.time + part * lasts) for part in (0.5, 1.0))
     if half.contact is None or whole.contact is None:
         return None
-    if abs(half.rate - 0.5 * (start.rate + whole.rate)) <= EVEN * start.rate:
-        # Newton's step on the integral, which the trapezoidal rule gives exactly.
-        lasts -= 0.5 * lasts * (start.rate + whole.rate) / whole.rate
+    # Times are rounded, what is between them is not.
+    fall = (start.rate - whole.rate) / (whole.time - start.time)
+    if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.rate:
+        lasts = 2.0 * start.rate / fall
     else:
-        rates = [start.rate, *(_look(case, arc, start.time + x * HOP * lasts).rate for x in _LOOKS[1:])]
-        polynomial = Chebyshev.fit(_LOOKS, rates, len(_LOOKS) - 1, domain=(0.0, 1.0))
+        looks = [start, *(_look(case, arc, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
+        places = [(look.time - start.time) / (HOP * lasts) for look in looks]
+        polynomial = Chebyshev.fit(places, [look.rate for look in looks], len(looks) - 1, domain=(0.0, 1.0))
         if not np.max(np.abs(polynomial.coef[-2:])) <= 10.0 * EVEN * start.rate:
             return None
         gap = polynomial.integ(lbnd=0.0)
@@ -150,18 +153,18 @@ def _reach(case: Case) -> float:
     return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
 
 
-def _time_for(arc: Arc, t: float, way: float, size: float) -> float:
-    """How long the plate's points take for about that way (m), from the speeds before and after."""
-    left = float(arc.times[-1]) - t
-    step = min(way / max(_speed(arc, t, size), 1e-300), left)
-    while step * _speed(arc, t + step, size) > 2.0 * way:
+def _time_for(arc: Arc, look: _Look, gap: float, size: float) -> float:
+    """How long the plate's points take for the gap, or a small part of its size, from the speeds before and after."""
+    left = float(arc.times[-1]) - look.time
+    step = min(max(gap, CLOSE * size) / max(look.speed, 1e-300), left)
+    while step * _speed(_state(arc, look.time + step), size) > max(gap, 2.0 * CLOSE * size):
         step *= 0.5  # a plate that is let go has no speed yet, and gains it
     return step
 
 
-def _speed(arc: Arc, t: float, size: float) -> float:
-    """A bound on the speed of the plate's points at that time, m/s."""
-    _, _, _, vx, vy, omega = _state(arc, t)
+def _speed(state: list[float], size: float) -> float:
+    """A bound on the speed of the plate's points, m/s."""
+    _, _, _, vx, vy, omega = state
     return hypot(vx, vy) + abs(omega) * size
 
 
@@ -173,7 +176,8 @@ def _state(arc: Arc, t: float) -> list[float]:
 def _look(case: Case, arc: Arc, t: float) -> _Look:
     state = _state(arc, t)
     contact = nearest(case, *state[:3])
-    return _Look(t, contact, _touch(case, state, contact)[0].lift if contact else 0.0)
+    rate = _touch(case, state, contact)[0].lift if contact else 0.0
+    return _Look(t, contact, rate, _speed(state, _reach(case)))
 
 
 def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:

@@ -15,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from .arc import BREAKDOWN, Arc, Stop
-from .eliminated import T
+from .eliminated import Motion, T
 from .modes import Phase
 from .system import System
 
@@ -32,6 +32,9 @@ FINEST = 1e-16
 QUADRUPLE_TOLERANCE = 1e-24
 # A step of so few units in the last place of time no longer moves it: towards a singularity steps shrink without end.
 SHORTEST = 16
+# The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
+# leaves zero with the fourth power of time is still well above its own rounding.
+PART = 1e-3
 # Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
 # 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
 SMALL = 500
@@ -168,25 +171,43 @@ def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coeffic
         return None
     integrator.step(real(0.0), True)
     series = integrator.tc.astype(float)
+    _set(integrator, t, y, real)
     if not np.all(np.isfinite(series)):
         return BREAKDOWN
-    order = series.shape[1] - 1
-    # How far the polynomial carries: where its last term has grown to the size of the plate.
-    last = [abs(float(series[i, order])) / size for i, size in enumerate(phase.lengths)]
-    reach = min(max(last) ** (-1.0 / order) if max(last) > 0.0 else end - t, end - t)
-    # A thousandth of the polynomial's reach: it is exact there to rounding, and a guard that leaves zero does not come
-    # back so soon; where one does, the step is shortened until it shows.
+    reach = _reach(phase, series, t, y)
+    if not np.isfinite(reach):
+        return None  # nothing moves and nothing presses: no guard leaves zero
+    values: list[float] = []
     for shorter in range(9):
-        h = 1e-3 * reach * 10.0**-shorter
-        state = np.polynomial.polynomial.polyval(h, series.T)
-        values = phase.system.guards_of_numbers(t + h, state.tolist(), phase.parameters)
-        if all(value > 0.0 for value in values):
+        h = min(PART * reach * 10.0**-shorter, end - t)
+        # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
+        # until the event lies behind it.
+        for part in (0.5, 1.0):
+            state = np.polynomial.polynomial.polyval(part * h, series.T)
+            values = phase.system.guards_of_numbers(t + part * h, state.tolist(), phase.parameters)
+            if not all(value > 0.0 for value in values):
+                break
+        else:
             _set(integrator, t + h, state, real)
             coefficients.append(series)
             times.append(t + h)
             return None
-    _set(integrator, t, y, real)
     return next(name for name, value in zip(phase.system.guards, values, strict=True) if not value > 0.0)
+
+
+def _reach(phase: Phase, series: np.ndarray, t: float, y) -> float:
+    """The time in which some term of the positions' series, or what the contact's forces do, grows to the plate's size.
+
+    All terms count: those of even or of odd order vanish in a motion from rest. For a plate at rest there is none, but
+    its forces balance; infinite where there are no forces either.
+    """
+    powers = np.arange(1, series.shape[1])
+    terms = np.abs(series[: phase.system.positions, 1:]) / np.array(phase.lengths)[:, None]
+    fastest = float(np.max(terms ** (1.0 / powers), initial=0.0))
+    if fastest == 0.0:
+        forces = Motion(*phase.system.observed_of_numbers(t, tuple(y), phase.parameters))
+        fastest = max(abs(forces.normal), abs(forces.friction)) ** 0.5 / phase.size**0.5
+    return 1.0 / fastest if fastest else np.inf
 
 
 def _set(integrator, t: float, y, real: type) -> None:
