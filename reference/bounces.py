@@ -72,7 +72,7 @@ class Bounces:
         and load bring it back (m/s²; not if it is not positive). Whether the rebound is listed."""
         ratio, closing = -after.lift / landing.touch.lift, -landing.touch.lift
         if self.last and since > self.last.landing.time:  # the plate has lain on its track meanwhile
-            self.some, self.ratio, self.greatest = [], inf, 0.0
+            self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
         self.greatest = max(self.greatest, closing)
         natural = self._natural(landing, after, pull)
         left = 2.0 * after.lift / (pull * (1.0 - ratio)) if pull > 0.0 and ratio < 1.0 else inf
@@ -90,9 +90,9 @@ class Bounces:
         if not pull > 0.0:
             return inf
         times = [sqrt(self.size / pull), 1.0 / abs(after.omega) if after.omega else inf]
-        if self.some:
-            change = abs(pull - self.some[-1].pull)
-            times.append(pull * (landing.time - self.some[-1].landing.time) / change if change else inf)
+        if self.last:
+            change = abs(pull - self.last.pull)
+            times.append(pull * (landing.time - self.last.landing.time) / change if change else inf)
         return min(times)
 
     def limit(self) -> Limit | None:

@@ -33,6 +33,7 @@ from .modes import (
 )
 from .scales import frequency
 from .series import EPS
+from .touch import over_touch
 from .transitions import decide
 
 # Changes of regime accumulate where this many follow each other in this part of the motion's own time.
@@ -120,7 +121,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if regime == FLIGHT:
             step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
         else:
-            step = _after_contact(case, integrate(now, t, y, case.duration, rtol))
+            step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
         idle = idle + 1 if step.time == t else 0
         if idle > IDLE and step.regime not in (None, FLIGHT):
             step = _moved_on(case, regime, step)
@@ -163,11 +164,15 @@ def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
 # --- after contact ----------------------------------------------------------------------------------------------------
 
 
-def _after_contact(case: Case, arc: Arc) -> Step:
-    """What follows where a guard reached zero."""
+def _after_contact(case: Case, arc: Arc, error: float) -> Step:
+    """What follows where a guard reached zero, in a motion known to that relative error."""
     now, guard, t = arc.phase, arc.stop.guard, arc.stop.time
     if guard is None:
         return Step((arc,), t)
+    across = over_touch(arc, error, case.duration) if guard == "normal_force" else None
+    if across:
+        t, y = across.stop.time, full_state(case, now, across.stop.state)
+        return Step((arc, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
     y = full_state(case, now, arc.stop.state)
     if guard in ENDS:
         return Step((arc,), t, ending=ENDS[guard])

@@ -12,7 +12,7 @@ plate lands.
 from __future__ import annotations
 
 from functools import lru_cache
-from math import hypot, isnan, nan
+from math import hypot, inf, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -32,10 +32,12 @@ CLOSE = 1 / 16
 # Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
 # Sooner than this part of the step, positions do not resolve it: there is no flight.
 SOONEST = 1e-9
-# A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of it.
+# A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of the plate's speeds.
 EVEN = 1e-14
 # Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
 HOP = 1.0625
+# How often that is looked for anew with the rate there: a pull that grows makes it longer than the first look says.
+REFINED = 5
 _LOOKS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
 
 
@@ -119,32 +121,41 @@ def _hop(case: Case, arc: Arc, start: _Look, ahead: _Look) -> _Look | None:
     A rate that falls evenly vanishes half-way; where a polynomial through a few looks is as good as the rates
     themselves, its integral's zero is the landing.
     """
-    lasts = 2.0 * start.rate * (ahead.time - start.time) / (start.rate - ahead.rate)
-    if not lasts <= ahead.time - start.time:
-        return None
-    half, whole = (_look(case, arc, start.time + part * lasts) for part in (0.5, 1.0))
-    if half.contact is None or whole.contact is None:
-        return None
+    most, lasts, whole = ahead.time - start.time, inf, ahead
+    for _ in range(REFINED):
+        if not whole.rate < start.rate:
+            return None
+        before, lasts = lasts, 2.0 * start.rate * (whole.time - start.time) / (start.rate - whole.rate)
+        if not lasts <= most:
+            return None
+        if abs(lasts - before) <= 0.5 * (HOP - 1.0) * lasts:
+            break
+        whole = _look(case, arc, start.time + lasts)
+    half = _look(case, arc, start.time + 0.5 * lasts)
     # Times are rounded, what is between them is not.
     fall = (start.rate - whole.rate) / (whole.time - start.time)
-    if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.rate:
+    if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.speed:
         lasts = 2.0 * start.rate / fall
     else:
-        looks = [start, *(_look(case, arc, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
-        places = [(look.time - start.time) / (HOP * lasts) for look in looks]
-        polynomial = Chebyshev.fit(places, [look.rate for look in looks], len(looks) - 1, domain=(0.0, 1.0))
-        if not np.max(np.abs(polynomial.coef[-2:])) <= 10.0 * EVEN * start.rate:
-            return None
-        gap = polynomial.integ(lbnd=0.0)
-        x = 1.0 / HOP
-        for _ in range(5):  # from the landing of an even fall, a few parts in a thousand away
-            x -= float(gap(x) / polynomial(x))
-        if not 0.0 < x <= 1.0:
-            return None
-        lasts *= x * HOP
+        lasts = _uneven(case, arc, start, lasts)
+    if isnan(lasts):
+        return None
     landing = _look(case, arc, start.time + lasts)
     beyond = lasts - (landing.time - start.time)
     return landing._replace(beyond=beyond) if landing.contact is not None and landing.rate < 0.0 else None
+
+
+def _uneven(case: Case, arc: Arc, start: _Look, lasts: float) -> float:
+    """How long a hop lasts whose rate falls unevenly, about `lasts`; NaN where a polynomial does not tell."""
+    looks = [start, *(_look(case, arc, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
+    parts = [(look.time - start.time) / (HOP * lasts) for look in looks]
+    rate = Chebyshev.fit(parts, [look.rate for look in looks], len(looks) - 1, domain=(0.0, 1.0))
+    if not np.max(np.abs(rate.coef[-2:])) <= 10.0 * EVEN * start.speed:
+        return nan
+    gap, x = rate.integ(lbnd=0.0), 1.0 / HOP
+    for _ in range(5):  # Newton's method, from the landing of an even fall, a few parts in a hundred away
+        x -= float(gap(x) / rate(x))
+    return x * HOP * lasts if 0.0 < x <= 1.0 else nan
 
 
 @lru_cache(maxsize=256)
