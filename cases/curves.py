@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from math import atan2
 from typing import Any, TypeVar
 
 import numpy as np
@@ -186,12 +187,15 @@ class Curve:
 
         For a number or an array; this is what makes the plate's rotation θ a function of (ξ₁, ξ₂) alone, by (6).
         """
+        if np.ndim(s) == 0:
+            xp, yp = self.jet(float(s))[2:4]
+            principal, rough = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s, dtype=float)))
+            return principal + 2 * np.pi * round((rough - principal) / (2 * np.pi))
         s = np.asarray(s, dtype=float)
         d = self.jets(s)[2:4]
         principal = np.arctan2(d[1], d[0]).reshape(s.shape)
         rough = self._rough_tangent_angle(s)
-        angle = principal + 2 * np.pi * np.round((rough - principal) / (2 * np.pi))
-        return float(angle) if angle.ndim == 0 else angle
+        return principal + 2 * np.pi * np.round((rough - principal) / (2 * np.pi))
 
     def _rough_tangent_angle(self, s: np.ndarray) -> np.ndarray:
         """The continuous tangent angle to within much less than half a turn, from a table."""

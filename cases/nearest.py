@@ -32,48 +32,83 @@ class _Track(NamedTuple):
     fine: np.ndarray
 
 
+class _Guess(NamedTuple):
+    """A pair of samples of track and outline and how far they are apart along the track's normal, m."""
+
+    xi1: float
+    xi2: float
+    apart: float
+
+
 def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
     track are ends of it or lie on ends of an open outline: there is nothing to land on."""
-    parameters, points, _, _ = _outline(case.plate.outline)
-    c, s = cos(theta), sin(theta)
-    there = np.column_stack([x + c * points[0] - s * points[1], y + s * points[0] + c * points[1]])
-    low, high = case.track.look
-    while True:
-        track = _track(case.track, low, high, _size(case.plate.outline))
-        _, places = track.tree.query(there)
-        apart = np.einsum("ij,ij->i", there - track.points[places], track.normals[places])
-        # Past an end of the track, the gap along its normal means nothing.
-        ends = (
-            np.zeros(len(places), dtype=bool)
-            if case.track.period
-            else (places == 0) | (places == len(track.tree.data) - 1)
-        )
-        best = int(np.argmin(np.where(ends, inf, apart)))
-        if not ends.any() or case.track.domain is not None or high - low > 1e6:
-            break
-        low, high = 2 * low, 2 * high  # a track without ends is looked at as far as the plate has come
+    track, guess = _of_disc(case, x, y, theta) if case.plate.radius is not None else (None, None)
+    if track is None or guess is None:
+        track, guess = _of_outline(case, x, y, theta)
     poking = _poking(case, track, x, y, theta)
-    if poking is not None and (ends[best] or poking.gap < apart[best]):
+    if poking is not None and (guess is None or poking.apart < guess.apart):
         guess = poking
-    elif ends[best]:
+    if guess is None:
         return None
-    else:
-        guess = Contact(float(track.parameters[places[best]]), float(parameters[best]), float(apart[best]))
     try:
         contact = find(case, x, y, theta, guess[:2])
     except DoesNotFit:
-        return guess
+        return Contact(*guess)
     if _outside(case.track, contact.xi1) or _outside(case.plate.outline, contact.xi2):
         return None
     # Newton's method may run to another pair, farther away; then the samples know better. Beside features it may also
     # run to one that is no nearest pair at all.
-    off = contact.gap - guess.gap
+    off = contact.gap - guess.apart
     wrong = (abs(off) if len(track.fine) else off) > _size(case.plate.outline) / POINTS_A_SIZE
-    return guess if wrong else contact
+    return Contact(*guess) if wrong else contact
 
 
-def _poking(case: Case, track: _Track, x: float, y: float, theta: float) -> Contact | None:
+def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_Track, _Guess | None]:
+    """Samples of the track and the nearest pair with any outline; no pair if those of the track are ends of it."""
+    parameters, points, _, _ = _outline(case.plate.outline)
+    c, s = cos(theta), sin(theta)
+    there = np.column_stack([x + c * points[0] - s * points[1], y + s * points[0] + c * points[1]])
+    track, places, ends = _below(case, there)
+    apart = np.einsum("ij,ij->i", there - track.points[places], track.normals[places])
+    # Past an end of the track, the gap along its normal means nothing.
+    best = int(np.argmin(np.where(ends, inf, apart)))
+    if ends[best]:
+        return track, None
+    return track, _Guess(float(track.parameters[places[best]]), float(parameters[best]), float(apart[best]))
+
+
+def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[_Track, _Guess | None]:
+    """The same of a disc, which is as far from its track as its centre less its radius: one point is looked up and not
+    all of its outline."""
+    radius = case.plate.radius
+    assert radius is not None
+    track, places, ends = _below(case, np.array([[x, y]]))
+    if ends[0]:
+        return track, None
+    (px, py), (nx, ny) = track.points[places[0]].tolist(), track.normals[places[0]].tolist()
+    parameters, points, _, _ = _outline(case.plate.outline)
+    c, s = cos(theta), sin(theta)
+    against = int(np.argmin((c * nx + s * ny) * points[0] + (c * ny - s * nx) * points[1]))
+    apart = (x - px) * nx + (y - py) * ny - radius
+    return track, _Guess(float(track.parameters[places[0]]), float(parameters[against]), apart)
+
+
+def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarray]:
+    """Samples of the track, which of them are nearest to the points `there`, and whether these are its ends."""
+    low, high = case.track.look
+    while True:
+        track = _track(case.track, low, high, _size(case.plate.outline))
+        _, places = track.tree.query(there)
+        ends = np.zeros(len(places), dtype=bool)
+        if not case.track.period:
+            ends = (places == 0) | (places == len(track.parameters) - 1)
+        if not ends.any() or case.track.domain is not None or high - low > 1e6:
+            return track, places, ends
+        low, high = 2 * low, 2 * high  # a track without ends is looked at as far as the plate has come
+
+
+def _poking(case: Case, track: _Track, x: float, y: float, theta: float) -> _Guess | None:
     """The pair with the smallest gap among the points of the track's features, which may lie between two points of the
     outline; None if no feature is near."""
     if not len(track.fine) or not case.plate.outline.period:
@@ -88,7 +123,7 @@ def _poking(case: Case, track: _Track, x: float, y: float, theta: float) -> Cont
     _, places = tree.query(seen[near])
     apart = np.einsum("ij,ij->i", points.T[places] - seen[near], normals[places])
     best = int(np.argmin(apart))
-    return Contact(float(track.parameters[track.fine[near[best]]]), float(parameters[places[best]]), float(apart[best]))
+    return _Guess(float(track.parameters[track.fine[near[best]]]), float(parameters[places[best]]), float(apart[best]))
 
 
 def _outside(curve: Curve, parameter: float) -> bool:

@@ -1,16 +1,17 @@
 """Bouncing that comes to rest: infinitely many impacts in a finite time, whose limit is found, not stepped through.
 
-Flights shorten by a factor that tends to a constant ρ, so that the instants of the impacts and everything that changes
-from one to the next tend to their limits like ρᵏ, ρ²ᵏ, …: Wynn's ε-algorithm removes these terms one after the other
-without being told ρ (books on it are known to us, not looked up; the limits of bouncing discs are known in closed
-form).
+From impact to impact the rebound's speed u shrinks by a factor that tends to a constant ρ < 1, and what else the state
+holds (place, slip, spin) changes by as little as u. The states of all sequences with one limit lie on a curve through
+it that the map from impact to impact carries into itself, with multiplier ρ, and which is as smooth as the map (a
+stable fibre; Hirsch, Pugh & Shub, Invariant Manifolds, 1977: known to us, not looked up). So everything is a smooth
+function of u, and a polynomial through a few impacts with u well apart, taken at u = 0 (Neville), is the limit,
+whatever ρ is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
-from math import inf, nan, sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -23,14 +24,18 @@ from .flight import Landing
 from .impact import Touch
 from .modes import Phase, in_flight
 
-# At most the terms ρᵏ, ρ²ᵏ, ρ³ᵏ, ρ⁴ᵏ are removed: each costs two more impacts and digits to rounding.
-MOST_TERMS = 4
-# What is left of the time after m terms are removed, as a part of the natural time. The smaller the bounces, the less
-# sure are their instants (the rounding of a position over a speed): there is nothing to gain below.
+# At most so many impacts make a limit, each with at most half the speed of the one before: a polynomial through points
+# closer together would blow up their rounding.
+MOST, APART = 6, 0.5
+# The limit is known when one more impact moves it by no more than this part of the natural time (and of what is covered
+# and gained in it), or must be by as much.
 NEGLIGIBLE = 1e-13
-# Bounces count from where the time that is left is this part of the natural time, and while the ratio of two flights
-# does not change by more than as much: there the expansion in powers of ρᵏ holds.
+# Bounces count from where the time that is left is this part of the natural time, and while the ratio of two rebounds
+# does not change by more than as much: there u is small.
 SMALL = 2e-2
+# A rebound is listed among the transitions if it is at least as fast as this part of the greatest closing speed since
+# the plate last lay on its track. (Powers of round coefficients of restitution stay away from it.)
+LISTED = 7e-4
 
 
 class Limit(NamedTuple):
@@ -46,9 +51,9 @@ class Limit(NamedTuple):
 class _Bounce(NamedTuple):
     landing: Landing
     after: Touch
-    ratio: float
-    pull: float  # what brought it back, m/s²; NaN where it is not known
-    left: float  # estimated time until the limit, in natural times
+    pull: float  # what brings it back, m/s²
+    natural: float  # s
+    left: float  # estimated time until the limit, s
 
 
 class Bounces:
@@ -57,42 +62,65 @@ class Bounces:
     def __init__(self, case: Case):
         self.case = case
         self.size = sqrt(case.plate.inertia / case.plate.mass)
-        self.last: list[_Bounce] = []
+        self.last: _Bounce | None = None
+        self.ratio = inf
+        self.some: list[_Bounce] = []  # of those that count, with speeds well apart
+        self.greatest = 0.0  # closing speed of the spell, m/s
 
-    def add(self, since: float, landing: Landing, after: Touch) -> None:
-        """An impact that ends a flight begun at `since`, and the velocities after it, with lift > 0."""
-        ratio, pull, left = -after.lift / landing.touch.lift, nan, inf
-        if self.last and since > self.last[-1].landing.time:  # the plate has lain on its track meanwhile
-            self.last.clear()
+    def add(self, since: float, landing: Landing, after: Touch, pull: float) -> bool:
+        """An impact that ends a flight begun at `since`, the velocities after it, with lift > 0, and how fast gravity
+        and load bring it back (m/s²; not if it is not positive). Whether the rebound is listed."""
+        ratio, closing = -after.lift / landing.touch.lift, -landing.touch.lift
+        if self.last and since > self.last.landing.time:  # the plate has lain on its track meanwhile
+            self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
+        self.greatest = max(self.greatest, closing)
+        natural = self._natural(landing, after, pull)
+        left = 2.0 * after.lift / (pull * (1.0 - ratio)) if pull > 0.0 and ratio < 1.0 else inf
+        self.last = _Bounce(landing, after, pull, natural, left)
+        if not left <= SMALL * natural or abs(ratio - self.ratio) > SMALL:
+            self.some.clear()
+        if left <= SMALL * natural and (not self.some or after.lift <= APART * self.some[-1].after.lift):
+            self.some = [*self.some[1 - MOST :], self.last]
+        self.ratio = ratio
+        return after.lift >= LISTED * self.greatest
+
+    def _natural(self, landing: Landing, after: Touch, pull: float) -> float:
+        """The shortest of the times in which the plate falls through its size, turns by a radian, and the pull changes
+        (after a lift-off it grows from nothing)."""
+        if not pull > 0.0:
+            return inf
+        times = [sqrt(self.size / pull), 1.0 / abs(after.omega) if after.omega else inf]
         if self.last:
-            flown, rose = landing.time - self.last[-1].landing.time, self.last[-1].after.lift
-            pull = (rose - landing.touch.lift) / flown
-            natural = min(self.case.duration, sqrt(self.size / pull)) if pull > 0.0 else inf
-            change = abs(pull - self.last[-1].pull)
-            if change > 0.0:  # after a lift-off the pull grows from nothing, much faster than the plate swings
-                natural = min(natural, flown * pull / change)
-            left = 2.0 * after.lift / (pull * (1.0 - ratio)) / natural if pull > 0.0 and ratio < 1.0 else inf
-        if left > SMALL or abs(ratio - self.last[-1].ratio) > SMALL:
-            self.last.clear()
-        self.last.append(_Bounce(landing, after, ratio, pull, left))
+            change = abs(pull - self.last.pull)
+            times.append(pull * (landing.time - self.last.landing.time) / change if change else inf)
+        return min(times)
 
     def limit(self) -> Limit | None:
         """The limit, once enough impacts are known to find it to rounding."""
-        terms = min((len(self.last) - 1) // 2, MOST_TERMS)
-        if terms < 1 or self.last[-1].left ** (terms + 1) > NEGLIGIBLE:
+        if len(self.some) < 3 or self.some[-1] is not self.last:
             return None
-        some = self.last[-(2 * terms + 1) :]
-        places = np.array([b.landing[:3] for b in some])
-        time, xi1, xi2 = (extrapolated(column) for column in places.T.tolist())
-        slip, _, omega = (extrapolated(column) for column in np.array([b.after for b in some]).T.tolist())
-        after = some[-1].after
+        landing, after, _, natural, _ = self.last
+        speeds = [b.after.lift for b in self.some]
+        rows = [(b.landing.time + b.left, b.landing.xi1, b.landing.xi2, b.after.slip, b.after.omega) for b in self.some]
+        found = [extrapolated(speeds, column) for column in zip(*rows, strict=True)]
+        time, xi1, xi2, slip, omega = (value for value, _ in found)
+        # A length that the motion covers in the natural time is as small as that.
+        lengths = [self.size / float(c.speed(s)) for c, s in ((self.case.track, xi1), (self.case.plate.outline, xi2))]
+        scales = (natural, *lengths, self.size / natural, 1.0 / natural)
+        agree = all(
+            spread <= max(NEGLIGIBLE * scale, 4.0 * np.spacing(abs(value)))
+            for (value, spread), scale in zip(found, scales, strict=True)
+        )
+        if not agree and np.prod([b.left / b.natural for b in self.some]) > NEGLIGIBLE:
+            return None
         # A slip or a rotation that the impacts themselves end is none at the limit either.
         touch = Touch(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)
         return Limit(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
 
     def settling(self, flight: Phase, limit: Limit) -> Arc:
         """The time between the last impact that was stepped through and the limit: too short for a flight to show."""
-        landing, after = self.last[-1].landing, self.last[-1].after
+        assert self.last is not None
+        landing, after = self.last.landing, self.last.after
         first, last = (
             np.array(in_flight(self.case, (place.xi1, place.xi2), touch.slip, touch.omega, touch.lift))
             for place, touch in ((landing, after), (limit, limit.touch))
@@ -106,19 +134,16 @@ class Bounces:
         return Arc(flight, times, states, Stop(None, limit.time, tuple(last.tolist())), 0)
 
 
-def extrapolated(sequence: Sequence[float]) -> float:
-    """The limit of a sequence of odd length by Wynn's ε-algorithm, as far as its columns agree with each other."""
-    before, now = [0.0] * (len(sequence) + 1), list(sequence)
-    best, spread = now[-1], inf
-    for column in range(1, len(sequence)):
-        steps = [b - a for a, b in pairwise(now)]
-        if any(step == 0.0 for step in steps):
-            return best
-        before, now = now, [before[i + 1] + 1.0 / step for i, step in enumerate(steps)]
-        if column % 2 == 0:
-            # A term like ρᵏ that is removed moves the limit by 1/(1 − ρ) times the last change, and ρ is hardly above
-            # 0.97 for the second and third; what moves it more is rounding, blown up.
-            if abs(now[-1] - best) > 30.0 * spread:
-                return best
-            best, spread = now[-1], abs(now[-1] - now[-2]) if len(now) > 1 else 0.0
-    return best
+def extrapolated(at: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
+    """The value at 0 of the polynomials through the last one, two, … of the values (Neville), and how far apart the two
+    are that agree best: with more of them the polynomial is nearer, until it blows up their rounding."""
+    column, (best, spread) = list(values), (values[-1], inf)
+    for k in range(1, len(values)):
+        before = column[-1]
+        column = [
+            column[i + 1] + (column[i + 1] - column[i]) * at[i + k] / (at[i] - at[i + k])
+            for i in range(len(column) - 1)
+        ]
+        if abs(column[-1] - before) < spread:
+            best, spread = column[-1], abs(column[-1] - before)
+    return best, spread

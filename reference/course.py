@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
+from cases.contact import pose
 
 from .arc import BREAKDOWN, Arc
 from .bounces import Bounces
@@ -30,10 +31,16 @@ from .modes import (
     without_slip,
     without_turning,
 )
+from .scales import frequency
+from .series import EPS
+from .touch import over_touch
 from .transitions import decide
 
-# More phases than this in one motion are taken as an accumulation and told as such.
-MOST_PHASES = 100_000
+# Changes of regime accumulate where this many follow each other in this part of the motion's own time.
+MANY, NO_TIME = 1000, 1e-9
+
+# What one run follows: with more phases it would fill the memory before it ends.
+MOST_PHASES = 1_000_000
 
 # Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
 LOCATED = 1e-12
@@ -42,9 +49,9 @@ LOCATED = 1e-12
 # far from a bound counts as being at it then: a thousand times the location's error.
 IDLE, ROUGH = 4, 1e-9
 
-# Near t = 0 instants are finer than a rounding of the motion's duration: phases shorter than that move the clock, and
-# so many of them in a row would take minutes to come to nothing.
-NO_TIME, MOST_HARDLY = 2.0**-52, 1000
+# A rebound that rises by no more roundings of positions than this is none: bouncing is over, also where its limit could
+# not be extrapolated (each impact ends otherwise than the one before).
+DROWNS = 4
 
 Ending = tuple[str, str]  # status and sentence
 COMPLETED: Ending = (Trajectory.status, Trajectory.reason)
@@ -70,7 +77,7 @@ NO_SLIP = (
     "A perfectly rough contact would have to pull here, and the free plate would move into its track: "
     "without a slip it can neither stay nor leave.",
 )
-TOO_MANY = ("accumulation", f"Changes of regime accumulate: {MOST_PHASES} of them, or {MOST_HARDLY} in no time.")
+ACCUMULATION = ("accumulation", f"Changes of regime accumulate: {MANY} of them took no time.")
 
 # Guards whose zero changes the mode: the phrase a transition carries.
 CAUSES = {
@@ -85,14 +92,6 @@ CAUSES = {
     "rest": "bouncing came to rest",
 }
 
-# A rebound whose flight is shorter than this part of the duration belongs to bouncing that comes to rest and is not
-# listed among the transitions: how many of those are stepped through before the limit is found is nobody's concern.
-LISTED = 1e-3
-
-# A flight as short as this part of the duration is no higher than the rounding of positions: bouncing is over, also
-# where its limit could not be extrapolated (each impact ends otherwise than the one before).
-OVER = 1e-7
-
 
 class Step(NamedTuple):
     """What came of a phase: its arcs, when and where it ended (ξ₁, ξ₂) and why, the full state and regime that follow,
@@ -105,6 +104,7 @@ class Step(NamedTuple):
     state: tuple[float, ...] = ()
     regime: Regime | None = None
     ending: Ending = COMPLETED
+    listed: bool = True  # a rebound that is too small is a change of mode nobody lists
 
 
 def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Arc]):
@@ -117,25 +117,44 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if step.regime is None:
             return arcs, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces, near, idle, hardly = Bounces(case), case.start.xi1, 0, 0
-    while len(arcs) < MOST_PHASES:
+    bounces, progress, near, idle = Bounces(case), _Progress(), case.start.xi1, 0
+    for _ in range(MOST_PHASES):
         now = phase(case, regime)
-        arc = integrate(now, t, state_in(now, y), case.duration, rtol)
-        step = _after_flight(case, arc, bounces, near) if regime == FLIGHT else _after_contact(case, arc)
+        y = state_in(now, y)
+        if progress.none(t, frequency(now, t, y)):
+            return arcs, transitions, ACCUMULATION
+        if regime == FLIGHT:
+            step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
+        else:
+            step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
         idle = idle + 1 if step.time == t else 0
-        hardly = hardly + 1 if step.time - t <= NO_TIME * case.duration else 0
-        if hardly > MOST_HARDLY:
-            break
         if idle > IDLE and step.regime not in (None, FLIGHT):
             step = _moved_on(case, regime, step)
         arcs.extend(step.arcs)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
-        if following is not regime.mode or (step.regime == FLIGHT == regime):
+        if following is not regime.mode or (step.regime == FLIGHT == regime and step.listed):
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
-            return arcs, _listed(case, transitions, step.time), step.ending
+            return arcs, transitions, step.ending
         t, y, regime, near = step.time, step.state, step.regime, step.place[0]
-    return arcs, _listed(case, transitions, t), TOO_MANY
+    sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
+    return arcs, transitions, ("unfinished", sentence)
+
+
+class _Progress:
+    """Whether phases still get anywhere, by the motion's own time."""
+
+    def __init__(self) -> None:
+        self.phases, self.since, self.fastest = 0, 0.0, 0.0
+
+    def none(self, t: float, fast: float) -> bool:
+        """A phase begins at t with a state that changes as fast as that (1/s): whether MANY took no time."""
+        self.phases, self.fastest = self.phases + 1, max(self.fastest, fast)
+        if self.phases <= MANY:
+            return False
+        stands = (t - self.since) * self.fastest <= NO_TIME
+        self.phases, self.since, self.fastest = 0, t, 0.0
+        return stands
 
 
 def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
@@ -147,24 +166,18 @@ def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
     return step._replace(regime=decide(case, step.time, step.state, ROUGH, others) or step.regime)
 
 
-def _listed(case: Case, transitions: list[Transition], end: float) -> list[Transition]:
-    """The transitions without the rebounds of bouncing that comes to rest."""
-    ends = [*(t.time for t in transitions[1:]), end]
-    return [
-        t
-        for t, until in zip(transitions, ends, strict=False)
-        if not t.before is t.after is Mode.FLIGHT or until - t.time >= LISTED * case.duration
-    ]
-
-
 # --- after contact ----------------------------------------------------------------------------------------------------
 
 
-def _after_contact(case: Case, arc: Arc) -> Step:
-    """What follows where a guard reached zero."""
+def _after_contact(case: Case, arc: Arc, error: float) -> Step:
+    """What follows where a guard reached zero, in a motion known to that relative error."""
     now, guard, t = arc.phase, arc.stop.guard, arc.stop.time
     if guard is None:
         return Step((arc,), t)
+    across = over_touch(arc, error, case.duration) if guard == "normal_force" else None
+    if across:
+        t, y = across.stop.time, full_state(case, now, across.stop.state)
+        return Step((arc, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
     y = full_state(case, now, arc.stop.state)
     if guard in ENDS:
         return Step((arc,), t, ending=ENDS[guard])
@@ -254,9 +267,8 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
     """
     if case.effect(Unilateral) is None:
         return NO_MODE
-    now = phase(case, candidates(case)[-1])
+    now, m = phase(case, candidates(case)[-1]), _free(case, t, y)
     state = state_in(now, y)
-    m = Motion(*now.system.observed_of_numbers(t, state, now.parameters))
     fastest = max(
         (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
     )
@@ -267,35 +279,73 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 
 
+def _free(case: Case, t: float, y: Sequence[float]) -> Motion:
+    """What the equations of the contact say of a full state; its `closing` needs no contact to be there."""
+    now = phase(case, candidates(case)[-1])
+    return Motion(*now.system.observed_of_numbers(t, state_in(now, y), now.parameters))
+
+
 # --- after flight -----------------------------------------------------------------------------------------------------
 
 
-def _after_flight(case: Case, arc: Arc, bounces: Bounces, near: float) -> Step:
-    """Where the flight lands, and what the impact makes of it; `near` is where the track was touched last."""
-    landing = first_landing(case, arc, case.duration, near)
+def _flown(
+    case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate
+) -> tuple[list[Arc], Landing | None]:
+    """A flight's arcs up to its landing, and that; `near` is where the track was touched last.
+
+    It is integrated as far as it may last by its own scales, and twice as far as often as it takes.
+    """
+    arcs: list[Arc] = []
+    lasts = _may_last(now, t, y)
+    while True:
+        until = max(t + lasts, t + 1e3 * np.spacing(t))
+        arc = integrate(now, t, y, min(until, case.duration), rtol)
+        landing = first_landing(case, arc, near, under_way=bool(arcs))
+        arcs.append(_until(arc, landing) if landing else arc)
+        if landing or arc.stop.guard or arc.stop.time >= case.duration:
+            return arcs, landing
+        t, y, lasts = arc.stop.time, arc.stop.state, 2.0 * lasts
+
+
+def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
+    """How long a flight may last, s: until its force has brought it back, or it has moved or fallen by its size."""
+    rates = now.system.rates_of_numbers(t, tuple(y), now.parameters)
+    speed, force = np.hypot(*y[3:5]), np.hypot(*rates[3:5])
+    often = frequency(now, t, y)
+    back = 4.0 * speed / force if force else 0.0
+    return max(back, 4.0 / often if often else np.inf)
+
+
+def _after_flight(case: Case, arcs: list[Arc], landing: Landing | None, bounces: Bounces) -> Step:
+    """What the impact makes of a landing."""
+    last = arcs[-1]
     if landing is None:
-        return Step((arc,), arc.stop.time)
-    flown = _until(arc, landing)
-    place = landing.xi1, landing.xi2
+        return Step(tuple(arcs), last.stop.time, ending=_breakdown(last.phase, last) if last.stop.guard else COMPLETED)
+    flown, place = tuple(arcs), (landing.xi1, landing.xi2)
     if case.effect(Impact) is None:
-        return Step((flown,), landing.time, place, "landing", ending=LANDED)
+        return Step(flown, landing.time, place, "landing", ending=LANDED)
     law = law_of(case, landing.arm_t, landing.arm_n)
     after = collide(law, landing.touch)
     if not law.poisson and energy(law, after) > (1.0 + 1e-12) * energy(law, landing.touch):  # more than by rounding
-        return Step((flown,), landing.time, place, "landing", ending=ENERGY)
-    if after.lift <= 0.0:
-        return _rest(case, (flown,), landing.time, place, landing.theta, after, "landing")
-    if landing.time - float(arc.times[0]) < OVER * case.duration:
-        return _rest(case, (flown,), landing.time, place, landing.theta, after._replace(lift=0.0), "rest")
-    bounces.add(float(arc.times[0]), landing, after)
+        return Step(flown, landing.time, place, "landing", ending=ENERGY)
+    y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
+    pull = _free(case, landing.time, y).closing if after.lift > 0.0 else np.inf
+    if after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
+        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "landing")
+    listed = bounces.add(float(arcs[0].times[0]), landing, after, pull)
     limit = bounces.limit()
     if limit and landing.time < limit.time < case.duration:
-        arcs, place = (flown, bounces.settling(arc.phase, limit)), (limit.xi1, limit.xi2)
-        return _rest(case, arcs, limit.time, place, limit.theta, limit.touch, "rest")
-    y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
-    return Step(
-        (flown,), landing.time, place, "landing", in_flight(case, y, after.slip, after.omega, after.lift), FLIGHT
-    )
+        settled = (*flown, bounces.settling(last.phase, limit))
+        return _rest(case, settled, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest")
+    aloft = in_flight(case, y, after.slip, after.omega, after.lift)
+    return Step(flown, landing.time, place, "landing", aloft, FLIGHT, listed=listed)
+
+
+def _drowns(case: Case, lift: float, pull: float, place: tuple[float, float]) -> bool:
+    """Whether a rebound of that speed, brought back with `pull` (m/s²), is no higher than positions are known."""
+    x, y, _ = pose(case, *place)
+    known = DROWNS * EPS * (abs(x) + abs(y) + float(np.hypot(*case.plate.outline.point(place[1]))))
+    return lift * lift <= 2.0 * pull * known
 
 
 def _rest(case: Case, arcs, t: float, place, theta: float, touch: Touch, cause: str) -> Step:

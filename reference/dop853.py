@@ -6,8 +6,8 @@ reverses and comes back) would leave no change of sign at the ends.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
-from math import sqrt
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
@@ -15,7 +15,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from .ahead import INSIDE, PARTS, clear_part, defect
 from .arc import BREAKDOWN, Arc, Stop
-from .modes import Phase
+from .modes import FLIGHT, Phase
+from .scales import frequency
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
@@ -89,7 +90,9 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
 
     rtol = max(rtol, 1e-13)
     atol = rtol * _scales(phase, t, y)
-    solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol)
+    # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
+    first = end - t if phase.regime == FLIGHT and end > t else None
+    solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
     while True:
@@ -143,18 +146,8 @@ def _good_part(phase: Phase, piece, rtol: float) -> float:
 
 def _scales(phase: Phase, t, y) -> np.ndarray:
     """Sizes of the components: the plate's own size for the parameters, and the speed at which it is covered."""
-    rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
-    # A motion from rest covers its own size in √(size/acceleration); without force and motion any speed would do.
-    p = phase.system.positions
-    frequency = max(
-        (
-            max(abs(u) / size, sqrt(abs(u_dot) / size))
-            for u, u_dot, size in zip(y[p:], rates[p:], phase.lengths, strict=False)
-        ),
-        default=0.0,
-    )
-    speeds = [size * (frequency or 1.0) for size in phase.lengths]
-    return np.array([*phase.lengths, *speeds][: len(y)])
+    often = frequency(phase, t, y) or 1.0  # without force and motion any speed would do
+    return np.array([*phase.lengths, *(size * often for size in phase.lengths)][: len(y)])
 
 
 def _guards_at_nodes(phase: Phase, piece) -> np.ndarray:
@@ -266,10 +259,15 @@ def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
 
 def _joined(starts, pieces) -> Callable[[np.ndarray], np.ndarray]:
     """Dense output over several steps."""
-    starts = np.array(starts)
+    begins = np.array(starts)
 
     def states(times: np.ndarray) -> np.ndarray:
-        which = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(pieces) - 1)
+        if len(times) == 1:  # a search looks at one instant after the other: a fifth of the time below
+            piece = pieces[min(max(bisect_right(starts, float(times[0])) - 1, 0), len(pieces) - 1)]
+            if not isinstance(piece, DenseOutput):
+                return piece(times)
+            return (piece.y_old + np.array(_weights((float(times[0]) - piece.t_old) / piece.h)) @ piece.F)[:, None]
+        which = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(pieces) - 1)
         values = {i: pieces[i](times[which == i]) for i in np.unique(which)}
         joined = np.empty((len(next(iter(values.values()))), len(times)))
         for i, block in values.items():

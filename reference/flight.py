@@ -3,14 +3,20 @@
 The flight itself is integrated like any phase, without asking where the track is; then its gap is followed from look
 to look. Looks are so close that the plate moves by a small part of its size, or of its gap where that is larger, and a
 gap that turns around between two of them is looked at where it turns.
+
+A flight that is over before the plate has moved by such a part, and whose gap's rate falls evenly, is a hop: there the
+rate is known much better than the gap, which is the small difference of two places, and its integral vanishes where the
+plate lands.
 """
 
 from __future__ import annotations
 
-from math import hypot
+from functools import lru_cache
+from math import hypot, inf, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 from scipy.optimize import brentq
 
 from cases import Case
@@ -19,12 +25,20 @@ from cases.nearest import nearest
 
 from .arc import Arc
 from .impact import Touch
+from .series import EPS
 
 # Between two looks the plate moves by this part of its size, at most, while it is near its track.
 CLOSE = 1 / 16
 # Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
 # Sooner than this part of the step, positions do not resolve it: there is no flight.
 SOONEST = 1e-9
+# A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of the plate's speeds.
+EVEN = 1e-14
+# Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
+HOP = 1.0625
+# How often that is looked for anew with the rate there: a pull that grows makes it longer than the first look says.
+REFINED = 5
+_LOOKS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
 
 
 class Landing(NamedTuple):
@@ -43,28 +57,35 @@ class _Look(NamedTuple):
     time: float
     contact: Contact | None
     rate: float  # of the gap, m/s
+    speed: float  # of the plate's points, at most, m/s
+    beyond: float = nan  # of a landing: how much later it is than the rounded time, s
 
     @property
     def gap(self) -> float:
         return self.contact.gap if self.contact else np.inf
 
 
-def first_landing(case: Case, arc: Arc, end: float, near: float) -> Landing | None:
-    """The first landing of a flight's arc before `end`; None if it flies on.
+def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) -> Landing | None:
+    """The first landing of a flight's arc; None if it flies on.
 
-    The parameters on closed curves are counted on from `near`, where the track was touched last.
+    The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: the arc
+    goes on with a flight that did not land until then.
     """
     size = _reach(case)
-    start = float(arc.times[0])
+    start, end = float(arc.times[0]), float(arc.times[-1])
     before = _look(case, arc, start)
-    leaves = before.gap <= 1e-12 * size  # on the track, to the rounding of positions
+    if under_way and before.contact and before.gap <= 0.0:
+        return _landing(case, arc, before, near)  # by a rounding
+    leaves = not under_way and before.gap <= 1e-12 * size  # on the track, to the rounding of positions
     if before.contact and leaves:
-        first = _first_look(case, arc, start, end, size)
+        first = _first_look(case, arc, before, size)
         if first is None:
-            return _landing(case, arc, start, before.contact, near)
+            return _landing(case, arc, before, near)
+        if not isnan(first.beyond):
+            return _landing(case, arc, first, near)
         before = first
     while before.time < end:
-        step = _time_for(arc, before.time, max(CLOSE * size, 0.5 * min(before.gap, 1e6 * size)), size)
+        step = _time_for(arc, before, min(before.gap, 1e6 * size), size)
         if leaves:
             step = min(step, before.time - start)  # what has just begun may end as soon
         now = _look(case, arc, min(before.time + step, end))
@@ -76,37 +97,85 @@ def first_landing(case: Case, arc: Arc, end: float, near: float) -> Landing | No
     return None
 
 
-def _first_look(case: Case, arc: Arc, start: float, end: float, size: float) -> _Look | None:
-    """A look soon after the start at which the gap is positive and grows; None if it closes from the start."""
-    lift = _look(case, arc, start).rate
-    part = min(_time_for(arc, start, CLOSE * size, size), end - start)
+def _first_look(case: Case, arc: Arc, start: _Look, size: float) -> _Look | None:
+    """A look soon after the start at which the gap is positive and grows, or a hop's landing; None if it closes."""
+    part = _time_for(arc, start, 0.0, size)
     soonest = SOONEST * part
     while part > soonest:
-        look = _look(case, arc, start + part)
+        look = _look(case, arc, start.time + part)
+        if start.rate > 0.0 > look.rate:
+            hop = _hop(case, arc, start, look)
+            if hop is not None:
+                return hop
         if look.rate > 0.0 and look.gap > 0.0:
             return look
         # Half the time in which the rate falls to zero, as it has fallen until now (it may begin at a mere rounding).
-        part *= min(max(0.5 * lift / (lift - look.rate), 1e-3), 0.5) if lift > 0.0 > look.rate else 0.25
+        falls = start.rate > 0.0 > look.rate
+        part *= min(max(0.5 * start.rate / (start.rate - look.rate), 1e-3), 0.5) if falls else 0.25
     return None
 
 
+def _hop(case: Case, arc: Arc, start: _Look, ahead: _Look) -> _Look | None:
+    """The landing of a flight that begins at `start` on the track, if it is a hop over before `ahead`.
+
+    A rate that falls evenly vanishes half-way; where a polynomial through a few looks is as good as the rates
+    themselves, its integral's zero is the landing.
+    """
+    most, lasts, whole = ahead.time - start.time, inf, ahead
+    for _ in range(REFINED):
+        if not whole.rate < start.rate:
+            return None
+        before, lasts = lasts, 2.0 * start.rate * (whole.time - start.time) / (start.rate - whole.rate)
+        if not lasts <= most:
+            return None
+        if abs(lasts - before) <= 0.5 * (HOP - 1.0) * lasts:
+            break
+        whole = _look(case, arc, start.time + lasts)
+    half = _look(case, arc, start.time + 0.5 * lasts)
+    # Times are rounded, what is between them is not.
+    fall = (start.rate - whole.rate) / (whole.time - start.time)
+    if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.speed:
+        lasts = 2.0 * start.rate / fall
+    else:
+        lasts = _uneven(case, arc, start, lasts)
+    if isnan(lasts):
+        return None
+    landing = _look(case, arc, start.time + lasts)
+    beyond = lasts - (landing.time - start.time)
+    return landing._replace(beyond=beyond) if landing.contact is not None and landing.rate < 0.0 else None
+
+
+def _uneven(case: Case, arc: Arc, start: _Look, lasts: float) -> float:
+    """How long a hop lasts whose rate falls unevenly, about `lasts`; NaN where a polynomial does not tell."""
+    looks = [start, *(_look(case, arc, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
+    parts = [(look.time - start.time) / (HOP * lasts) for look in looks]
+    rate = Chebyshev.fit(parts, [look.rate for look in looks], len(looks) - 1, domain=(0.0, 1.0))
+    if not np.max(np.abs(rate.coef[-2:])) <= 10.0 * EVEN * start.speed:
+        return nan
+    gap, x = rate.integ(lbnd=0.0), 1.0 / HOP
+    for _ in range(5):  # Newton's method, from the landing of an even fall, a few parts in a hundred away
+        x -= float(gap(x) / rate(x))
+    return x * HOP * lasts if 0.0 < x <= 1.0 else nan
+
+
+@lru_cache(maxsize=256)
 def _reach(case: Case) -> float:
     """The farthest point of the outline from the centre of mass, m."""
     return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
 
 
-def _time_for(arc: Arc, t: float, way: float, size: float) -> float:
-    """How long the plate's points take for about that way (m), from the speeds before and after."""
-    left = float(arc.times[-1]) - t
-    step = min(way / max(_speed(arc, t, size), 1e-300), left)
-    while step * _speed(arc, t + step, size) > 2.0 * way:
+def _time_for(arc: Arc, look: _Look, gap: float, size: float) -> float:
+    """How long the plate's points take for the gap, or a small part of its size, from the speeds before and after."""
+    left = float(arc.times[-1]) - look.time
+    step = min(max(gap, CLOSE * size) / max(look.speed, 1e-300), left)
+    while step * _speed(_state(arc, look.time + step), size) > max(gap, 2.0 * CLOSE * size):
         step *= 0.5  # a plate that is let go has no speed yet, and gains it
     return step
 
 
-def _speed(arc: Arc, t: float, size: float) -> float:
-    """A bound on the speed of the plate's points at that time, m/s."""
-    _, _, _, vx, vy, omega = _state(arc, t)
+def _speed(state: list[float], size: float) -> float:
+    """A bound on the speed of the plate's points, m/s."""
+    _, _, _, vx, vy, omega = state
     return hypot(vx, vy) + abs(omega) * size
 
 
@@ -118,18 +187,20 @@ def _state(arc: Arc, t: float) -> list[float]:
 def _look(case: Case, arc: Arc, t: float) -> _Look:
     state = _state(arc, t)
     contact = nearest(case, *state[:3])
-    return _Look(t, contact, _touch(case, state, contact)[0].lift if contact else 0.0)
+    rate = _touch(case, state, contact)[0].lift if contact else 0.0
+    return _Look(t, contact, rate, _speed(state, _reach(case)))
 
 
 def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:
     """Velocity of the plate's nearest point along tangent and normal of the track's, the spin, and the arm."""
     x, y, _, vx, vy, omega = state
-    (tx, ty), (X, Y) = case.track.tangent(contact.xi1), case.track.point(contact.xi1)
+    X, Y, Xp, Yp = case.track.jet(contact.xi1)[:4]
+    speed = hypot(Xp, Yp)
+    tx, ty = Xp / speed, Yp / speed
     # The outline's point lies off the track's by the gap along the normal.
     rx, ry = X - contact.gap * ty - x, Y + contact.gap * tx - y
     px, py = vx - omega * ry, vy + omega * rx
-    touch = Touch(float(px * tx + py * ty), float(py * tx - px * ty), omega)
-    return touch, float(rx * tx + ry * ty), float(ry * tx - rx * ty)
+    return Touch(px * tx + py * ty, py * tx - px * ty, omega), rx * tx + ry * ty, ry * tx - rx * ty
 
 
 def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look:
@@ -137,25 +208,35 @@ def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look:
     return _look(case, arc, brentq(lambda t: _look(case, arc, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16))
 
 
-def _locate(case: Case, arc: Arc, before: _Look, now: _Look, near: float) -> Landing:
-    """The zero of the gap between a look above and one below the track."""
-    size = _reach(case)
+def _locate(case: Case, arc: Arc, above: _Look, below: _Look, near: float) -> Landing:
+    """The zero of the gap between a look above and one below the track: Newton's method, kept between the two.
 
-    def gap(t: float) -> float:
-        # Of the pair that is the nearest at that time: one followed from elsewhere may lead to another.
-        return min(_look(case, arc, t).gap, size)
+    Each look is at the pair that is the nearest at that time: one followed from elsewhere may lead to another.
+    """
+    x, y, *_ = _state(arc, below.time)
+    rounding = 0.5 * EPS * (_reach(case) + abs(x) + abs(y))
+    now, low, high = below, above.time, below.time
+    while abs(now.gap) > rounding and above.gap > 0.0:
+        time = now.time - now.gap / now.rate if now.rate < 0.0 else low
+        if abs(time - now.time) <= np.spacing(high) or high - low <= 2.0 * np.spacing(high):
+            break
+        now = _look(case, arc, time if low < time < high else 0.5 * (low + high))
+        low, high = (now.time, high) if now.gap > 0.0 else (low, now.time)
+    now = now if now.contact else below
+    near_enough = now.rate < 0.0 and abs(now.gap) <= -4.0 * now.rate * np.spacing(high)
+    return _landing(case, arc, now._replace(beyond=-now.gap / now.rate if near_enough else nan), near)
 
-    if not gap(now.time) < 0.0 < gap(before.time):
-        assert now.contact is not None  # its gap is a number
-        return _landing(case, arc, now.time, now.contact, near)
-    time = brentq(gap, before.time, now.time, xtol=1e-16, rtol=8.9e-16)
-    landed = _look(case, arc, time).contact
-    assert landed is not None
-    return _landing(case, arc, time, landed, near)
 
+def _landing(case: Case, arc: Arc, look: _Look, near: float) -> Landing:
+    """The landing at a look, whose time is rounded: what is left of it moves the state on.
 
-def _landing(case: Case, arc: Arc, t: float, contact: Contact, near: float) -> Landing:
-    state = _state(arc, t)
+    Rounded times alone would change the energy of a plate that bounces for long.
+    """
+    t, contact, state = look.time, look.contact, _state(arc, look.time)
+    assert contact is not None  # it has a gap
+    if not isnan(look.beyond):
+        rates = arc.phase.system.rates_of_numbers(t, state, arc.phase.parameters)
+        state = [value + look.beyond * rate for value, rate in zip(state, rates, strict=True)]
     touch, arm_t, arm_n = _touch(case, state, contact)
     return Landing(t, *_counted_on(case, contact, state[2], near), state[2], touch, arm_t, arm_n)
 

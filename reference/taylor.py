@@ -5,6 +5,7 @@ Optional: where heyoka is not installed, `AVAILABLE` is False and DOP853 does ev
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
@@ -18,7 +19,7 @@ from cases import NotSupported
 
 from .ahead import INSIDE, PARTS, clear_part, defect
 from .arc import BREAKDOWN, Arc, Stop
-from .eliminated import T
+from .eliminated import Motion, T
 from .modes import Phase
 from .system import System
 
@@ -38,6 +39,9 @@ SHORTEST = 16
 # The defect of a step's polynomial, in tolerances: steps that saw what lay in them stayed below 1.1 (bumps, steps and
 # notches at 1e-4 … 1e-12). Forces are known to ROUNDING, as differences of terms up to a thousand times as large.
 DEFECT, ROUNDING = 10.0, 1e-12
+# The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
+# leaves zero with the fourth power of time is still well above its own rounding.
+PART = 1e-3
 # Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
 # 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
 SMALL = 500
@@ -235,29 +239,49 @@ def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coeffic
     detection would find that root again, and a cool-down after it would hide the next.
     """
     _set(integrator, t, y, real)
+    if not phase.system.guards:
+        return None
     integrator.step(real(0.0), True)
     series = integrator.tc.astype(float)
+    _set(integrator, t, y, real)
     if not np.all(np.isfinite(series)):
         return BREAKDOWN
-    order = series.shape[1] - 1
-    # How far the polynomial carries: where its last term has grown to the size of the plate.
-    last = [abs(float(series[i, order])) / size for i, size in enumerate(phase.lengths)]
-    reach = min(max(last) ** (-1.0 / order) if max(last) > 0.0 else end - t, end - t)
-    # A thousandth of the polynomial's reach: it is exact there to rounding, and a guard that leaves zero does not come
-    # back so soon; where one does, the step is shortened until it shows.
+    reach = _reach(phase, series, t, y)
+    if not np.isfinite(reach):
+        return None  # nothing moves and nothing presses: no guard leaves zero
+    values: list[float] = []
     for shorter in range(9):
-        h = 1e-3 * reach * 10.0**-shorter
+        h = min(PART * reach * 10.0**-shorter, end - t)
         if phase.features:
             h *= clear_part(phase, t, h, polyval(h * PARTS, series.T))
-        state = np.polynomial.polynomial.polyval(h, series.T)
-        values = phase.system.guards_of_numbers(t + h, state.tolist(), phase.parameters)
-        if all(value > 0.0 for value in values):
+        # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
+        # until the event lies behind it.
+        for part in (0.5, 1.0):
+            state = polyval(part * h, series.T)
+            values = phase.system.guards_of_numbers(t + part * h, state.tolist(), phase.parameters)
+            if not all(value > 0.0 for value in values):
+                break
+        else:
             _set(integrator, t + h, state, real)
             coefficients.append(series)
             times.append(t + h)
             return None
-    _set(integrator, t, y, real)
     return next(name for name, value in zip(phase.system.guards, values, strict=True) if not value > 0.0)
+
+
+def _reach(phase: Phase, series: np.ndarray, t: float, y) -> float:
+    """The time in which some term of the positions' series, or what the contact's forces do, grows to the plate's size.
+
+    All terms count: those of even or of odd order vanish in a motion from rest. For a plate at rest there is none, but
+    its forces balance; infinite where there are no forces either.
+    """
+    powers = np.arange(1, series.shape[1])
+    terms = np.abs(series[: phase.system.positions, 1:]) / np.array(phase.lengths)[:, None]
+    fastest = float(np.max(terms ** (1.0 / powers), initial=0.0))
+    if fastest == 0.0:
+        forces = Motion(*phase.system.observed_of_numbers(t, tuple(y), phase.parameters))
+        fastest = max(abs(forces.normal), abs(forces.friction)) ** 0.5 / phase.size**0.5
+    return 1.0 / fastest if fastest else np.inf
 
 
 def _set(integrator, t: float, y, real: type) -> None:
@@ -269,16 +293,33 @@ def _set(integrator, t: float, y, real: type) -> None:
 
 def _dense(times, coefficients, y):
     """The steps' own Taylor polynomials."""
+    starts = np.array(times[:-1])
+
+    @lru_cache(maxsize=4)
+    def rows(i: int) -> list[list[float]]:
+        """One step's polynomials from the highest power down, without what vanishes there."""
+        used = max(np.flatnonzero(coefficients[i].any(axis=0)), default=0) + 1
+        return coefficients[i][:, used - 1 :: -1].tolist() if used > 1 else coefficients[i][:, :1].tolist()
 
     def states(when: np.ndarray) -> np.ndarray:
         if not coefficients:
             return np.repeat(np.array(y, dtype=float)[:, None], len(when), axis=1)
-        starts = np.array(times[:-1])
+        if len(when) == 1:  # a search looks at one instant after the other: a tenth of the time below
+            i = max(bisect_right(times, float(when[0]), hi=len(coefficients)) - 1, 0)
+            return np.array([[_horner(row, float(when[0]) - times[i])] for row in rows(i)])
         which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(coefficients) - 1)
         values = np.empty((len(y), len(when)))
         for i in np.unique(which):
             chosen = which == i
-            values[:, chosen] = np.polynomial.polynomial.polyval(when[chosen] - starts[i], coefficients[i].T)
+            values[:, chosen] = polyval(when[chosen] - starts[i], coefficients[i].T)
         return values
 
     return states
+
+
+def _horner(row: list[float], x: float) -> float:
+    """A polynomial's value, its coefficients from the highest down."""
+    value = 0.0
+    for coefficient in row:
+        value = coefficient + value * x
+    return value

@@ -1,0 +1,25 @@
+"""The motion's own scales of time: what is short or long is measured by them, never by how long one looks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+
+from .modes import Phase
+
+
+def frequency(phase: Phase, t: float, y: Sequence[float]) -> float:
+    """How fast a state changes, 1/s: the largest of speed over size and √(acceleration over size), of all positions.
+
+    0 where nothing moves and nothing accelerates; infinite or NaN where the state is no motion of numbers.
+    """
+    rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
+    p = phase.system.positions
+    # A motion from rest covers its own size in √(size/acceleration).
+    return max(
+        (
+            max(abs(u) / size, sqrt(abs(u_dot) / size))
+            for u, u_dot, size in zip(y[p:], rates[p:], phase.lengths, strict=False)
+        ),
+        default=0.0,
+    )

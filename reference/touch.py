@@ -1,0 +1,62 @@
+"""A touch that is no departure: a normal force that vanishes and grows again at once, to the motion's accuracy.
+
+A frictionless disc that comes back to the height it was let go from has N = 0 and v = 0 there at once; the computed N
+dips below zero, or does not, by the error of the integration.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from . import series
+from .arc import Arc, Stop
+from .modes import Phase
+
+# Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
+ORDER = 8
+GUARD = "normal_force"
+
+
+def over_touch(arc: Arc, error: float, end: float) -> Arc | None:
+    """The same motion across a dip of the normal force that ended the arc; None if the contact ends there indeed.
+
+    A dip is none if it is no deeper than the relative `error` of the greatest normal force of the arc. The motion
+    across has no length where the force only reaches zero, and does not go beyond the time `end`.
+    """
+    now, t, y = arc.phase, arc.stop.time, arc.stop.state
+    motion, force = _expanded(now, t, y)
+    value, slope, bend = force[:3]
+    if not bend > 0.0:
+        return None
+    depth = slope * slope / (4.0 * bend) - value
+    index = list(now.system.guards).index(GUARD)
+    along = now.system.guards_of_arrays(arc.times, arc.states(arc.times), now.parameters)[index]
+    if depth > error * np.max(np.abs(along)):
+        return None
+    # To the dip's end and as far again: there the force is clear of zero.
+    lasts = 2.0 * (sqrt(max(depth, 0.0) / bend) + max(-slope, 0.0) / (2.0 * bend))
+    lasts = min(lasts, end - t)
+    last = np.polynomial.polynomial.polyval(lasts, motion.T)
+    guards = now.system.guards_of_numbers(t + lasts, last.tolist(), now.parameters)
+    if t < t + lasts < end and not all(value > 0.0 for value in guards):
+        return None  # something else ends there, too
+
+    def states(times: np.ndarray) -> np.ndarray:
+        return np.polynomial.polynomial.polyval(times - t, motion.T)
+
+    return Arc(now, np.array([t, t + lasts]), states, Stop(None, t + lasts, tuple(last.tolist())), 1)
+
+
+def _expanded(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:
+    """The coefficients in time of the state, shape (variables, ORDER + 1), and of the normal force's guard."""
+
+    def rates(time, state):
+        return now.system.rates_of_series(time + t, state, now.parameters)
+
+    state = series.along(rates, y, [0.0] * len(y), ORDER)
+    time = series.Series([t, 1.0, *([0.0] * (ORDER - 1))], [0.0] * (ORDER + 1))
+    index = list(now.system.conditions).index(GUARD)
+    force = now.system.conditions_of_series(time, state, now.parameters)[index]
+    return np.array([component.c for component in state]), list(force.c)
