@@ -46,7 +46,7 @@ def imported_modules(file: Path) -> set[str]:
 def test_literal_system_knows_neither_the_eliminated_equations_nor_the_event_loop():
     # What the fast form is tested against must not lean on it.
     files = sorted((ROOT / "reference" / "paper").glob("*.py"))
-    assert len(files) == 3
+    assert len(files) > 3
     for file in files:
         assert imported_modules(file) <= {"paper"}, file
 
