@@ -194,13 +194,14 @@ def check_start(case: Case) -> None:
     if domain and not case.track.period and not domain[0] <= xi1 <= domain[1]:
         raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
     _check_start_effects(case)
-    start = start_motion(case)
-    if case.start.gap == 0.0 and clearance(case, xi1, start.xi2) <= 0.0:
+    xi2 = level_parameter(case) if case.start.xi2 is None else case.start.xi2
+    if case.start.gap == 0.0 and not clearance(case, xi1, xi2) > 0.0:
         raise DoesNotFit(
             f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
             f"{float(case.track.curvature(xi1)):.6g} 1/m is not below the outline's "
-            f"{float(case.plate.outline.curvature(start.xi2)):.6g} 1/m; give a smaller plate or a wider track"
+            f"{float(case.plate.outline.curvature(xi2)):.6g} 1/m; give a smaller plate or a wider track"
         )
+    start = start_motion(case)
     place = overlap(case, start.x, start.y, start.theta)
     if place is not None:
         raise DoesNotFit(
