@@ -55,7 +55,7 @@ def disc(radius: float, mass: float, inertia: float | None = None) -> Plate:
     """A disc about its centre of mass; inertia ½ m r² (homogeneous) if none is given."""
     radius, mass = positive("radius of the disc", radius), positive("mass of the disc", mass)
     outline = Curve(lambda s: (radius * curves.cos(s), radius * curves.sin(s)))
-    return Plate(outline, mass, 0.5 * mass * radius**2 if inertia is None else inertia)
+    return Plate(outline, mass, 0.5 * mass * radius * radius if inertia is None else inertia)
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,8 @@ class Case:
         check_sizes(self)
         from .contact import check_start  # the geometry is written in terms of cases, so it is imported late
 
-        check_start(self)
+        with np.errstate(all="ignore"):  # what is not finite does not fit
+            check_start(self)
 
     def effect(self, kind: type[E]) -> E | None:
         """The case's effect of that kind, or None if the case does not ask for it."""

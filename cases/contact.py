@@ -199,7 +199,7 @@ def check_start(case: Case) -> None:
         raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
     _check_start_effects(case)
     xi2 = _start_xi2(case)
-    if case.start.gap == 0.0 and clearance(case, xi1, xi2) <= 0.0:
+    if case.start.gap == 0.0 and not clearance(case, xi1, xi2) > 0.0:
         raise DoesNotFit(
             f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
             f"{float(case.track.curvature(xi1)):.6g} 1/m is not below the outline's "

@@ -189,8 +189,8 @@ class Curve:
         """
         if np.ndim(s) == 0:
             xp, yp = self.jet(float(s))[2:4]
-            principal, rough = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s, dtype=float)))
-            return principal + 2 * np.pi * round((rough - principal) / (2 * np.pi))
+            angle, near = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s, dtype=float)))
+            return angle + 2 * np.pi * round((near - angle) / (2 * np.pi))
         s = np.asarray(s, dtype=float)
         d = self.jets(s)[2:4]
         principal = np.arctan2(d[1], d[0]).reshape(s.shape)

@@ -19,6 +19,8 @@ from .errors import DoesNotFit
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
+# Squares of distances (m) overflow beyond: from there on every place is as far.
+FARTHEST = 1e150
 
 
 class _Track(NamedTuple):
@@ -99,7 +101,7 @@ def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarra
     low, high = case.track.look
     while True:
         track = _track(case.track, low, high, _size(case.plate.outline))
-        _, places = track.tree.query(there)
+        _, places = track.tree.query(np.clip(there, -FARTHEST, FARTHEST))
         ends = np.zeros(len(places), dtype=bool)
         if not case.track.period:
             ends = (places == 0) | (places == len(track.parameters) - 1)

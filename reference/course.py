@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,7 @@ from .modes import (
 from .scales import frequency
 from .series import EPS
 from .touch import over_touch
-from .transitions import decide
+from .transitions import Undecidable, decide
 
 # Changes of regime accumulate where this many follow each other in this part of the motion's own time.
 MANY, NO_TIME = 1000, 1e-9
@@ -123,10 +124,13 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         y = state_in(now, y)
         if progress.none(t, frequency(now, t, y)):
             return arcs, transitions, ACCUMULATION
-        if regime == FLIGHT:
-            step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
-        else:
-            step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
+        try:
+            if regime == FLIGHT:
+                step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
+            else:
+                step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
+        except Undecidable:
+            return arcs, transitions, undecidable(t)
         idle = idle + 1 if step.time == t else 0
         if idle > IDLE and step.regime not in (None, FLIGHT):
             step = _moved_on(case, regime, step)
@@ -139,6 +143,12 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         t, y, regime, near = step.time, step.state, step.regime, step.place[0]
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
     return arcs, transitions, ("unfinished", sentence)
+
+
+def undecidable(t: float) -> Ending:
+    """What is said where a decision meets numbers that are none."""
+    why = "sizes, speeds and forces are too far apart for double precision, or a formula has no value"
+    return BREAKDOWN, f"After t = {t:.9g} s {why}."
 
 
 class _Progress:
@@ -269,6 +279,8 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
         return NO_MODE
     now, m = phase(case, candidates(case)[-1]), _free(case, t, y)
     state = state_in(now, y)
+    if not np.isfinite(m.closing):
+        raise Undecidable
     fastest = max(
         (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
     )
@@ -310,7 +322,7 @@ def _flown(
 def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
     """How long a flight may last, s: until its force has brought it back, or it has moved or fallen by its size."""
     rates = now.system.rates_of_numbers(t, tuple(y), now.parameters)
-    speed, force = np.hypot(*y[3:5]), np.hypot(*rates[3:5])
+    speed, force = hypot(*y[3:5]), hypot(*rates[3:5])
     often = frequency(now, t, y)
     back = 4.0 * speed / force if force else 0.0
     return max(back, 4.0 / often if often else np.inf)

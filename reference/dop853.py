@@ -90,6 +90,8 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
 
     rtol = max(rtol, 1e-13)
     atol = rtol * _scales(phase, t, y)
+    if not np.isfinite(atol).all():
+        return _ended(phase, [t], [], Stop(BREAKDOWN, t, tuple(y)), 1)
     # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
     first = end - t if phase.regime == FLIGHT and end > t else None
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
@@ -99,10 +101,14 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
         _step(solver, phase, rtol)
         if solver.status == "failed":
             stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
-            states = _joined(times[:-1], pieces) if pieces else lambda when: np.outer(y, np.ones(len(when)))
-            return Arc(phase, np.array(times), states, stop, solver.nfev)
+            return _ended(phase, times, pieces, stop, solver.nfev)
         piece = solver.dense_output()
-        found = _first_zero(phase, piece, first=not pieces)
+        found = None
+        if phase.system.guards:
+            at_nodes = _guards_at_nodes(phase, piece)
+            if not np.isfinite(at_nodes).all():
+                return _without_value(phase, times, pieces, piece, at_nodes, rtol, solver.nfev)
+            found = _first_zero(phase, piece, at_nodes, first=not pieces)
         if found:
             guard, when = found
             piece, stop = _land(phase, rhs, piece, guard, when, rtol, atol)
@@ -111,10 +117,15 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
         pieces.append(piece)
         if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
             stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
-            return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
+            return _ended(phase, times, pieces, stop, solver.nfev)
         if solver.status == "finished":
-            stop = Stop(None, solver.t, tuple(solver.y.tolist()))
-            return Arc(phase, np.array(times), _joined(times[:-1], pieces), stop, solver.nfev)
+            return _ended(phase, times, pieces, Stop(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
+
+
+def _ended(phase: Phase, times: list[float], pieces, stop: Stop, evaluations: int) -> Arc:
+    """The arc of whole steps; of none, the state where it stopped."""
+    states = _joined(times[:-1], pieces) if pieces else lambda when: np.outer(stop.state, np.ones(len(when)))
+    return Arc(phase, np.array(times), states, stop, evaluations)
 
 
 def _step(solver: DOP853, phase: Phase, rtol: float) -> None:
@@ -150,14 +161,33 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
     return np.array([*phase.lengths, *(size * often for size in phase.lengths)][: len(y)])
 
 
+def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int) -> Arc:
+    """The arc up to where a guard's formula loses its value inside the last step, or up to a guard's zero before."""
+    after = int(np.argmin(np.isfinite(at_nodes).all(axis=0)))
+    low, high = float(_NODES[max(after - 1, 0)]), float(_NODES[after])
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        state = piece.y_old + _weights(middle) @ piece.F
+        values = phase.system.guards_of_numbers(piece.t_old + piece.h * middle, state.tolist(), phase.parameters)
+        low, high = (middle, high) if np.isfinite(values).all() else (low, middle)
+    until = piece.t_old + piece.h * low
+    if until <= piece.t_old:
+        return _ended(phase, times, pieces, Stop(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
+    rest = integrate(phase, piece.t_old, piece.y_old, until, rtol)
+    stop = rest.stop if rest.stop.guard else rest.stop._replace(guard=BREAKDOWN)
+    states = _joined(times, [*pieces, rest.states])
+    return Arc(phase, np.array([*times, *rest.times[1:]]), states, stop, evaluations + rest.evaluations)
+
+
 def _guards_at_nodes(phase: Phase, piece) -> np.ndarray:
     """All guards at _NODES of a step, shape (guards, nodes)."""
     # One product instead of SciPy's evaluation, which costs as much as a third of the step itself.
     states = (piece.y_old + _AT_NODES @ piece.F).T
     values = np.empty((len(phase.system.guards), len(_NODES)))
     times = piece.t_old + piece.h * _NODES
-    for row, guard in zip(values, phase.system.guards_of_arrays(times, states, phase.parameters), strict=True):
-        row[:] = guard  # a constant one is a number
+    with np.errstate(all="ignore"):
+        for row, guard in zip(values, phase.system.guards_of_arrays(times, states, phase.parameters), strict=True):
+            row[:] = guard  # a constant one is a number
     return values
 
 
@@ -167,12 +197,10 @@ def _guard(phase: Phase, piece, index: int, x: float) -> float:
     return phase.system.guards_of_numbers(piece.t_old + piece.h * x, state.tolist(), phase.parameters)[index]
 
 
-def _first_zero(phase: Phase, piece, first: bool) -> tuple[str, float] | None:
+def _first_zero(phase: Phase, piece, at_nodes: np.ndarray, first: bool) -> tuple[str, float] | None:
     """The guard that is the first to reach zero inside the step, and when; None if all stay positive."""
-    h = piece.t - piece.t_old
-    if h <= 0 or not phase.system.guards:
+    if piece.t <= piece.t_old:
         return None
-    at_nodes = _guards_at_nodes(phase, piece)
     if first:
         # The decision that began the phase says that all guards are positive just after; at the start itself one is
         # zero, to rounding of either sign.

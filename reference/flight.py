@@ -58,6 +58,7 @@ class _Look(NamedTuple):
     contact: Contact | None
     rate: float  # of the gap, m/s
     speed: float  # of the plate's points, at most, m/s
+    far: float  # half-way back to where tracks are drawn, m: off the ends of one there is no gap
     beyond: float = nan  # of a landing: how much later it is than the rounded time, s
 
     @property
@@ -85,7 +86,7 @@ def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) ->
             return _landing(case, arc, first, near)
         before = first
     while before.time < end:
-        step = _time_for(arc, before, min(before.gap, 1e6 * size), size)
+        step = _time_for(arc, before, min(before.gap, max(1e6 * size, before.far)), size)
         if leaves:
             step = min(step, before.time - start)  # what has just begun may end as soon
         now = _look(case, arc, min(before.time + step, end))
@@ -188,7 +189,7 @@ def _look(case: Case, arc: Arc, t: float) -> _Look:
     state = _state(arc, t)
     contact = nearest(case, *state[:3])
     rate = _touch(case, state, contact)[0].lift if contact else 0.0
-    return _Look(t, contact, rate, _speed(state, _reach(case)))
+    return _Look(t, contact, rate, _speed(state, _reach(case)), 0.5 * hypot(*state[:2]))
 
 
 def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:

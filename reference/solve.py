@@ -16,10 +16,10 @@ from cases.errors import unknown
 
 from . import dop853, literal, taylor
 from .arc import Arc
-from .course import LOCATED, run
+from .course import LOCATED, run, undecidable
 from .modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .second_contact import until_second_contact
-from .transitions import decide
+from .transitions import Undecidable, decide
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
@@ -36,6 +36,7 @@ INTEGRATORS = {
 _FREE = Cost()
 
 
+@np.errstate(all="ignore")  # what is not finite ends the motion with a reason
 def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
     """The motion of a case by the paper's equations.
 
@@ -52,7 +53,10 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     began_setup = time.perf_counter()
     prepare(case, method, rtol)
     start = start_state(case)
-    regime = first_regime(case, start)
+    try:
+        regime = first_regime(case, start)
+    except Undecidable:
+        return sampled(case, [], [], undecidable(0.0))
     setup = time.perf_counter() - began_setup
     cpu, wall = time.process_time(), time.perf_counter()
     arcs, transitions, ending = solved(case, regime, start, rtol, integrate)

@@ -5,8 +5,10 @@ One symbolic source serves every integrator: sizes, friction, loads and start ar
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from math import nan
 from typing import NamedTuple
 
 import sympy as sp
@@ -51,7 +53,8 @@ class System:
         return tuple(sorted(found - {*self.variables, T}, key=lambda symbol: symbol.name))
 
     def _compile(self, expressions, library):
-        return sp.lambdify([T, self.variables, self.parameters], list(expressions), modules=library, cse=True)
+        compiled = sp.lambdify([T, self.variables, self.parameters], list(expressions), modules=library, cse=True)
+        return _without_raising(compiled, len(expressions)) if library == "math" else compiled
 
     @cached_property
     def rates_of_numbers(self):
@@ -97,6 +100,19 @@ class System:
     def observed_of_numbers(self):
         """The same on floats."""
         return self._compile(self.observed, "math")
+
+
+def _without_raising(compiled: Callable[..., list], count: int) -> Callable[..., list]:
+    """The same function of floats, NaN where it has no value there (a logarithm of less than 0, an overflow), like that
+    of arrays: integrators stop at it, a decision finds nothing."""
+
+    def evaluated(t, y, parameters) -> list:
+        try:
+            return compiled(t, y, parameters)
+        except (ArithmeticError, ValueError):
+            return [nan] * count
+
+    return evaluated
 
 
 class Kind(NamedTuple):

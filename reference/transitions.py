@@ -8,6 +8,7 @@ serves the start, slip that vanishes and a normal force that vanishes in a two-s
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 
 from cases import Case
 
@@ -19,13 +20,17 @@ from .modes import Phase, Regime, candidates, phase, state_in
 ORDER = 8
 
 
+class Undecidable(ArithmeticError):
+    """The numbers of a state or of its series in time are too large, too small or none at all."""
+
+
 def decide(
     case: Case, t: float, y: Sequence[float], error: float, among: Sequence[Regime] | None = None
 ) -> Regime | None:
     """The regime that follows from the state (ξ₁, ξ₂, ξ̇₁, ξ̇₂) at time t, or None if none is consistent.
 
     `error` is the relative error of the state (rounding at a start, the location's at an event): what is
-    smaller counts as zero and the next derivative decides.
+    smaller counts as zero and the next derivative decides. Raises Undecidable where no finite numbers tell.
     """
     for regime in candidates(case) if among is None else among:
         if follows(case, phase(case, regime), t, y, error):
@@ -53,6 +58,8 @@ def _by_value(candidate: Phase, t, y, error) -> bool | None:
             # At an event a thousand times its error; at a start the rounding of a difference of two speeds.
             if abs(values[name]) <= (1e3 * error if error > series.EPS else 8 * series.EPS) * candidate.size * fastest:
                 values[name] = rate
+    if not all(isfinite(v) for v in values.values()):
+        raise Undecidable
     scale = max((abs(v) for v in values.values()), default=0.0)
     # A million times the state's error: anything closer to zero is left to the series, which know their own bounds.
     if any(abs(v) <= 1e6 * max(error, series.EPS) * scale for v in values.values()):
@@ -80,7 +87,12 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
     positions = candidate.system.positions
     fastest = max((abs(v) for v in y[positions:]), default=0.0)
     bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
-    state = series.along(rates, y, bounds, order)
-    time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
-    values = candidate.system.conditions_of_series(time, state, candidate.parameters)
+    try:
+        state = series.along(rates, y, bounds, order)
+        time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
+        values = candidate.system.conditions_of_series(time, state, candidate.parameters)
+    except (ArithmeticError, ValueError) as problem:
+        raise Undecidable from problem
+    if not all(isfinite(c) for value in values if isinstance(value, series.Series) for c in value.c):
+        raise Undecidable
     return {name: series.sign(value) for name, value in zip(candidate.system.conditions, values, strict=True)}
