@@ -79,11 +79,8 @@ def _labels(names: Sequence[str] | None) -> list[str]:
 
 def _rebuild(labels: list[str], jobs: int, path: Path, whole_catalogue: bool) -> int:
     """Certify and keep; returns the exit status."""
-    order = _labels(None)
-    kept = dict(read(path))
-    if whole_catalogue:
-        kept = {label: row for label, row in kept.items() if label in order}
-    failed = 0
+    kept = {label: row for label, row in read(path).items() if not whole_catalogue or label in labels}
+    order, failed = cases.names(), 0
     for n, (label, outcome) in enumerate(_outcomes(labels, jobs), start=1):
         if isinstance(outcome, Certificate):
             kept[label] = outcome
@@ -96,11 +93,16 @@ def _rebuild(labels: list[str], jobs: int, path: Path, whole_catalogue: bool) ->
             failed += not cases.entry(label.partition("[")[0]).hard
             told = f"not kept: {outcome}"
         print(f"{n}/{len(labels)} {told}", flush=True)
-        places = {name: i for i, name in enumerate(order)}
-        write(sorted(kept.values(), key=lambda row: places.get(row.case, len(places))), path)
+        write(sorted(kept.values(), key=lambda row: _place(order, row.case)), path)
     read.cache_clear()
     print(f"written: {path.name}, {len(kept)} cases")
     return 1 if failed else 0
+
+
+def _place(order: list[str], label: str) -> int:
+    """Where a row stands: with its name, in the catalogue's order; of a name that has gone, at the end."""
+    name = label.partition("[")[0]
+    return order.index(name) if name in order else len(order)
 
 
 def _outcomes(labels: list[str], jobs: int) -> Iterator[tuple[str, Certificate | str]]:

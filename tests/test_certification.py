@@ -1,0 +1,228 @@
+"""What a certificate promises: bars that hold, witnesses that are named, sentences that do not blame the scene."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import cases
+from cases import Case, CoulombFriction, Curve, Gravity, Load, NotSupported, Start, Transition, Unilateral, disc
+from cases import curves as c
+from cases.effects import MOTION
+from cases.library import line
+from reference import certification, contact_frame, rebuild, simulate, taylor, witnesses
+from reference.certification import Certificate, NotCertified, certify
+from tests.authorities.many_digits import STATES, TIMES, computed
+
+GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
+BOWLED = cases.load("disc_on_line[mu=0.1]")
+
+
+@pytest.fixture(scope="module")
+def bowled() -> Certificate:
+    return certify(BOWLED)
+
+
+def test_bars_hold_where_all_witnesses_share_a_rounding():
+    """A disc that slides round a loop without friction does not turn. Each witness of the first formulation holds its
+    spin as a difference of two speeds of 70 rad/s, which leaves 7e-15 rad/s: they agree, and are wrong alike."""
+    certificate = certify(cases.load("sliding_loop[ratio=5.1]"))
+    for quantity in ("theta", "omega"):
+        assert all(abs(one.value) <= one.bar for one in certificate.samples[quantity]), quantity
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("label", STATES)
+def test_samples_hold_a_computation_with_many_digits(label):
+    certificate = certify(cases.load(label))
+    assert certificate.times == pytest.approx(TIMES[label], abs=1e-15)
+    for quantity, values in STATES[label].items():
+        for one, exact in zip(certificate.samples[quantity], values, strict=True):
+            assert abs(sp.Float(repr(one.value), 40) - sp.Float(exact, 40)) <= one.bar, (quantity, exact)
+
+
+def test_the_many_digits_are_computed_again():
+    """The first moments of a kept computation, made anew."""
+    label = "sliding_loop[ratio=5.1]"
+    again = computed(label, TIMES[label][:3])
+    for quantity, values in again.items():
+        for one, kept in zip(values, STATES[label][quantity], strict=False):
+            assert abs(one - sp.Float(kept, 30)) < 1e-19
+
+
+def test_no_bar_is_narrower_than_the_rounding_of_what_it_is_worked_out_from(bowled):
+    """Four roundings of the plate's way for a place, of the slip's first value for a speed that has become zero."""
+    rounding = 2.0**-52
+    for one in bowled.samples["x"]:
+        assert one.bar >= 4 * rounding * max(abs(s.value) for s in bowled.samples["x"])
+    for one in bowled.samples["slip"]:
+        assert one.bar >= 4 * rounding * BOWLED.start.slip
+    assert all(one.bar > 1e-17 for bars in bowled.samples.values() for one in bars)
+
+
+@pytest.mark.slow
+def test_a_bar_grows_where_the_motion_is_unstable():
+    """Balanced on its tip, an ellipse moves away from rest by its eigenvalue: what a rounding of its angle makes of its
+    place after a second is what the bar says, to an order of magnitude."""
+    case = cases.load("balanced_on_its_tip[duration=1]")
+    certificate = certify(case)
+    bars = [one.bar for one in certificate.samples["theta"]]
+    assert bars[-1] > 3 * bars[0]
+    moved = replace(case, start=replace(case.start, xi2=case.start.xi2 + 1e-9), name="moved")
+    change = abs(simulate(moved, rtol=1e-13).theta[-1] - simulate(case, rtol=1e-13).theta[-1])
+    assert bars[-1] >= 2.0**-52 * change / 1e-9
+
+
+# --- witnesses --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
+def test_where_a_witness_cannot_run_the_truth_rests_on_the_others_and_says_so():
+    vx = MOTION[4]
+    drag = Load(fx=-vx * sp.Abs(vx) / 3)
+    case = Case(line(), disc(0.1, 1.0), (*GROUND, drag), Start(0.0, slip=1.0), 0.2)
+    with pytest.raises(NotSupported, match="Abs"):
+        simulate(case, method="taylor")
+    certificate = certify(case)
+    assert certificate.witnesses == ("dop853 1e-13", "contact frame 1e-13")
+    assert len(certificate.missing) == 3 and all("Abs" in sentence for sentence in certificate.missing)
+
+
+def test_one_witness_alone_certifies_nothing(monkeypatch):
+    able, _ = witnesses.witnesses(BOWLED)
+    monkeypatch.setattr(certification, "witnesses", lambda case: (able[:1], ["the others cannot run: a reason"]))
+    with pytest.raises(NotCertified, match="one way of solving alone.*a reason"):
+        certify(BOWLED)
+
+
+def disagreeing(monkeypatch, change) -> str:
+    """What is told where the last witness of a disc on a line says something else."""
+    able, missing = witnesses.witnesses(BOWLED)
+    monkeypatch.setattr(certification, "witnesses", lambda case: ([*able[:-1], change(able[-1])], missing))
+    with pytest.raises(NotCertified) as error:
+        certify(BOWLED)
+    text = str(error.value)
+    assert "\n" not in text and "ill-conditioned" not in text
+    assert able[0].name in text and able[-1].name in text and "one of the two may be wrong" in text
+    return text
+
+
+def test_witnesses_that_tell_different_stories_are_named_and_the_scene_is_not_blamed(monkeypatch):
+    text = disagreeing(monkeypatch, lambda w: w._replace(transitions=(), status="lift_off"))
+    assert "roll at 0.3397" in text and "lift_off at" in text
+
+
+def test_witnesses_that_tell_different_times_are_named_with_them(monkeypatch):
+    def late(witness):
+        (t,) = witness.transitions
+        return witness._replace(transitions=(Transition(t.time + 1e-5, t.before, t.after, t.xi1, t.xi2),))
+
+    assert "roll at 0.33978933" in disagreeing(monkeypatch, late)
+
+
+def test_a_bar_that_is_no_use_makes_no_certificate(monkeypatch):
+    """A place that is known to a hundredth of the plate only."""
+
+    def elsewhere(witness):
+        return witness._replace(states=lambda times: witness.states(times) | {"x": witness.states(times)["x"] + 0.002})
+
+    text = disagreeing(monkeypatch, elsewhere)
+    assert "a thousandth of the plate" in text and "0.002 m" in text
+
+
+def test_a_scene_that_hangs_on_the_last_bit_is_called_so():
+    """The slip of a swinging disc that just touches zero: a rounding decides whether it does."""
+    with pytest.raises(NotCertified, match="roundings gives .*ill-conditioned"):
+        certify(cases.load("touching_slip[above=0]"))
+
+
+# --- second contacts --------------------------------------------------------------------------------------------------
+
+
+def wide_disc() -> Case:
+    track = Curve(lambda s: (s, -0.5 * c.cos(2 * s)), domain=(-3, 3))
+    return Case(track, disc(0.6, 1.0), (Gravity(9.81), CoulombFriction(0.2), Unilateral()), Start(-1.2), 3.0)
+
+
+def test_a_second_contact_is_seen_by_both_formulations():
+    """A disc too wide for a valley's bottom touches both flanks with its centre above the bottom."""
+    case = wide_disc()
+    first, second = simulate(case, rtol=1e-13), contact_frame.solve(case, rtol=1e-13, looks=300, overlaps=True)
+    assert first.status == second.status == "second_contact"
+    assert second.end == pytest.approx(first.t[-1], abs=1e-11)
+
+
+@pytest.mark.parametrize("label", ["disc_in_circle[mu=0.2]", "tightest_fit[gap=1e-06]", "superellipse_on_hill"])
+def test_a_plate_that_fits_meets_its_track_nowhere_else(label):
+    case = cases.load(label)
+    assert contact_frame.solve(case, overlaps=True).status == "completed"
+
+
+@pytest.mark.slow
+def test_a_scene_that_ends_in_a_second_contact_has_a_certificate():
+    certificate = certify(wide_disc())
+    assert certificate.status == "second_contact" and "contact frame 1e-13" in certificate.witnesses
+    assert certificate.end.bar < 1e-12
+    assert np.isclose(certificate.samples["x"][-1].value, 0.0, atol=1e-11)
+
+
+# --- python -m reference ----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def kept(tmp_path, bowled, monkeypatch):
+    """A file of two certificates, of which one is to be made again."""
+    path = tmp_path / "truth.json"
+    rows = [
+        replace(bowled, case=label, status="as it was") for label in ("disc_on_line[mu=0.1]", "disc_on_line[mu=0.3]")
+    ]
+    certification.write(rows, path)
+    monkeypatch.setattr(rebuild, "certify", lambda case: replace(bowled, case=case.label))
+    certification.read.cache_clear()
+    yield path
+    certification.read.cache_clear()
+
+
+def statuses(path) -> dict[str, str]:
+    return {row["case"]: row["status"] for row in json.loads(path.read_text())}
+
+
+def test_a_part_of_the_truth_is_rebuilt_and_the_rest_stays(kept, capsys):
+    assert rebuild.main(["--only", "disc_on_line[mu=0.3]", "--jobs", "1"], kept) == 0
+    assert statuses(kept) == {"disc_on_line[mu=0.1]": "as it was", "disc_on_line[mu=0.3]": "completed"}
+    assert "1/1 disc_on_line[mu=0.3]" in capsys.readouterr().out
+
+
+def test_a_case_without_a_certificate_is_told_and_the_others_are_kept(kept, monkeypatch, bowled, capsys):
+    def some(case):
+        if case.label == "disc_on_line[mu=0.1]":
+            raise NotCertified("disc_on_line[mu=0.1]: a reason")
+        return replace(bowled, case=case.label)
+
+    monkeypatch.setattr(rebuild, "certify", some)
+    assert rebuild.main(["--only", "disc_on_line", "--jobs", "1"], kept) == 1
+    assert statuses(kept) == {"disc_on_line[mu=0.3]": "completed"}
+    assert "not kept: disc_on_line[mu=0.1]: a reason" in capsys.readouterr().out
+
+
+def test_help_and_mistakes_rebuild_nothing(kept, monkeypatch, capsys):
+    monkeypatch.setattr(rebuild, "certify", None)
+    before = kept.read_bytes()
+    with pytest.raises(SystemExit) as stopped:
+        rebuild.main(["--help"], kept)
+    assert stopped.value.code == 0
+    for words in (["--only", "disc_on_lime"], ["--jobs", "many"], ["--jobs", "0"], ["--colour"], ["disc_on_line"]):
+        assert rebuild.main(words, kept) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    assert kept.read_bytes() == before
+
+
+@pytest.mark.slow
+def test_two_processes_rebuild_what_one_does(tmp_path, bowled):
+    path = tmp_path / "truth.json"
+    certification.read.cache_clear()
+    assert rebuild.main(["--only", "thrown_with_spin", "--jobs", "2"], path) == 0
+    assert len(statuses(path)) == len(cases.select("thrown_with_spin"))
+    certification.read.cache_clear()
