@@ -28,6 +28,9 @@ OUTLINE_POINTS = 512
 TRACK_POINTS_TO_A_SIZE = 128
 MOST_TRACK_POINTS = 400_000
 
+# A track this many plates long is not searched for landings: its samples would be dozens of plates apart.
+LONGEST_TRACK = 1e7
+
 # Between two looks no point of the plate moves by more than this part of its size, unless the gap is wider anyway.
 STRIDE = 0.02
 
@@ -127,6 +130,11 @@ class Surroundings:
     def _sample(self, low: float, high: float) -> None:
         track = self.scene.track
         _, length = _even(track, low, high, 257)
+        if not length <= LONGEST_TRACK * self.size:
+            raise Lost(
+                f"landings are searched on {length:.3g} m of track by a plate of {self.size:.3g} m; "
+                "give a larger plate or a shorter track"
+            )
         count = int(min(MOST_TRACK_POINTS, max(512, TRACK_POINTS_TO_A_SIZE * length / self.size)))
         self.params1, _ = _even(track, low, high, count)
         if track.features:

@@ -21,6 +21,9 @@ MOST_STEPS = 20_000
 # Between its ends a step's course is looked at by Hermite's cubic, which turns round where the motion does.
 INSIDE = np.linspace(0.0, 1.0, 9)[1:]
 
+# A motion that turns more often than this before its end would take years to follow.
+MOST_TURNS = 1e9
+
 
 class Lost(FloatingPointError):
     """The second formulation cannot go on; one sentence says where and why."""
@@ -52,6 +55,11 @@ class Paced(DOP853):
         turn = 2 * pi / frequency if frequency > 0.0 else inf
         if self.t >= self.counted_until:
             self.steps, self.counted_until = 0, self.t + turn
+        if turn * MOST_TURNS < self.t_bound - self.t:
+            raise Lost(
+                f"the motion at t = {self.t:.9g} s turns once in {turn:.3g} s, too often to be followed to its end at "
+                f"{self.t_bound:.3g} s; give a shorter duration"
+            )
         self.steps += 1
         if self.steps > MOST_STEPS:
             raise Lost(f"the second formulation hardly moves on at t = {self.t:.9g} s")

@@ -276,6 +276,62 @@ def test_perfect_restitution_bounces_for_ever():
     assert [t.time for t in answer.transitions] == pytest.approx(hits, abs=1e-12)
 
 
+def rest_of(answer) -> float:
+    return next(t.time for t in answer.transitions if t.after is not Mode.FLIGHT)
+
+
+@pytest.mark.parametrize("duration", [10.0, 300.0, 3600.0])
+def test_bouncing_comes_to_rest_at_the_same_instant_whatever_the_duration(duration):
+    # √(2h/g) (1 + e)/(1 − e) for e = 0.9 from half a metre.
+    answer = solve(falling(0.9, height=0.5, duration=duration))
+    assert rest_of(answer) == pytest.approx(6.066233139734, abs=2e-12)
+    # All 68 rebounds of at least 7e-4 of the first closing speed, 0.9⁶⁸ = 7.7e-4, are listed.
+    assert len(answer.transitions) == 69
+
+
+def check_that_it_rests(e: float, rests: float, duration: float) -> None:
+    answer = solve(falling(e, height=0.05, duration=duration))
+    assert rest_of(answer) == pytest.approx(rests, abs=1e-9)
+    hits = sqrt(2 * 0.05 / G) * (1 + 2 * e * (1 - e ** np.arange(len(answer.transitions) - 1)) / (1 - e))
+    assert len(hits) == int(np.log(7e-4) / np.log(e))
+    assert [t.time for t in answer.transitions[:-1]] == pytest.approx(hits, abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("e, rests", [(0.99, 20.0917873384), (0.999, 201.826547183)])
+@pytest.mark.parametrize("longer", [1.1, 100.0])
+def test_bouncing_that_hardly_loses_speed_comes_to_rest_on_time(e, rests, longer):
+    check_that_it_rests(e, rests, longer * rests)
+
+
+@pytest.mark.slow
+def test_perfect_restitution_lists_every_bounce_of_minutes():
+    fall = sqrt(2 * 0.05 / G)
+    answer = solve(falling(1.0, height=0.05, duration=200.0))
+    hits = np.arange(fall, 200.0, 2 * fall)
+    assert answer.status == "completed"
+    assert [t.time for t in answer.transitions] == pytest.approx(hits, abs=1e-9)
+
+
+@pytest.mark.parametrize("law", ["poisson", "newton"])
+@pytest.mark.parametrize("e", [0.5, 0.9, 1.0])
+@pytest.mark.parametrize("speed", [1e-3, 1.0, 30.0])
+def test_a_start_that_begins_with_an_impact_rebounds(speed, e, law):
+    # Flights of 2 e v/g, 2 e² v/g, …, the first from time zero: at rest at 2 v e/(g (1 − e)).
+    duration = 2.5 * speed * e / G
+    start = Start(0.0, lift=-speed)
+    answer = solve(Case(line(), DISC, (*FLYING, Impact(e, law)), start, duration), [0.0])
+    assert answer.motions[4, 0] == pytest.approx(e * speed, rel=1e-13)
+    assert modes(answer)[:2] == [(Mode.FLIGHT, Mode.FLIGHT)] * 2
+    assert [t.time for t in answer.transitions[:2]] == pytest.approx([0.0, 2 * e * speed / G], rel=1e-12)
+
+
+def test_a_rebound_is_listed_from_seven_ten_thousandths_of_the_greatest_closing_speed_on():
+    for e, listed in ((7.1e-4, 1), (6.9e-4, 0)):
+        answer = solve(falling(e, duration=1.0))
+        assert modes(answer) == [(Mode.FLIGHT, Mode.FLIGHT)] * listed + [(Mode.FLIGHT, Mode.SLIDE)]
+
+
 def in_a_bowl(e: float) -> Case:
     """A disc with spin dropped beside the bottom of a rough circle: every bounce has another slope below it."""
     effects = (*FLYING, CoulombFriction(0.15), Impact(e))
