@@ -40,7 +40,9 @@ def check_sizes(case: Case) -> None:
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )
     outline, plate, start = case.plate.outline, case.plate, case.start
-    extent = float(np.ptp(outline.point(np.linspace(*outline.look, 721)), axis=1).max())
+    points = outline.point(np.linspace(*outline.look, 721))
+    # An open outline may be a small part of its plate: the tip of a rod, whose centre of mass is far from it.
+    extent = float(max(np.ptp(points, axis=1).max(), np.hypot(*points).max()))
     if not SMALLEST <= extent <= LARGEST:
         raise BadValue(
             f"the plate is {extent:g} m long; give one between {SMALLEST:g} and {LARGEST:g} m, where solvers "

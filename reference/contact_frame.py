@@ -333,7 +333,7 @@ class _March:
     # --- off the track ----------------------------------------------------------------------------------------------
 
     def _flight(self, now: Flying) -> Touching | Flying | Stopped:
-        after = self._short(now.leap) if now.leap and now.leap.short else None
+        after: Landing | Stopped | None = self._short(now.leap) if now.leap and now.leap.short else None
         if after is None:
             self.bounces.clear()  # no bounce of an accumulation yet
             after = self._long(now)
