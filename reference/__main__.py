@@ -2,7 +2,7 @@
 
 import sys
 
-from .rebuild import main
+from .certification.rebuild import main
 
 if __name__ == "__main__":
     sys.exit(main())

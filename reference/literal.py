@@ -16,12 +16,12 @@ import numpy as np
 
 from cases import Case, CoulombFriction, RollingResistance
 
-from . import dop853
-from .arc import Arc
-from .modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
+from .minimal.integrators import dop853
+from .minimal.integrators.segment import Arc
+from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
+from .minimal.system import PARADOX, System
 from .paper.augmented import Filled, Solution, condition, fill, flight_acceleration, solution, uniqueness
 from .paper.kinematics import slip_velocity
-from .system import PARADOX, System
 
 # From this condition number on, half of the digits of a double may be lost in the solve, and the reason says so.
 NEARLY_SINGULAR = 1e8

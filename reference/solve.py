@@ -14,12 +14,13 @@ from cases import BadValue, Case, Cost, Flight, State, Trajectory
 from cases.contact import pose
 from cases.errors import unknown
 
-from . import dop853, literal, taylor
-from .arc import Arc
-from .course import LOCATED, run, undecidable
-from .modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
-from .second_contact import until_second_contact
-from .transitions import Undecidable, decide
+from . import literal
+from .minimal.decision import Undecidable, decide
+from .minimal.hybrid import LOCATED, run, undecidable
+from .minimal.integrators import dop853, taylor
+from .minimal.integrators.segment import Arc
+from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
+from .minimal.overlap import until_second_contact
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)

@@ -14,9 +14,10 @@ from collections.abc import Callable
 
 import cases
 import reference
-from reference import solve, taylor
-from reference.closed_form import sliding_disc_in_circle
-from reference.modes import Regime, phase, start_state
+from reference import solve
+from reference.minimal.integrators import taylor
+from reference.minimal.modes import Regime, phase, start_state
+from reference.paper.closed_form import sliding_disc_in_circle
 
 REPEATS = 60
 

@@ -160,7 +160,7 @@ def compiled(case: Case) -> tuple[int, int]:
     subexpressions), and how many events are watched in the mode that watches most."""
     import sympy as sp
 
-    from reference.modes import candidates, phase
+    from reference.minimal.modes import candidates, phase
 
     systems = [phase(case, regime).system for regime in candidates(case)]
 

@@ -26,8 +26,8 @@ from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Tra
 from cases.contact import pose, start_motion
 from cases.curves import cos, sin
 from cases.library import ellipse
-from reference.dop853 import prepare
-from reference.modes import Regime, phase
+from reference.minimal.integrators.dop853 import prepare
+from reference.minimal.modes import Regime, phase
 from reference.paper.augmented import assemble, constraints, solve_augmented
 from reference.paper.kinematics import Kinematics, U, kinematics
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from adapters import Setting
 from cases import Case, Trajectory
 from reference import solve
-from reference.modes import start_state
+from reference.minimal.modes import start_state
 
 NAME = "reference"
 routes = solve.ROUTES

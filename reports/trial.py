@@ -17,7 +17,7 @@ import cases
 import reference
 from adapters import EngineFailure, Setting
 from cases import Case, NotSupported, Trajectory
-from reference.certification import Certificate, NotCertified, kept_or_new
+from reference.certification.certificate import Certificate, NotCertified, kept_or_new
 
 from . import distances, metrics, reading
 from .records import REFERENCE, TRUTH_RTOL, CaseKey, Offer, Run, Truth

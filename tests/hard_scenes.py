@@ -8,7 +8,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral
 from cases.curves import cos, sin
-from reference.modes import start_state
+from reference.minimal.modes import start_state
 from reference.paper.augmented import solve_augmented
 
 # What makes a scene hard; each is drawn with equal chance.

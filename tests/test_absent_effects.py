@@ -21,8 +21,9 @@ from cases import (
     disc,
 )
 from cases.library import circle, line
-from reference import course, dop853, taylor
-from reference.modes import candidates, phase
+from reference.minimal import hybrid
+from reference.minimal.integrators import dop853, taylor
+from reference.minimal.modes import candidates, phase
 
 G = 9.81
 needs_heyoka = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
@@ -125,12 +126,12 @@ class Calls:
 
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_absent_effects_are_asked_nothing(monkeypatch, method):
-    landings, impacts, guards = Calls(course.first_landing), Calls(course.collide), Calls(dop853._guards_at_nodes)
-    monkeypatch.setattr(course, "first_landing", landings)
-    monkeypatch.setattr(course, "collide", impacts)
+    landings, impacts, guards = Calls(hybrid.first_landing), Calls(hybrid.collide), Calls(dop853._guards_at_nodes)
+    monkeypatch.setattr(hybrid, "first_landing", landings)
+    monkeypatch.setattr(hybrid, "collide", impacts)
     monkeypatch.setattr(dop853, "_guards_at_nodes", guards)
-    decisions = Calls(course.decide)
-    monkeypatch.setattr(course, "decide", decisions)
+    decisions = Calls(hybrid.decide)
+    monkeypatch.setattr(hybrid, "decide", decisions)
     reference.simulate(scene(Gravity(G)), method=method)
     assert (landings.count, impacts.count, guards.count, decisions.count) == (0, 0, 0, 0)
     reference.simulate(scene(Gravity(G), CoulombFriction(0.1), Unilateral()), method=method)
@@ -156,7 +157,7 @@ def test_without_friction_the_matrix_is_symmetric_and_with_it_it_is_not():
     from scipy.linalg import null_space
 
     from cases import Mode
-    from reference.modes import start_state
+    from reference.minimal.modes import start_state
     from reference.paper.augmented import augmented_system
 
     def turn_between(case, mode):

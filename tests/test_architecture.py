@@ -32,26 +32,42 @@ def test_rooms_import_only_what_the_design_allows(room):
         assert imported_rooms(file) <= ALLOWED[room] | {room}, file
 
 
-def imported_modules(file: Path) -> set[str]:
-    """The modules of `reference` that one of its files imports, by their first name below `reference`."""
+def imported_parts(file: Path) -> set[str]:
+    """The parts of `reference` (folders, or files beside them) that one of its files imports."""
     folder = file.parent.relative_to(ROOT).parts
     found = set()
     for node in ast.walk(ast.parse(file.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            base = (*folder[: len(folder) - node.level + 1], *(node.module or "").split("."))
-            found |= {base[1]} if len(base) > 1 and base[1] else {alias.name for alias in node.names}
+        if isinstance(node, ast.ImportFrom):
+            base = folder[: len(folder) - node.level + 1] if node.level else ()
+            names = (*base, *filter(None, (node.module or "").split(".")))
+            if names and names[0] == "reference":
+                found |= {names[1]} if len(names) > 1 else {alias.name for alias in node.names}
     return found
 
 
-def test_literal_system_knows_neither_the_eliminated_equations_nor_the_event_loop():
-    # What the fast form is tested against must not lean on it.
-    files = sorted((ROOT / "reference" / "paper").glob("*.py"))
-    assert len(files) > 3
+# From the top down: each may import what stands below it. Two formulations and the paper's letters know nothing of
+# each other, or they could not witness for each other.
+PARTS = {
+    "paper": set(),
+    "minimal": set(),
+    "contact_frame": set(),
+    "literal": {"minimal", "paper"},
+    "solve": {"minimal", "literal"},
+    "narration": {"solve"},
+    "errata": {"paper", "solve", "minimal"},
+    "certification": {"solve", "minimal", "contact_frame"},
+}
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_parts_of_the_reference_import_only_what_stands_below_them(part):
+    place = ROOT / "reference" / part
+    files = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+    assert files
     for file in files:
-        assert imported_modules(file) <= {"paper"}, file
+        assert imported_parts(file) <= PARTS[part] | {part}, file
 
 
-def test_the_second_formulation_does_not_know_the_literal_system_either():
-    for file in (ROOT / "reference").glob("*.py"):
-        if file.stem == "contact_frame" or file.stem.startswith("second_") and file.stem != "second_contact":
-            assert not imported_modules(file) & {"paper", "literal", "system", "eliminated"}, file
+def test_every_part_of_the_reference_has_its_place():
+    parts = {p.stem for p in (ROOT / "reference").iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
+    assert parts - {"__init__", "__main__"} == PARTS.keys()

@@ -27,9 +27,9 @@ from cases import (
 from cases.contact import velocity
 from cases.library import circle, line
 from cases.trajectory import State
-from reference.eliminated import Motion
 from reference.literal import LiteralSystem, Observed
-from reference.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
+from reference.minimal.eliminated import Motion
+from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
 from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_augmented, uniqueness
 from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate
 from tests.scenes import elliptic_scenes

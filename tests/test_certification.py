@@ -12,8 +12,11 @@ from cases import Case, CoulombFriction, Curve, Gravity, Load, NotSupported, Sta
 from cases import curves as c
 from cases.effects import MOTION
 from cases.library import line
-from reference import certification, contact_frame, rebuild, simulate, taylor, witnesses
-from reference.certification import Certificate, NotCertified, certify
+from reference import contact_frame, simulate
+from reference.certification import certificate as certification
+from reference.certification import rebuild, witnesses
+from reference.certification.certificate import Certificate, NotCertified, certify
+from reference.minimal.integrators import taylor
 from tests.authorities.many_digits import STATES, TIMES, computed
 
 GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())

@@ -10,7 +10,7 @@ import cases
 import reference
 from cases import Case, Curve, Gravity, Start, Unilateral, disc
 from cases import curves as c
-from reference import closed_form
+from reference.paper import closed_form
 from tests.authorities.paper_application import FIRST_TRANSITION
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import cases
-from reference import taylor
-from reference.modes import candidates, phase
+from reference.minimal.integrators import taylor
+from reference.minimal.modes import candidates, phase
 
 pytestmark = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
 

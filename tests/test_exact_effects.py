@@ -27,7 +27,7 @@ from cases import (
 )
 from cases import curves as c
 from cases.library import circle, ellipse, hill, line
-from reference.impact import Law, Touch, collide, energy
+from reference.minimal.impact import Law, Touch, collide, energy
 
 G, R, M = 9.81, 0.5, 2.0
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -199,7 +199,7 @@ def test_load_acts_in_flight_as_in_contact():
 
 
 def test_loads_that_differ_in_numbers_share_their_equations():
-    from reference.modes import candidates, phase
+    from reference.minimal.modes import candidates, phase
 
     systems = {
         phase(case, candidates(case)[0]).system

@@ -14,8 +14,9 @@ from cases import Case, CoulombFriction, Curve, Flight, Gravity, Load, Start, Un
 from cases.contact import start_motion
 from cases.curves import _features, cos, exp, sin, tanh
 from cases.library import line
-from reference import contact_frame, dop853, solve
-from reference.modes import candidates, phase, start_state
+from reference import contact_frame, solve
+from reference.minimal.integrators import dop853
+from reference.minimal.modes import candidates, phase, start_state
 
 METHODS = reference.METHODS
 RADIUS, G = 0.1, 9.81

@@ -7,8 +7,9 @@ import sympy as sp
 from cases import Case, CoulombFriction, Curve, DoesNotFit, Gravity, Load, Plate, Start, Unilateral, disc
 from cases import curves as c
 from cases.library import line, superellipse
-from reference import simulate, solve, taylor
-from reference.eliminated import X1
+from reference import simulate, solve
+from reference.minimal.eliminated import X1
+from reference.minimal.integrators import taylor
 
 GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
 THIRD = sp.Rational(1, 3)

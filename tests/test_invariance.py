@@ -13,7 +13,7 @@ import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
 from cases import curves as c
 from cases.curves import PARAMETER
-from reference import taylor
+from reference.minimal.integrators import taylor
 from tests.scenes import elliptic_scenes, numbers
 
 OTHER_HAND = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}

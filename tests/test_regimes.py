@@ -10,8 +10,8 @@ import pytest
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
 from cases import curves as c
-from reference.eliminated import Motion
-from reference.modes import Regime, phase
+from reference.minimal.eliminated import Motion
+from reference.minimal.modes import Regime, phase
 from tests.scenes import ellipse
 
 

@@ -25,7 +25,8 @@ from cases import (
 )
 from cases import curves as c
 from cases.library import circle, ellipse, line
-from reference import contact_frame, second_bounces
+from reference import contact_frame
+from reference.contact_frame import bouncing
 from tests.scenes import numbers
 
 G = 9.81
@@ -352,7 +353,7 @@ def test_an_extrapolated_limit_is_the_one_that_stepping_through_approaches(e, ev
     limit = next(t for t in solve(case).transitions if t.after is not Mode.FLIGHT)
     # The bounces themselves, far down, and another extrapolation of every few of them, whose ratios are about 1/3.
     seen = []
-    monkeypatch.setattr(second_bounces, "limit", lambda bounces: seen.__setitem__(slice(None), bounces))
+    monkeypatch.setattr(bouncing, "limit", lambda bounces: seen.__setitem__(slice(None), bounces))
     solve(case)
     last = next(i for i in range(1, len(seen)) if seen[i].time - seen[i - 1].time < shortest)
     stepped = wynn([bounce.time for bounce in seen[last - 6 * every : last + 1 : every]])

@@ -6,8 +6,8 @@ import mpmath
 import pytest
 from hypothesis import given, settings
 
-from reference import series
-from reference.series import Series
+from reference.minimal import series
+from reference.minimal.series import Series
 from tests.scenes import numbers
 
 FUNCTIONS = {

@@ -344,7 +344,7 @@ def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engin
     assert {"reports.trial", "reports.metrics", "cases.trajectory"} <= judge
     assert not any(name.startswith("reference") for name in judge)
     truth = fingerprint._reached("reports.trial", ()).keys()
-    assert {"reference.solve", "reference.certification", "reference.eliminated"} <= truth
+    assert {"reference.solve", "reference.certification.certificate", "reference.minimal.eliminated"} <= truth
 
 
 def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypatch):

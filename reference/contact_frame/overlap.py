@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf
 
-from .second_flight import Pair, Surroundings, frame
+from .flight import Pair, Surroundings, frame
 
 # Points of the outline closer to the contact than this (in plate's sizes) are the contact: far above what Newton's
 # method leaves, far below the distance of two samples.

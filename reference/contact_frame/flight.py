@@ -18,8 +18,8 @@ from scipy.spatial import cKDTree
 
 from cases import Curve
 
-from .second_equations import Scene
-from .second_steps import Lost, Paced
+from .equations import Scene
+from .steps import Lost, Paced
 
 # Points of the outline looked at, and track samples to the size of a plate: the sagitta between neighbours is some
 # 1e-5 of the size, so that every valley between the two curves wider than a hundredth of the plate is seen, and

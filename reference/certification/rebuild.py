@@ -18,7 +18,7 @@ import cases
 from cases import BadValue, CaseError
 from cases.errors import whole
 
-from .certification import TRUTH, Certificate, NotCertified, certify, read, write
+from .certificate import TRUTH, Certificate, NotCertified, certify, read, write
 
 
 class _Parser(argparse.ArgumentParser):

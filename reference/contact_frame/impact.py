@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from cases import Impact, PerfectlyRough
 
-from .second_equations import Held, Phase, Place, Scene, admissible, ratios
+from .equations import Held, Phase, Place, Scene, admissible, ratios
 
 # Far more than Coulomb's law allows: slip and rotation stop, reverse or stay, each at most once in compression and
 # once in restitution.

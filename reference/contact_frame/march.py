@@ -2,7 +2,7 @@
 
 It shares no code with `eliminated`, `augmented`, `transitions` or their integrators: numbers instead of symbols,
 SciPy's `solve_ivp` with its own events, Coulomb's inequality instead of one-sided derivatives. Slow and simple on
-purpose. `second_equations` has its forces, `second_flight` its flight and landing, `second_impact` its impacts; here
+purpose. `equations` has its forces, `flight` its flight and landing, `impact` its impacts; here
 they follow each other.
 """
 
@@ -18,12 +18,12 @@ from scipy.integrate import solve_ivp
 from cases import Case, CaseError, Flight, Impact, Mode, Transition
 from cases.contact import pose, start_motion
 
-from . import second_bounces, second_flight, second_hops, second_impact, second_overlap
-from .second_bounces import Bounce
-from .second_equations import Phase, Scene, decide, leaves, lets_go, rates
-from .second_flight import Surroundings, Touch
-from .second_record import Record
-from .second_steps import Lost, Paced
+from . import bouncing, flight, hops, impact, overlap
+from .bouncing import Bounce
+from .equations import Phase, Scene, decide, leaves, lets_go, rates
+from .flight import Surroundings, Touch
+from .record import Record
+from .steps import Lost, Paced
 
 # The rows of an answer's `motions`.
 MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
@@ -297,7 +297,7 @@ class _March:
         guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
         if self.overlaps:
             around, body = self._surroundings(), scene.body
-            guards["elsewhere"] = lambda t, z: second_overlap.gap_elsewhere(around, body(z, turns), z[0], z[1])
+            guards["elsewhere"] = lambda t, z: overlap.gap_elsewhere(around, body(z, turns), z[0], z[1])
         for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
             if curve.domain and not curve.period:
                 guards[name] = _inside(i, *curve.domain)
@@ -341,7 +341,7 @@ class _March:
 
     def _short(self, leap: Leap) -> Landing | None:
         """A hop close to the track; None if it is not: it lasts longer, or the plate meets the track elsewhere."""
-        found = second_hops.hop(self.scene, self.t, leap.z, leap.turns, leap.lift, leap.lasts, self.rtol)
+        found = hops.hop(self.scene, self.t, leap.z, leap.turns, leap.lift, leap.lasts, self.rtol)
         if found is None or self.t + found.duration > self.end:
             return None
         around, middle_and_end = self._surroundings(), np.array([0.5, 1.0]) * found.duration
@@ -354,16 +354,14 @@ class _March:
     def _long(self, now: Flying) -> Landing | Stopped:
         """A flight to wherever the outline meets the track."""
         lasts = now.leap.lasts if now.leap else inf
-        flown = second_flight.fly(
-            self.scene, self._surroundings(), self.t, now.body, self.end, self.rtol, self.looks, lasts
-        )
+        flown = flight.fly(self.scene, self._surroundings(), self.t, now.body, self.end, self.rtol, self.looks, lasts)
         self.t = flown.end
         for start, until, interpolant in flown.pieces:
             self.record.flight(start, until, interpolant)
         if flown.touch is None:
             return Stopped("completed")
         xi1, xi2, turns = self._wound(flown.touch)
-        seen = second_flight.frame(self.scene, flown.touch.body, xi1, xi2)
+        seen = flight.frame(self.scene, flown.touch.body, xi1, xi2)
         return Landing([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)
 
     def _surroundings(self) -> Surroundings:
@@ -381,10 +379,10 @@ class _March:
         if effect is None:
             return Stopped("landing")
         try:
-            result = second_impact.hit(scene, effect, q, slip, min(landing.lift, 0.0), spin)
-        except second_impact.Jammed:
+            result = impact.hit(scene, effect, q, slip, min(landing.lift, 0.0), spin)
+        except impact.Jammed:
             return Stopped("paradox")
-        if second_impact.creates_energy(result):
+        if impact.creates_energy(result):
             return Stopped("energy_gain")
         z = [xi1, xi2, result.spin, result.slip]
         self.last_xi1 = xi1
@@ -414,7 +412,7 @@ class _March:
             return self._settled(z, turns)
         pace = self.scene.pace(self.t, z, turns) + sqrt(max(press, 0.0) / self.scene.reach)
         leap = Leap(z, turns, lift, lasts, lasts * pace <= SHORT)
-        return Flying(second_hops.body(self.scene, [*z, lift, 0.0], turns), leap)
+        return Flying(hops.body(self.scene, [*z, lift, 0.0], turns), leap)
 
     def _settled(self, z, turns: int) -> Touching | Flying | Stopped:
         """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
@@ -426,9 +424,9 @@ class _March:
         self.transitions.append(Transition(self.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
         return after
 
-    def _accumulation(self, turns: int) -> second_bounces.Limit | None:
+    def _accumulation(self, turns: int) -> bouncing.Limit | None:
         """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
-        found, last = second_bounces.limit(self.bounces), self.bounces[-1]
+        found, last = bouncing.limit(self.bounces), self.bounces[-1]
         if found is None or not self.t < found.time < self.end:
             return None
         press = self._press(last.z, turns)

@@ -19,9 +19,9 @@ import numpy as np
 from cases import Case
 from cases.contact import pose
 
-from .arc import Arc, Stop
-from .flight import Landing
 from .impact import Touch
+from .integrators.segment import Arc, Stop
+from .landing import Landing
 from .modes import Phase, in_flight
 
 # At most so many impacts make a limit, each with at most half the speed of the one before: a polynomial through points

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
-from .ahead import INSIDE, PARTS, clear_part, defect
-from .arc import BREAKDOWN, Arc, Stop
-from .modes import FLIGHT, Phase
-from .scales import frequency
+from ..ahead import INSIDE, PARTS, clear_part, defect
+from ..modes import FLIGHT, Phase
+from ..scales import frequency
+from .segment import BREAKDOWN, Arc, Stop
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))

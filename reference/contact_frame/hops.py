@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from .second_equations import Scene
+from .equations import Scene
 
 # A hop is looked for up to this many times as long as its first estimate.
 LONGEST = 4.0

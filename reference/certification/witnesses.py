@@ -14,8 +14,10 @@ import numpy as np
 
 from cases import Case, Flight, NotSupported, Trajectory, Transition
 
-from . import contact_frame, course, solve, taylor
-from .modes import FLIGHT, Phase, candidates, phase, start_state
+from .. import contact_frame, solve
+from ..minimal import hybrid
+from ..minimal.integrators import taylor
+from ..minimal.modes import FLIGHT, Phase, candidates, phase, start_state
 
 QUANTITIES = ("x", "y", "theta", "slip", "omega")
 EPS = float(np.finfo(float).eps)
@@ -123,7 +125,7 @@ def moved(case: Case, component: int, roundings: float, method: str) -> Witness:
 
     start = start_state(case)
     regime = solve.first_regime(case, start)
-    arcs, transitions, ending = course.run(case, regime, start, rtol, shifted)
+    arcs, transitions, ending = hybrid.run(case, regime, start, rtol, shifted)
     return _told(
         f"component {component} moved by {roundings:g} roundings", solve.sampled(case, arcs, transitions, ending)
     )

@@ -23,8 +23,8 @@ from cases import Case
 from cases.contact import Contact, pose
 from cases.nearest import nearest
 
-from .arc import Arc
 from .impact import Touch
+from .integrators.segment import Arc
 from .series import EPS
 
 # Between two looks the plate moves by this part of its size, at most, while it is near its track.

@@ -18,7 +18,7 @@ from cases import Case, Curve, DoesNotFit, Transition
 from cases.contact import Contact, find, overlap, pose
 from cases.overlap import first_overlap, span
 
-from .arc import Arc
+from .integrators.segment import Arc
 from .modes import FLIGHT
 
 # Looks to a step, at least, and the part of the plate's reach that its points move between two looks, at most: what

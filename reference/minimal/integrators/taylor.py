@@ -17,11 +17,11 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from cases import NotSupported
 
-from .ahead import INSIDE, PARTS, clear_part, defect
-from .arc import BREAKDOWN, Arc, Stop
-from .eliminated import Motion, T
-from .modes import Phase
-from .system import System
+from ..ahead import INSIDE, PARTS, clear_part, defect
+from ..eliminated import Motion, T
+from ..modes import Phase
+from ..system import System
+from .segment import BREAKDOWN, Arc, Stop
 
 try:
     import heyoka as hy

@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 
 from . import series
-from .arc import Arc, Stop
+from .integrators.segment import Arc, Stop
 from .modes import Phase
 
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.

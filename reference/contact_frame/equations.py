@@ -19,7 +19,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
 
-from .second_steps import Lost
+from .steps import Lost
 
 # A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
 RELEASE = 1e-12

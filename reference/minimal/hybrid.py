@@ -11,11 +11,12 @@ import numpy as np
 from cases import Case, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
 from cases.contact import pose
 
-from .arc import BREAKDOWN, Arc
-from .bounces import Bounces
+from .bouncing import Bounces
+from .decision import Undecidable, decide
 from .eliminated import Motion
-from .flight import Landing, first_landing
 from .impact import Touch, collide, energy, law_of
+from .integrators.segment import BREAKDOWN, Arc
+from .landing import Landing, first_landing
 from .modes import (
     FLIGHT,
     SLIP_SIGN,
@@ -35,7 +36,6 @@ from .modes import (
 from .scales import frequency
 from .series import EPS
 from .touch import over_touch
-from .transitions import Undecidable, decide
 
 # Changes of regime accumulate where this many follow each other in this part of the motion's own time.
 MANY, NO_TIME = 1000, 1e-9

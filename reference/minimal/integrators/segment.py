@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .modes import Phase
+from ..modes import Phase
 
 # Stands for a guard where the equations became singular and no step can go on.
 BREAKDOWN = "breakdown"
