@@ -157,7 +157,16 @@ def test_a_second_contact_is_seen_by_both_formulations():
     assert second.end == pytest.approx(first.t[-1], abs=1e-11)
 
 
-@pytest.mark.parametrize("label", ["disc_in_circle[mu=0.2]", "tightest_fit[gap=1e-06]", "superellipse_on_hill"])
+@pytest.mark.parametrize(
+    "label",
+    [
+        "disc_in_circle[mu=0.2]",
+        "nearly_conforming[gap=1e-06]",
+        "nearly_conforming[gap=1e-08]",
+        "tightest_fit[gap=1e-06]",
+        "superellipse_on_hill",
+    ],
+)
 def test_a_plate_that_fits_meets_its_track_nowhere_else(label):
     case = cases.load(label)
     assert contact_frame.solve(case, overlaps=True).status == "completed"

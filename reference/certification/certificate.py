@@ -112,7 +112,8 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
 
 
 def _same_events(case: Case, able: list[Witness], moves: Shares) -> None:
-    """Raises NotCertified where two witnesses differ in what happens, or in when, by more than `WIDEST`."""
+    """Raises NotCertified where two witnesses differ in what happens, or in when by more than `WIDEST`, or where a few
+    roundings of the state change what happens."""
     centre = able[0]
     for other in able[1:]:
         if other.events != centre.events:
@@ -122,6 +123,9 @@ def _same_events(case: Case, able: list[Witness], moves: Shares) -> None:
             if abs(one.time - same.time) > WIDEST:
                 told = f"{centre.name} finds {one.after} at {one.time!r} s, {other.name} at {same.time!r} s"
                 raise NotCertified(f"{case.label}: {told}; {_whose_fault(moves, bool(np.any(moves.times > WIDEST)))}")
+
+    if moves.ill:
+        raise NotCertified(f"{case.label}: all witnesses find {centre.answer}, but {_whose_fault(moves)}")
 
 
 def _contradiction(one: Witness, other: Witness) -> str:
