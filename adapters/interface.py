@@ -24,20 +24,26 @@ The first setting of a ladder is the engine as it comes and says so: `Setting.of
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import pkgutil
+import sys
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from types import ModuleType
 
-from cases.errors import unknown
+from cases.errors import BadValue, UnknownName, unknown
 
 GROUP = "slip_to_roll.adapters"
+
+# What every adapter has.
+PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version")
 
 # What the first rung of a ladder is called: `Setting.of(rung=DEFAULTS, …)`.
 DEFAULTS = "defaults"
 
 # What else lies in this folder.
-NO_ADAPTERS = {"common", "interface"}
+NO_ADAPTERS = {"common", "interface", "laws"}
 
 
 class EngineFailure(RuntimeError):
@@ -100,6 +106,47 @@ def engine(name: str) -> ModuleType:
         raise unknown("engine", name, engines())
     foreign = _installed().get(name)
     return foreign.load() if foreign else importlib.import_module(f"adapters.{name}")
+
+
+def find(name: str) -> ModuleType:
+    """The adapter of that name, in that Python file, or in that module, whoever wrote it.
+
+    Raises UnknownName if there is none, BadValue for a file that fails or a module that is no adapter, ImportError if
+    its engine is not installed.
+    """
+    path = Path(name)
+    if name in engines():
+        adapter = engine(name)
+    elif path.suffix == ".py":
+        adapter = _from_file(path)
+    else:
+        try:
+            adapter = importlib.import_module(name)
+        except ModuleNotFoundError as problem:
+            if problem.name is None or not f"{name}.".startswith(f"{problem.name}."):
+                raise
+            raise unknown("adapter, Python file or module", name, engines()) from None
+    missing = [part for part in PARTS if not hasattr(adapter, part)]
+    if missing:
+        raise BadValue(f"{name} is no adapter: it has no {', '.join(missing)}; see `adapters.interface`")
+    return adapter
+
+
+def _from_file(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise UnknownName(f"there is no adapter file {str(path)!r}")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None, "a path that ends in .py has a loader"
+    adapter = importlib.util.module_from_spec(spec)
+    # Where it says `from __future__ import annotations`, its dataclasses look their module up by name.
+    sys.modules.setdefault(path.stem, adapter)
+    try:
+        spec.loader.exec_module(adapter)
+    except ImportError:
+        raise
+    except Exception as problem:
+        raise BadValue(f"the adapter file {path} fails: {type(problem).__name__}: {problem}") from problem
+    return adapter
 
 
 def _installed() -> dict[str, EntryPoint]:

@@ -42,6 +42,7 @@ from cases import (
 )
 from cases.contact import start_motion
 from cases.errors import unknown
+from cases.mechanics import gravity
 
 from ..common import facets, half_steps
 from ..interface import Setting
@@ -84,7 +85,7 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):
         return "box2d's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
-    if not outline.period or np.any(outline.curvature(np.linspace(*outline.look, 721)) <= 0.0):
+    if not facets.is_convex(outline):
         return "box2d's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles alone, and this outline is none."
@@ -133,15 +134,15 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     """A world with the plate at the case's start. The step divides the duration evenly."""
     steps, knobs = max(2, round(case.duration / setting["h"])), dict[str, Any](setting)
     h, scale, start = case.duration / steps, setting["scale"], start_motion(case)
-    gravity = scale * facets.pull(case)
-    world = pyb2d3.World(gravity=(float(gravity[0]), float(gravity[1])), maximum_linear_speed=SPEED * scale)
+    pull = scale * gravity(case)
+    world = pyb2d3.World(gravity=(float(pull[0]), float(pull[1])), maximum_linear_speed=SPEED * scale)
     if "hertz" in knobs:
         world.set_contact_tuning(knobs["hertz"], 10.0, PUSH * scale)
         world.sleeping_enabled = False
     impact = case.effect(Impact)
     if impact and "hertz" in knobs:
         # Slower than what gravity gives in a step, nothing rebounds that the step could follow.
-        world.restitution_threshold = float(np.hypot(*gravity)) * h
+        world.restitution_threshold = float(np.hypot(*pull)) * h
     material = shapes.material(case)
     shapes.add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
     place = scale * start.x, scale * start.y

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Flight, Gravity
-from cases.contact import start_motion
+from cases import Case, Curve, Flight, Load
+from cases.contact import pose, start_motion
+from cases.mechanics import gravity
 from cases.shapes import Circle, as_circle, as_line
 
 
@@ -39,32 +40,38 @@ def round_plate(case: Case) -> Circle | None:
     return as_circle(case.plate.outline) if case.plate.outline.period else None
 
 
-def radii(case: Case) -> tuple[float, float]:
-    """Smallest and largest distance of the outline from the centre of mass, in metres."""
-    r = np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 721)))
-    return float(r.min()), float(r.max())
+@lru_cache(maxsize=64)
+def sway(outline: Curve) -> float:
+    """How far (m) the outline's centres of curvature are off the centre of mass along its normals; its reach at most.
 
-
-def pull(case: Case) -> np.ndarray:
-    """Gravity as a vector in m/s², zero without Gravity."""
-    gravity = case.effect(Gravity)
-    return gravity.g * np.array([np.cos(gravity.direction), np.sin(gravity.direction)]) if gravity else np.zeros(2)
+    Times the spin squared, it is what a plate that rolls on a level line asks of the normal force beside its weight.
+    """
+    s = np.linspace(*outline.look, 721)
+    point, inwards, bend = outline.point(s), outline.normal(s), outline.curvature(s)
+    reach = float(np.hypot(*point).max())
+    with np.errstate(divide="ignore"):
+        off = np.abs(1.0 / bend + np.sum(point * inwards, axis=0))
+    return float(np.minimum(off, reach).max())
 
 
 @lru_cache(maxsize=16)
 def stretch(case: Case) -> Stretch:
     """Which part of the track the plate can reach, by its energy and by the time it has.
 
-    Nothing adds energy, so the plate stays where its potential is below its first energy, unless it flies over what is
-    above; and its speed cannot grow faster than g. A margin of the plate's own size is added at both ends.
+    Nothing but a Load adds energy, so the plate stays where its potential is below its first energy; and its speed
+    cannot grow faster than g. A margin of the plate's own size is added at both ends.
     """
-    start, (smallest, largest) = start_motion(case), radii(case)
-    energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * case.plate.inertia / case.plate.mass * start.omega**2
-    energy += float(np.hypot(*pull(case))) * case.start.gap
+    start, plate, pull = start_motion(case), case.plate, gravity(case)
+    if case.effect(Load):
+        return _everywhere(case)
+    begun = energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * plate.inertia / plate.mass * start.omega**2
+    # A start off the track is higher, or lower, than the pose of contact there.
+    on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
+    energy += float(pull @ (on_track - (start.x, start.y)))
     # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
-    energy += float(np.hypot(*pull(case))) * (largest - smallest)
-    longest = (np.sqrt(2 * energy) + np.hypot(*pull(case)) * case.duration) * case.duration
-    ways = [_walk(case, start.xi1, way, energy, longest, largest) for way in (-1, 1)]
+    energy += float(np.hypot(*pull)) * (plate.reach - plate.inner)
+    longest = (np.sqrt(2 * max(energy, begun)) + np.hypot(*pull) * case.duration) * case.duration
+    ways = [_walk(case, start.xi1, way, energy, longest, plate.reach) for way in (-1, 1)]
     (low, back, fast), (high, ahead, faster) = ways
     period = case.track.period
     if period and high - low >= period:
@@ -74,9 +81,25 @@ def stretch(case: Case) -> Stretch:
     return Stretch(low, high, back + ahead, False, max(fast, faster))
 
 
+# How far from its start (m) a plate with a load may come on a straight line, which has no end of its own.
+FAR = 1e3
+
+
+def _everywhere(case: Case) -> Stretch:
+    """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
+    track = case.track
+    low, high = (case.start.xi1 - FAR, case.start.xi1 + FAR) if track.domain is None else track.domain
+    if track.period:
+        low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
+    length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
+    start = start_motion(case)
+    fast = float(np.hypot(start.vx, start.vy) + np.hypot(*gravity(case)) * case.duration)
+    return Stretch(low, high, length, track.period is not None, fast)
+
+
 def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margin: float) -> tuple[float, float, float]:
     """Farthest parameter reached in one direction, the arc length to it, and the top speed on the way."""
-    track, far = case.track, 1.0
+    track, far, flies = case.track, 1.0, case.effect(Flight) is not None
     bounded = track.period is not None or track.domain is not None
     if track.period:
         far = track.period
@@ -87,19 +110,25 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
         s = xi1 + way * np.linspace(0.0, far, 2001)
         point, speed = track.point(s), track.speed(s)
         run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * far / 2000
-        if bounded or run[-1] > longest + margin:
+        away = np.hypot(*(point - point[:, :1])) if flies else run
+        if bounded or away[-1] > longest + margin:
             break
         far *= 2.0
     centre = point + case.plate.radius * track.normal(s) if case.plate.radius else point
-    kinetic = energy + pull(case) @ (centre - centre[:, :1])
-    barred = run > longest if case.effect(Flight) else (kinetic < 0.0) | (run > longest)
-    stop = int(np.argmax(barred)) if barred.any() else len(s) - 1
+    kinetic = energy + gravity(case) @ (centre - centre[:, :1])
+    reachable = (kinetic >= 0.0) & (away <= longest)
+    if flies:
+        # It may pass what is too high for it through the air: up to the last place that is not.
+        stop = min(int(np.max(np.flatnonzero(reachable), initial=-1)) + 1, len(s) - 1)
+    else:
+        stop = len(s) - 1 if reachable.all() else int(np.argmin(reachable))
     end = min(int(np.searchsorted(run, run[stop] + margin)), len(s) - 1)
     return float(s[end]), float(run[end]), float(np.sqrt(2 * max(kinetic[: stop + 1].max(), 0.0)))
 
 
-def chain(case: Case, count: int) -> np.ndarray:
-    """Corners, shape (2, count + 1), of `count` equally long facets along the stretch; closed: the last is the first.
+def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:
+    """Corners, shape (2, count + 1), of `count` equally long facets along the stretch, `behind` (m) the track: facets
+    of that radius touch it.
 
     They lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
     """
@@ -108,7 +137,8 @@ def chain(case: Case, count: int) -> np.ndarray:
     speed = track.speed(fine)
     run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
     s = np.interp(np.linspace(0.0, run[-1], count + 1), run, fine)
-    return track.point(s) - track.curvature(s) * (part.length / count) ** 2 / 12 * track.normal(s)
+    outside = track.curvature(s) * (part.length / count) ** 2 / 12
+    return track.point(s) - (behind + outside) * track.normal(s)
 
 
 def polygon(case: Case, count: int) -> np.ndarray:
@@ -125,6 +155,11 @@ def polygon(case: Case, count: int) -> np.ndarray:
 
 def _area(x: np.ndarray, y: np.ndarray) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def is_convex(outline: Curve) -> bool:
+    """Whether the outline is closed and bends one way everywhere: what a polygon of an engine's can be."""
+    return bool(outline.period) and bool(np.all(outline.curvature(np.linspace(*outline.look, 721)) > 0.0))
 
 
 def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:

@@ -31,7 +31,7 @@ class Follower:
         self.case, self.flies = case, case.effect(Flight) is not None
         start = start_motion(case)
         self.near = (start.xi1, start.xi2)
-        self.size = float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
+        self.size = case.plate.reach
         # Where the plate was last looked for in flight, and how far off it was.
         self.seen: tuple[float, float, float] = (nan, nan, nan)
         self.gap = 0.0

@@ -7,15 +7,16 @@ bound: friction grows on, and what rolls creeps with vreg where friction is the 
 
 from __future__ import annotations
 
-from math import cos, hypot, isnan, sin
+from math import hypot, isnan
 from typing import NamedTuple
 
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, Gravity, Load, PerfectlyRough, Unilateral
+from cases import Case, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
+from cases.mechanics import gravity
 
 from ..common.follow import BEYOND, Follower
 from ..interface import Setting
@@ -160,13 +161,11 @@ def build(case: Case, setting: Setting) -> System:
             initialCoordinates_t=[start.vx, start.vy, start.omega],
         )
     )
-    gravity = case.effect(Gravity) or Gravity(0.0)
-    weight = plate.mass * gravity.g
     system.AddObject(
         item.ObjectGenericODE2(
             nodeNumbers=[node],
             massMatrix=np.diag([plate.mass, plate.mass, plate.inertia]),
-            forceVector=[weight * cos(gravity.direction), weight * sin(gravity.direction), 0.0],
+            forceVector=[*(plate.mass * gravity(case)), 0.0],
             forceUserFunction=law.force,  # type: ignore[arg-type]
             jacobianUserFunction=law.jacobian,  # type: ignore[arg-type]
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, sin, sqrt
+from math import sqrt
 from typing import Any, NamedTuple
 
 import exudyn as exu
@@ -77,7 +77,7 @@ def disc_body(case: Case, system) -> tuple[int, int]:
     body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, mass=plate.mass, inertia=plate.inertia))
     disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
     if gravity:
-        pull = [gravity.g * cos(gravity.direction), gravity.g * sin(gravity.direction), 0.0]
+        pull = [*gravity.vector, 0.0]
         mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
         system.AddLoad(item.LoadMassProportional(markerNumber=mass, loadVector=pull))
     if load:
@@ -107,7 +107,7 @@ def applied(case: Case, stored: Stored) -> np.ndarray:
     """The forces beside the contact's, gravity and load: (F_x, F_y) in N at the stored times, shape (n, 2)."""
     force, gravity, load = np.zeros((len(stored.t), 2)), case.effect(Gravity), case.effect(Load)
     if gravity:
-        force += case.plate.mass * gravity.g * np.array([cos(gravity.direction), sin(gravity.direction)])
+        force += case.plate.mass * np.array(gravity.vector)
     if load:
         rows = zip(stored.t.tolist(), stored.pose.tolist(), stored.velocity.tolist(), strict=True)
         force += [load.at(t, *pose, *velocity)[:2] for t, pose, velocity in rows]

@@ -1,8 +1,7 @@
 """pymunk (Chipmunk/Munk2D): a game engine's semi-implicit Euler step with Coulomb friction as clamped impulses.
 
 Positions stand at k·h and velocities at (k+½)·h, if the first step is a half one (start backed up by v₀·h/2, then
-`step(h/2)`). Velocities at the poses' times are means of their neighbours; forces are what the contact added to the
-momentum in the step, over h. On facets the force of a single step is noise about the true one: only its mean counts.
+`step(h/2)`): `common.half_steps` reads them.
 
 Routes: `native` (the engine's circles, segments and polygons; order 1), `assisted` (the engine is told the exact
 contact point, normal and the normal velocity that follows the curve; inertia, cone, stick and push are its own;
@@ -11,16 +10,19 @@ order 2).
 
 from __future__ import annotations
 
+from array import array
+from dataclasses import dataclass, field
+
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
 
-from ..interface import Setting
+from ..common import facets, half_steps
+from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import Drive
-from .reading import Model, read
 
 __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
 
@@ -59,10 +61,10 @@ def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
     outline = case.plate.outline
-    if not outline.period or np.any(outline.curvature(np.linspace(*outline.look, 721)) <= 0.0):
+    if not facets.is_convex(outline):
         return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
     endless = not case.track.period and not case.track.domain
-    if case.effect(Load) and endless and native.track_kind(case) == "chain":
+    if case.effect(Load) and endless and facets.track_kind(case) == "chain":
         return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
     return None
 
@@ -111,7 +113,27 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
     return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
 
 
-# --- build, run ------------------------------------------------------------------------------------------------------
+# --- build, run, read -------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Model:
+    """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
+
+    `drive`: its load; `rough`: sagitta in metres of the facets that stand for the curves; `guide`: what gives the
+    assisted route its contacts.
+    """
+
+    case: Case
+    space: pymunk.Space
+    body: pymunk.Body
+    h: float
+    steps: int
+    drive: Drive | None = None
+    rough: float = 0.0
+    guide: assisted.Guide | None = None
+    # Six numbers to a row. Boxed ones would take ten times the memory, which is gigabytes for a long motion.
+    rows: array[float] = field(default_factory=lambda: array("d"))
 
 
 def build(case: Case, route: str, setting: Setting) -> Model:
@@ -121,10 +143,11 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     if route == "native":
         space, body = native.build(case, setting)
         drive = Drive(case, body, h) if case.effect(Load) else None
-        model = Model(case, route, space, body, h, steps, drive, native.roughness(case, setting))
+        rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
+        model = Model(case, space, body, h, steps, drive, rough)
     else:
         space, body, drive, guide = assisted.build(case, setting, h)
-        model = Model(case, route, space, body, h, steps, drive, guide=guide)
+        model = Model(case, space, body, h, steps, drive, guide=guide)
     start = start_motion(case)
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
@@ -141,3 +164,16 @@ def run(model: Model) -> None:
     for _ in range(model.steps):
         step(model.h)
         note((*body.position, body.angle, *body.velocity, body.angular_velocity))
+
+
+def read(model: Model) -> Trajectory:
+    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
+    drive, guide, rows = model.drive, model.guide, np.array(model.rows).reshape(-1, 6)
+    if drive and drive.problem:
+        raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
+    if guide and guide.problem:
+        raise EngineFailure(f"The contact could not be given to pymunk: {guide.problem}") from guide.problem
+    contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
+    return half_steps.read(
+        half_steps.Noted(model.case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)
+    )

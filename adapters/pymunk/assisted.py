@@ -15,11 +15,12 @@ from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
 from cases import Case, Curve, Load, Unilateral
 from cases.contact import Contact, Motion, start_motion
+from cases.mechanics import gravity
 
 from ..common.follow import BEYOND, Follower
 from ..interface import Setting
 from .load import Drive, Torsor
-from .native import friction_coefficient, pull
+from .native import friction_coefficient
 
 # Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
 EVERYWHERE = 1e6
@@ -45,7 +46,7 @@ class Guide:
         self._two_sided = case.effect(Unilateral) is None
         self._here, self._ahead = Follower(case), Follower(case)
         self._before = _velocities(start_motion(case))
-        gx, gy = pull(case)
+        gx, gy = gravity(case)
         self._gravity, self._drive = (float(gx), float(gy)), drive
         # What acts tells how the velocities change in the first, half step; from then on they tell themselves.
         self._change: Torsor | None = None
@@ -150,7 +151,7 @@ def iterations(case: Case) -> int:
 def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Drive | None, Guide]:
     """A space with the plate as a body of its mass and inertia, what drives it, and the guide that knows its track."""
     space = pymunk.Space()
-    gx, gy = pull(case)
+    gx, gy = gravity(case)
     space.gravity = float(gx), float(gy)
     # Slop and bias, which mend overlap, find none in the contact that is told; sweeps are all there is to set.
     if "iterations" in setting:

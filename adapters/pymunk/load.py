@@ -11,7 +11,7 @@ Torsor = tuple[float, float, float]
 
 
 class Drive:
-    """The load of one run; `rows` are the forces (F_x, F_y) in N of every step, `problem` what its formula raised.
+    """The load of one run; `rows` are (F_x, F_y, M) in N and N m of every step, `problem` what its formula raised.
 
     The engine moves its bodies first, then updates their velocities: there the pose is of the step's own time t, while
     the velocities are half a step behind and are carried on to t by their last change.
@@ -20,7 +20,7 @@ class Drive:
     def __init__(self, case: Case, body: pymunk.Body, h: float):
         load = case.effect(Load)
         assert load is not None, "only a case with a load has something to drive"
-        self.rows: list[tuple[float, float]] = []
+        self.rows: list[Torsor] = []
         self.problem: Exception | None = None
         self._at, self._body, self._h = load.at, body, h
         start = start_motion(case)
@@ -45,6 +45,6 @@ class Drive:
         fx, fy, moment = self.torsor()
         (vx, vy), omega = body.velocity, body.angular_velocity
         self._before = vx, vy, omega
-        self.rows.append((fx, fy))
+        self.rows.append((fx, fy, moment))
         body.force, body.torque = (fx, fy), moment
         pymunk.Body.update_velocity(body, gravity, damping, dt)

@@ -4,52 +4,20 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from functools import lru_cache
 from itertools import product
-from math import pi
-from typing import NamedTuple
 
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Gravity, Impact, Load, NotSupported, PerfectlyRough
-from cases.contact import pose, start_motion
+from cases import Case, CoulombFriction, Impact, NotSupported, PerfectlyRough
+from cases.mechanics import gravity
 from cases.shapes import Circle, Line, as_circle, as_line
 
+from ..common.facets import chain, polygon, round_plate, stretch, track_kind
 from ..interface import Setting
 
 # What the track's chain is made of differs from rung to rung only in these; everything else is the engine's default.
 KNOBS = ("collision_slop", "collision_bias", "iterations")
-
-
-class Stretch(NamedTuple):
-    """The part of a track the plate can reach: parameters, arc length (m), whether closed, top speed (m/s) on it."""
-
-    low: float
-    high: float
-    length: float
-    closed: bool
-    top_speed: float
-
-
-def track_kind(case: Case) -> str:
-    """How the engine's shapes make the track: "line" (one segment), "hill" (one circle) or "chain" (segments)."""
-    if as_line(case.track):
-        return "line"
-    circle = as_circle(case.track)
-    return "hill" if circle and not circle.left and case.track.period else "chain"
-
-
-def radii(case: Case) -> tuple[float, float]:
-    """Smallest and largest distance of the outline from the centre of mass, in metres."""
-    r = np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 721)))
-    return float(r.min()), float(r.max())
-
-
-def pull(case: Case) -> np.ndarray:
-    """Gravity as a vector in m/s², zero without Gravity."""
-    gravity = case.effect(Gravity)
-    return gravity.g * np.array([np.cos(gravity.direction), np.sin(gravity.direction)]) if gravity else np.zeros(2)
 
 
 # A coefficient no contact here comes near: even a millionth of a newton would hold a plate of a tonne on a wall.
@@ -60,76 +28,6 @@ def friction_coefficient(case: Case) -> float:
     """Of the two shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
     friction = case.effect(CoulombFriction)
     return ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
-
-
-# --- how far the plate can come --------------------------------------------------------------------------------------
-
-
-@lru_cache(maxsize=16)
-def stretch(case: Case) -> Stretch:
-    """Which part of the track the plate can reach, by its energy and by the time it has.
-
-    Nothing adds energy, so the plate stays where its potential is below its first energy; and its speed cannot grow
-    faster than g. A margin of the plate's own size is added at both ends.
-    """
-    start, (smallest, largest) = start_motion(case), radii(case)
-    if case.effect(Load):
-        return _everywhere(case)
-    energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * case.plate.inertia / case.plate.mass * start.omega**2
-    # A start off the track is higher, or lower, than the pose of contact there.
-    on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
-    energy += float(pull(case) @ (on_track - (start.x, start.y)))
-    # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
-    energy += float(np.hypot(*pull(case))) * (largest - smallest)
-    longest = (np.sqrt(2 * energy) + np.hypot(*pull(case)) * case.duration) * case.duration
-    ways = [_walk(case, start.xi1, way, energy, longest, largest) for way in (-1, 1)]
-    (low, back, fast), (high, ahead, faster) = ways
-    period = case.track.period
-    if period and high - low >= period:
-        low, high = start.xi1 - period / 2, start.xi1 + period / 2
-        length = float(np.mean(case.track.speed(np.linspace(low, high, 721)[:-1]))) * period
-        return Stretch(low, high, length, True, max(fast, faster))
-    return Stretch(low, high, back + ahead, False, max(fast, faster))
-
-
-# How far from its start (m) a plate with a load may come on a straight line, which has no end of its own.
-FAR = 1e3
-
-
-def _everywhere(case: Case) -> Stretch:
-    """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
-    track = case.track
-    low, high = (case.start.xi1 - FAR, case.start.xi1 + FAR) if track.domain is None else track.domain
-    if track.period:
-        low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
-    length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
-    start = start_motion(case)
-    fast = float(np.hypot(start.vx, start.vy) + np.hypot(*pull(case)) * case.duration)
-    return Stretch(low, high, length, track.period is not None, fast)
-
-
-def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margin: float) -> tuple[float, float, float]:
-    """Farthest parameter reached in one direction, the arc length to it, and the top speed on the way."""
-    track, far = case.track, 1.0
-    bounded = track.period is not None or track.domain is not None
-    if track.period:
-        far = track.period
-    elif track.domain:
-        far = track.domain[1] - xi1 if way > 0 else xi1 - track.domain[0]
-    while True:
-        # 2000 steps to a walk follow every curve whose features its author could draw.
-        s = xi1 + way * np.linspace(0.0, far, 2001)
-        point, speed = track.point(s), track.speed(s)
-        run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * far / 2000
-        if bounded or run[-1] > longest + margin:
-            break
-        far *= 2.0
-    centre = point + case.plate.radius * track.normal(s) if case.plate.radius else point
-    kinetic = energy + pull(case) @ (centre - centre[:, :1])
-    barred = (kinetic < 0.0) | (run > longest)
-    stop = int(np.argmax(barred)) if barred.any() else len(s) - 1
-    end = min(int(np.searchsorted(run, run[stop] + margin)), len(s) - 1)
-    return float(s[end]), float(run[end]), float(np.sqrt(2 * max(kinetic[: stop + 1].max(), 0.0)))
 
 
 # --- the shapes' fineness --------------------------------------------------------------------------------------------
@@ -153,9 +51,9 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         knobs["neighbors"] = 0 if h is None else 1
     if kind != "hill":
         # Thick walls catch what sinks into them; thin ones spare the engine's search for overlapping boxes.
-        thickness = radii(case)[0] * (1.0 if h is None else 0.05)
+        thickness = case.plate.inner * (1.0 if h is None else 0.05)
         knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
-    if plate_kind(case) == "polygon":
+    if not round_plate(case):
         # Corners cost energy as facets do; 0.2 s over the step is where they cost as much as the step itself.
         knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, MOST_CORNERS))
     return knobs
@@ -163,7 +61,7 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
 
 def space_knobs(case: Case) -> dict[str, float | int]:
     """The space's knobs of every rung but the first: all overlap beyond a small slop is corrected at once."""
-    knobs: dict[str, float | int] = dict(collision_slop=1e-5 * radii(case)[0], collision_bias=0.0)
+    knobs: dict[str, float | int] = dict(collision_slop=1e-5 * case.plate.inner, collision_bias=0.0)
     if not case.plate.radius:
         knobs["iterations"] = 20
     return knobs
@@ -187,31 +85,12 @@ def model_grid(case: Case, steps: Sequence[float]) -> list[dict[str, float | int
     return [finest | dict(zip(choices, values, strict=True)) for values in product(*choices.values())]
 
 
-def plate_kind(case: Case) -> str:
-    """How the engine's shapes make the plate: "circle" or "polygon"."""
-    return "circle" if as_circle(case.plate.outline) and case.plate.outline.period else "polygon"
-
-
 def scene_kind(case: Case) -> str:
     """What decides the cost of a scene: the track's kind for a disc; "polygon" or "polygon on chain" for others."""
     kind = track_kind(case)
-    if plate_kind(case) == "circle":
+    if round_plate(case):
         return kind
     return "polygon on chain" if kind == "chain" else "polygon"
-
-
-def roughness(case: Case, setting: Setting) -> float:
-    """The largest sagitta (m) of the facets that stand for track and outline; zero where the shapes are exact."""
-    knobs, sagitta = dict(setting.values), 0.0
-    if "facets" in knobs:
-        part = stretch(case)
-        bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()
-        sagitta += float(bend) * (part.length / setting["facets"]) ** 2 / 8
-    if "vertices" in knobs:
-        bend = case.plate.outline.curvature(np.linspace(*case.plate.outline.look, 721)).min()
-        # Corners at equal turns: the longest facet is where the outline bends least.
-        sagitta += (2 * pi / setting["vertices"]) ** 2 / (8 * float(bend))
-    return sagitta
 
 
 def _tightest_hill(case: Case) -> float:
@@ -231,7 +110,7 @@ _MOST_FACETS = 1_000_000
 def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     """A space with the track as static shapes and the plate at the case's start, gravity and friction included."""
     space = pymunk.Space()
-    gx, gy = pull(case)
+    gx, gy = gravity(case)
     space.gravity = float(gx), float(gy)
     for knob in KNOBS:
         if knob in setting:
@@ -252,29 +131,12 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
 
 
 def _plate_shape(case: Case, body: pymunk.Body, setting: Setting) -> pymunk.Shape:
-    circle = as_circle(case.plate.outline)
-    if plate_kind(case) == "circle" and circle:
+    circle = round_plate(case)
+    if circle:
         x, y = circle.centre
         return pymunk.Circle(body, circle.radius, (float(x), float(y)))
-    return pymunk.Poly(body, _matched_polygon(case, setting["vertices"]))
-
-
-def _matched_polygon(case: Case, count: int) -> list[tuple[float, float]]:
-    """Corners at equal steps of the tangent's angle, blown up so that the polygon has the outline's area.
-
-    Equal turns put the corners where the outline bends most, so that every corner costs the same.
-    """
-    outline = case.plate.outline
-    s = np.linspace(*outline.look, 64 * 721)
-    angle = outline.tangent_angle(s)
-    corners = outline.point(np.interp(angle[0] + 2 * pi * np.arange(count) / count, angle, s))
-    x, y = outline.point(s[:-1])
-    grow = np.sqrt(_area(x, y) / _area(*corners))
-    return [(float(grow * u), float(grow * v)) for u, v in corners.T]
-
-
-def _area(x: np.ndarray, y: np.ndarray) -> float:
-    return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+    corners = polygon(case, setting["vertices"])
+    return pymunk.Poly(body, [(float(x), float(y)) for x, y in corners.T])
 
 
 def _track_shapes(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
@@ -298,27 +160,21 @@ def _line_segment(case: Case, space: pymunk.Space, line: Line, thickness: float)
     """
     part = stretch(case)
     normal = np.array([-line.direction[1], line.direction[0]])
-    lift = normal * (0.5 * min(space.collision_slop, 1e-6 * radii(case)[0]) - thickness)
+    lift = normal * (0.5 * min(space.collision_slop, 1e-6 * case.plate.inner) - thickness)
     (ax, ay), (bx, by) = (case.track.point(s) + lift for s in (part.low, part.high))
     return pymunk.Segment(space.static_body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
 
 
 def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
-    """Segments of equal length along the stretch, behind the track by their radius.
-
-    The corners lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
-    """
-    part, track, count, thickness = stretch(case), case.track, setting["facets"], setting["thickness"]
+    """Segments of equal length along the stretch, behind the track by their radius."""
+    count, thickness = setting["facets"], setting["thickness"]
     if count > _MOST_FACETS:
         raise NotSupported(
             f"At this step so near a fit needs {count:,} facets, and a million take more than a gigabyte of memory; "
             "give a coarser setting."
         )
-    s = _equal_arcs(case, part, count)
-    bend = track.curvature(s) * (part.length / count) ** 2 / 12
-    corners = track.point(s) - (thickness + bend) * track.normal(s)
-    points = [(float(x), float(y)) for x, y in corners.T]
-    if part.closed:
+    points = [(float(x), float(y)) for x, y in chain(case, count, behind=thickness).T]
+    if stretch(case).closed:
         points[-1] = points[0]
         before, after = points[-2], points[1]
     else:
@@ -331,11 +187,3 @@ def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Sha
             segment.set_neighbors(padded[i], padded[i + 3])
         segments.append(segment)
     return segments
-
-
-def _equal_arcs(case: Case, part: Stretch, count: int) -> np.ndarray:
-    """Parameters of count + 1 points a constant arc length apart."""
-    fine = np.linspace(part.low, part.high, max(4 * count, 4000) + 1)
-    speed = case.track.speed(fine)
-    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
-    return np.interp(np.linspace(0.0, run[-1], count + 1), run, fine)
