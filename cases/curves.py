@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -68,6 +68,11 @@ class Curve:
     def __reduce__(self):
         """A curve travels to another process as its expression, a tree of SymPy objects; no text is read back."""
         return _arrived, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
+
+    def at(self, s) -> tuple[sp.Expr, sp.Expr]:
+        """(X, Y) as expressions, with another expression for the parameter: how a curve is written into another."""
+        x, y = (part.xreplace({PARAMETER: sp.sympify(s)}) for part in self.expression)
+        return x, y
 
     @classmethod
     def through(cls, points, closed: bool) -> Curve:
@@ -323,15 +328,8 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
 def _arrived(trees, domain, residual) -> Curve:
     """The curve that a process sent. It was checked there, so it is not checked again."""
     curve, expression = object.__new__(Curve), tuple(map(expressions.from_tree, trees))
-    function = partial(_substituted, expression)
-    vars(curve).update(function=function, domain=domain, residual=residual, expression=_the_one(expression))
+    vars(curve).update(function=curve.at, domain=domain, residual=residual, expression=_the_one(expression))
     return curve
-
-
-def _substituted(expression: tuple[sp.Expr, sp.Expr], s) -> tuple[sp.Expr, sp.Expr]:
-    """What the author's function would return for `s`."""
-    x, y = (part.xreplace({PARAMETER: sp.sympify(s)}) for part in expression)
-    return x, y
 
 
 @lru_cache(maxsize=4096)

@@ -77,7 +77,8 @@ def test_an_arrived_case_has_the_same_motion_to_the_last_digit(elsewhere):
 def test_an_arrived_curve_can_be_written_into_another():
     curve = by_hand().track
     back = pickle.loads(pickle.dumps(curve))
-    assert Curve(lambda s: back.function(-s), (-3, 1)) == Curve(lambda s: curve.function(-s), (-3, 1))
+    assert Curve(lambda s: back.at(-s), (-3, 1)) == Curve(lambda s: curve.function(-s), (-3, 1))
+    assert Curve(back.function, curve.domain) == curve
 
 
 def test_a_case_is_small_and_quick_to_send():

@@ -1,4 +1,4 @@
-"""One run of a route for the laws of `tests.conformance`, and the scales of its error.
+"""One run of a route for the laws of mechanics, and the scales of its error.
 
 Tolerances. They follow from the rung that is run (the finest but one) and from the case, never from what was measured:
 
@@ -20,8 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from adapters import Setting
-from cases import Case, Gravity, Trajectory
+from cases import Case, Trajectory
+from cases.mechanics import gravity
+
+from ..interface import Setting
 
 G = 9.81
 # The finest rung is what an engine's own tests look at; the one before costs half and every tolerance follows it.
@@ -75,8 +77,7 @@ class Run:
     @property
     def acceleration(self) -> float:
         """Gravity and what the track's bend asks for, m/s²."""
-        gravity = self.case.effect(Gravity)
-        return (gravity.g if gravity else 0.0) + self.speed**2 * self.bend
+        return float(np.hypot(*gravity(self.case))) + self.speed**2 * self.bend
 
     @property
     def kick(self) -> float:

@@ -2,23 +2,23 @@
 
 `LAWS` names them all. A law raises AssertionError, which begins with the law's name, if the route breaks it, and
 Refused if the route cannot model the law's scene. Nothing here compares one solver with another: each law follows from
-Newton's and Coulomb's laws, or from a symmetry of theirs.
-Tolerances are those of `tests.conformance_runs`.
+Newton's and Coulomb's laws, or from a symmetry of theirs. Tolerances are those of `adapters.laws.runs`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import atan, cos, pi, sin
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid, trapezoid
 
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
 from cases.contact import pose, start_motion
-from cases.mechanics import energy
-from tests.conformance_runs import G, Refused, Route, Run, hold
+from cases.mechanics import energy, energy_growth
+
+from .runs import G, Refused, Route, Run, hold
 
 # --- scenes ----------------------------------------------------------------------------------------------------------
 
@@ -65,7 +65,7 @@ def mirrored(case: Case) -> Case:
 
 def _mirror(curve: Curve) -> Curve:
     def function(s):
-        x, y = curve.function(-s)
+        x, y = curve.at(-s)
         return -x, y
 
     return Curve(function, domain=curve.domain and (-curve.domain[1], -curve.domain[0]))
@@ -77,7 +77,7 @@ def turned(case: Case, angle: float) -> Case:
     assert gravity is not None
 
     def function(s):
-        x, y = case.track.function(s)
+        x, y = case.track.at(s)
         return x * cos(angle) - y * sin(angle), x * sin(angle) + y * cos(angle)
 
     others = tuple(effect for effect in case.effects if effect is not gravity)
@@ -154,6 +154,8 @@ def no_friction_no_spin(route: Route) -> None:
     """Without friction a disc keeps its spin, since the normal force points at its centre."""
     run = route.run(replace(SCENES["disc in a circle"], effects=(Gravity(G), Unilateral())))
     omega = run.motion.omega
+    from scipy.integrate import trapezoid  # slow to import
+
     # Nothing acts on the spin, so there is nothing a step could misplace: rounding of a thousand steps or more, and of
     # the lever of the normal force.
     plate, pressed = run.case.plate, float(trapezoid(np.abs(run.motion.normal_force), run.motion.t))
@@ -173,8 +175,7 @@ def energy_never_grows(route: Route, scene: Case) -> None:
     """With friction and no load the energy falls or stays."""
     run = route.run(scene)
     total = energy(scene, run.motion)
-    growth = total - np.minimum.accumulate(total)
-    hold("energy never grows", "the energy, above its least so far,", growth, _swing(run))
+    hold("energy never grows", "the energy, above its least so far,", energy_growth(total), _swing(run))
 
 
 def mirror_image(route: Route, scene: Case) -> None:
@@ -198,6 +199,8 @@ def turned_frame(route: Route, scene: Case) -> None:
 
 def momentum_balance(route: Route, scene: Case) -> None:
     """m v and J ω grow by what the reported forces and gravity sum up to: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
+    from scipy.integrate import cumulative_trapezoid  # slow to import
+
     run, motion, plate = route.run(scene), route.run(scene).motion, scene.plate
     tangent, normal = scene.track.tangent(motion.xi1), scene.track.normal(motion.xi1)
     fx, fy = motion.normal_force * normal + motion.friction_force * tangent
@@ -269,8 +272,7 @@ def _mu(case: Case) -> float:
 
 def _ease(plate: Plate) -> float:
     """How much of a kick on the centre reaches the contact point: 1 + m ρ²/J with the largest lever ρ."""
-    lever = float(np.hypot(*plate.outline.point(np.linspace(*plate.outline.look, 65))).max())
-    return 1 + plate.mass * lever**2 / plate.inertia
+    return 1 + plate.mass * plate.reach**2 / plate.inertia
 
 
 def _swing(run: Run) -> float:
@@ -304,7 +306,11 @@ Law = Callable[[Route], None]
 
 def _everywhere(law: Callable[[Route, Case], None]) -> dict[str, Law]:
     name = law.__name__
-    return {f"{name}[{scene}]": lambda route, case=case: law(route, case) for scene, case in SCENES.items()}
+    return {f"{name}[{scene}]": partial(_on, law, case) for scene, case in SCENES.items()}
+
+
+def _on(law: Callable[[Route, Case], None], scene: Case, route: Route) -> None:
+    law(route, scene)
 
 
 LAWS: dict[str, Law] = {

@@ -1,4 +1,4 @@
-"""Every adapter, once registered, obeys the laws of `tests.conformance`; and wrong ones are caught by name."""
+"""Every adapter, once registered, obeys the laws of `adapters.laws`; and wrong ones are caught by name."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ import pytest
 
 import adapters
 from adapters import Setting
+from adapters.laws import LAWS, SCENES, Refused, Route, mechanics
 from cases import Case, CoulombFriction, Gravity, Trajectory
 from cases.contact import start_motion
 from cases.shapes import as_line
-from tests import conformance
-from tests.conformance import LAWS, SCENES, Refused, Route
 
 # What a law found wrong, until the adapter is right: (adapter, route, law) -> what was measured. Strict: a mended
 # adapter fails here until its line is taken out.
@@ -115,8 +114,8 @@ def falling_disc(spoil=lambda motion: motion):
         t = np.linspace(0.0, case.duration, 1001)
         none, zero, one = np.full_like(t, np.nan), np.zeros_like(t), np.ones_like(t)
         return spoil(Trajectory(
-            t=t, x=start.x + start.vx * t, y=start.y + start.vy * t - 0.5 * conformance.G * t**2,
-            theta=start.theta + start.omega * t, vx=start.vx * one, vy=start.vy - conformance.G * t,
+            t=t, x=start.x + start.vx * t, y=start.y + start.vy * t - 0.5 * mechanics.G * t**2,
+            theta=start.theta + start.omega * t, vx=start.vx * one, vy=start.vy - mechanics.G * t,
             omega=start.omega * one, slip=none, normal_force=zero, friction_force=zero, xi1=none, xi2=none,
         ))  # fmt: skip
 
@@ -220,4 +219,4 @@ def test_textbook_formula_passes_its_law(law, right):
 
 def test_refusal_is_no_pass():
     with pytest.raises(Refused, match="level lines alone"):
-        conformance.cone(Route(sliding_disc(), "closed form"), SCENES["disc in a circle"])
+        mechanics.cone(Route(sliding_disc(), "closed form"), SCENES["disc in a circle"])
