@@ -94,9 +94,7 @@ class Setting:
 
 def engines() -> tuple[str, ...]:
     """The adapters' names, in alphabetical order: this folder's, and those of installed packages."""
-    from . import __path__ as folder
-
-    own = {module.name for module in pkgutil.iter_modules(folder)} - NO_ADAPTERS
+    own = {module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)])} - NO_ADAPTERS
     return tuple(sorted(own | _installed().keys()))
 
 

@@ -14,8 +14,7 @@ from cases import Case, Trajectory
 from cases.contact import start_motion
 from reports import experiment, metrics, trial
 from reports.records import is_default_setting
-
-from .authorities.paper_application import FIRST_TRANSITION, SEQUENCE
+from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 
 OUTCOMES = {"right", "wrong", "refused", "crashed", "timed_out"}
 # A disc in a circle, on a line, in a valley, off a hill; a plate that is none on a line and on a hill; no gravity.

@@ -1,4 +1,4 @@
-"""pybullet against exact values; the laws it obeys are those of test_conformance."""
+"""pybullet against exact values; the laws it obeys are those of test_laws."""
 
 import numpy as np
 import pytest

@@ -13,9 +13,8 @@ import cases
 import reference
 from adapters import EngineFailure, Setting, engine
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
-
-from .authorities.paper_application import FIRST_TRANSITION, SEQUENCE
-from .scenes import ellipse
+from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
+from tests.scenes import ellipse
 
 G, PUSH = Gravity(9.81), Unilateral()
 adapter = engine("pymunk")

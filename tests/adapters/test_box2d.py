@@ -1,4 +1,4 @@
-"""box2d against exact values and the reference; the laws it obeys, and the one it breaks, are in test_conformance."""
+"""box2d against exact values and the reference; the laws it obeys, and the one it breaks, are in test_laws."""
 
 from itertools import pairwise
 
