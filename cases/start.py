@@ -44,11 +44,14 @@ class Start:
 
     def motion(self, track: Curve, outline: Curve) -> geometry.Motion:
         """The start as pose, velocities and contact rates. Raises DoesNotFit for an xi2 that cannot be guessed."""
-        xi2 = geometry.level_parameter(track, outline, self.xi1) if self.xi2 is None else self.xi2
+        xi2 = self._outline_parameter(track, outline)
         if self.in_contact:
             return geometry.velocity(track, outline, self.xi1, xi2, self.slip, self.omega)
         moves = self.slip, self.omega, self.gap, self.lift
         return geometry.velocity_apart(track, outline, self.xi1, xi2, *moves)
+
+    def _outline_parameter(self, track: Curve, outline: Curve) -> float:
+        return geometry.level_parameter(track, outline, self.xi1) if self.xi2 is None else self.xi2
 
     def check(self, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> None:
         """Raises DoesNotFit or BadValue if it is no admissible contact, or asks for an effect that is not there."""
@@ -56,13 +59,14 @@ class Start:
         if domain and not track.period and not domain[0] <= xi1 <= domain[1]:
             raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
         self._check_effects(tuple(type(effect) for effect in effects))
-        begun = self.motion(track, outline)
-        if self.gap == 0.0 and geometry.clearance(track, outline, xi1, begun.xi2) <= 0.0:
+        xi2 = self._outline_parameter(track, outline)
+        if self.gap == 0.0 and geometry.clearance(track, outline, xi1, xi2) <= 0.0:
             raise DoesNotFit(
                 f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
                 f"{float(track.curvature(xi1)):.6g} 1/m is not below the outline's "
-                f"{float(outline.curvature(begun.xi2)):.6g} 1/m; give a smaller plate or a wider track"
+                f"{float(outline.curvature(xi2)):.6g} 1/m; give a smaller plate or a wider track"
             )
+        begun = self.motion(track, outline)  # only where the plate fits: it divides by the difference of the curvatures
         place = geometry.overlap(track, outline, begun.x, begun.y, begun.theta)
         if place is not None:
             raise DoesNotFit(
