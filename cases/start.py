@@ -79,8 +79,7 @@ class Start:
             raise BadValue("gap and lift of Start begin off the track; add Flight to the effects or leave them at 0")
         if self.gap == 0.0 and self.lift < 0.0 and Impact not in kinds:
             raise BadValue(
-                f"lift = {self.lift:g} of Start begins with an impact; "
-                "add Impact to the effects or give lift=0"
+                f"lift = {self.lift:g} of Start begins with an impact; add Impact to the effects or give lift=0"
             )
         if self.in_contact and self.slip != 0.0 and PerfectlyRough in kinds:
             raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {self.slip:g}")
