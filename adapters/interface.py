@@ -1,6 +1,6 @@
 """What an adapter is. Nothing here knows an engine; `engines` finds the adapters by looking into this folder.
 
-An adapter is one module with
+An adapter is one module, or a package, with
 
     NAME: str                                       the engine's name in every table
     routes: tuple[str, ...]                         "native" (the engine's own shapes and contact), "assisted" (our
@@ -24,14 +24,26 @@ The first setting of a ladder is the engine as it comes and says so: `Setting.of
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import pkgutil
+import sys
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from types import ModuleType
 
-from cases.errors import unknown
+from cases.errors import BadValue, UnknownName, unknown
 
 GROUP = "slip_to_roll.adapters"
+
+# What every adapter has.
+PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version")
+
+# What the first rung of a ladder is called: `Setting.of(rung=DEFAULTS, …)`.
+DEFAULTS = "defaults"
+
+# What else lies in this folder.
+NO_ADAPTERS = {"common", "interface", "laws"}
 
 
 class EngineFailure(RuntimeError):
@@ -40,7 +52,10 @@ class EngineFailure(RuntimeError):
 
 @dataclass(frozen=True)
 class Setting:
-    """One rung of a ladder: the engine's knobs by name. Its text stands in the tables."""
+    """One rung of a ladder: the engine's knobs by name, in an order. Its text is for tables, not to be read back.
+
+    `"h" in setting`, `setting["h"]`, `setting.get("h")` ask for a knob, `dict(setting)` gives all of them.
+    """
 
     values: tuple[tuple[str, float | int | str], ...]
 
@@ -48,6 +63,27 @@ class Setting:
     def of(cls, **values: float | int | str) -> Setting:
         """A setting from keywords, in the order given."""
         return cls(tuple(values.items()))
+
+    def but(self, **values: float | int | str | None) -> Setting:
+        """The setting with some knobs changed or added, in its order; None takes a knob out."""
+        changed = dict(self.values) | values
+        return Setting.of(**{name: value for name, value in changed.items() if value is not None})
+
+    @property
+    def is_default(self) -> bool:
+        """Whether it is the engine as it comes."""
+        return self.get("rung") == DEFAULTS
+
+    def keys(self) -> tuple[str, ...]:
+        """The knobs' names."""
+        return tuple(name for name, _ in self.values)
+
+    def get(self, name: str, default=None):
+        """A knob's value, or the default where the setting has no such knob."""
+        return dict(self.values).get(name, default)
+
+    def __contains__(self, name: object) -> bool:
+        return name in dict(self.values)
 
     def __getitem__(self, name: str):
         return dict(self.values)[name]
@@ -58,10 +94,7 @@ class Setting:
 
 def engines() -> tuple[str, ...]:
     """The adapters' names, in alphabetical order: this folder's, and those of installed packages."""
-    from . import __path__ as folder
-
-    modules = (m.name for m in pkgutil.iter_modules(folder))
-    own = {name for name in modules if name != "interface" and not name.startswith("_")}
+    own = {module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)])} - NO_ADAPTERS
     return tuple(sorted(own | _installed().keys()))
 
 
@@ -71,6 +104,47 @@ def engine(name: str) -> ModuleType:
         raise unknown("engine", name, engines())
     foreign = _installed().get(name)
     return foreign.load() if foreign else importlib.import_module(f"adapters.{name}")
+
+
+def find(name: str) -> ModuleType:
+    """The adapter of that name, in that Python file, or in that module, whoever wrote it.
+
+    Raises UnknownName if there is none, BadValue for a file that fails or a module that is no adapter, ImportError if
+    its engine is not installed.
+    """
+    path = Path(name)
+    if name in engines():
+        adapter = engine(name)
+    elif path.suffix == ".py":
+        adapter = _from_file(path)
+    else:
+        try:
+            adapter = importlib.import_module(name)
+        except ModuleNotFoundError as problem:
+            if problem.name is None or not f"{name}.".startswith(f"{problem.name}."):
+                raise
+            raise unknown("adapter, Python file or module", name, engines()) from None
+    missing = [part for part in PARTS if not hasattr(adapter, part)]
+    if missing:
+        raise BadValue(f"{name} is no adapter: it has no {', '.join(missing)}; see `adapters.interface`")
+    return adapter
+
+
+def _from_file(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise UnknownName(f"there is no adapter file {str(path)!r}")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None, "a path that ends in .py has a loader"
+    adapter = importlib.util.module_from_spec(spec)
+    # Where it says `from __future__ import annotations`, its dataclasses look their module up by name.
+    sys.modules.setdefault(path.stem, adapter)
+    try:
+        spec.loader.exec_module(adapter)
+    except ImportError:
+        raise
+    except Exception as problem:
+        raise BadValue(f"the adapter file {path} fails: {type(problem).__name__}: {problem}") from problem
+    return adapter
 
 
 def _installed() -> dict[str, EntryPoint]:

@@ -20,9 +20,9 @@ import pybullet
 from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
 from cases.errors import DoesNotFit, unknown
+from cases.mechanics import gravity
 
-from . import _half_steps as half_steps
-from ._facets import pull
+from .common import half_steps
 from .interface import Setting
 
 NAME = "pybullet"
@@ -87,7 +87,7 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     h, start, friction = case.duration / steps, start_motion(case), case.effect(CoulombFriction)
     world = pybullet.connect(pybullet.DIRECT)
     where = dict(physicsClientId=world)
-    pybullet.setGravity(*pull(case), 0.0, **where)
+    pybullet.setGravity(*gravity(case), 0.0, **where)
     knobs = dict(contactERP=setting["erp"], contactSlop=setting["slop"], solverResidualThreshold=setting["residual"])
     pybullet.setPhysicsEngineParameter(**knobs, **where)
     sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=case.plate.radius, **where)
@@ -117,7 +117,7 @@ def _step(model: Model, where: dict[str, int]) -> None:
     case, h, start = model.case, model.h, start_motion(model.case)
     # The engine's quaternion forgets whole turns; the angle is its own steps' sum. A sphere needs no other.
     centre, theta, near = np.array([start.x, start.y]), start.theta, (start.xi1, start.xi2)
-    now, change = np.array([start.vx, start.vy]), 0.5 * h * pull(case)
+    now, change = np.array([start.vx, start.vy]), 0.5 * h * gravity(case)
     for k in range(model.steps + 1):
         try:
             near = _put_plane(model, centre, theta, now + change, 1.0 if k else 0.5, near, where)
@@ -156,4 +156,4 @@ def _put_plane(model: Model, centre, theta: float, velocity, share: float, near,
 
 def read(model: Model) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
-    return half_steps.read(half_steps.Noted(model.case, model.h, model.steps, model.rows, model.contacts))
+    return half_steps.read(half_steps.Noted(model.case, model.h, model.steps, np.array(model.rows), model.contacts))

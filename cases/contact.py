@@ -1,169 +1,49 @@
-"""The geometry every solver is judged by: where a plate touches its track, by how much it misses, how it slips.
+"""The geometry every solver is judged by, asked of a case: where its plate touches its track, and how it slips.
 
-Nothing here knows a solver. Positions in metres, angles in radians; (5), (6), (11), (12) are the paper's equations.
+Nothing here knows a solver. `cases.geometry` has the mathematics, and says what each function gives and raises.
 """
 
 from __future__ import annotations
 
-from math import cos, hypot, isfinite, nan, pi, sin
-from typing import NamedTuple
-
 import numpy as np
 
+from . import geometry
 from .case import Case
-from .effects import Flight, Impact, PerfectlyRough
-from .errors import BadValue, DoesNotFit
+from .geometry import Contact, Motion
 from .overlap import first_overlap
 
-
-class Contact(NamedTuple):
-    """Contact parameters and the gap (m, negative where the plate overlaps its track)."""
-
-    xi1: float
-    xi2: float
-    gap: float
-
-
-class Motion(NamedTuple):
-    """Pose, velocities and contact parameters with their rates (NaN off the track) at one instant."""
-
-    x: float
-    y: float
-    theta: float
-    vx: float
-    vy: float
-    omega: float
-    xi1: float
-    xi2: float
-    xi1_dot: float
-    xi2_dot: float
-    slip: float
-
-
-def pose(case: Case, xi1, xi2):
-    """(x, y, theta) of the plate that touches at (xi1, xi2): (6) gives θ, (5) gives R₀. Numbers or arrays."""
-    track, outline = case.track, case.plate.outline
-    theta = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
-    c, s = np.cos(theta), np.sin(theta)
-    (X, Y), (x, y) = track.point(xi1), outline.point(xi2)
-    return X - (c * x - s * y), Y - (s * x + c * y), theta
-
-
-def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
-    """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
-    track, outline = case.track, case.plate.outline
-    P, p = float(track.speed(xi1)), float(outline.speed(xi2))
-    bend_track, bend_outline = float(track.curvature(xi1)), float(outline.curvature(xi2))
-    # The tangents turn together: κ_track ṡ_track = ω + κ_outline ṡ_outline, and slip = ṡ_track − ṡ_outline by (12).
-    along_track = (omega - bend_outline * slip) / (bend_track - bend_outline)
-    along_outline = along_track - slip
-    x, y, theta = (float(value) for value in pose(case, xi1, xi2))
-    tangent, contact = track.tangent(xi1), track.point(xi1)
-    # (11) solved for the velocity of the centre of mass: v = Ṙ₀ + ω U (R − R₀).
-    vx = slip * tangent[0] + omega * (contact[1] - y)
-    vy = slip * tangent[1] - omega * (contact[0] - x)
-    return Motion(x, y, theta, float(vx), float(vy), omega, xi1, xi2, along_track / P, along_outline / p, slip)
+__all__ = [
+    "Contact",
+    "Motion",
+    "clearance",
+    "find",
+    "follow",
+    "overlap",
+    "pose",
+    "slip_velocity",
+    "start_motion",
+    "velocity",
+]
 
 
 def start_motion(case: Case) -> Motion:
     """The case's start as pose, velocities and contact rates."""
-    start, xi2 = case.start, _start_xi2(case)
-    if start.in_contact:
-        return velocity(case, start.xi1, xi2, start.slip, start.omega)
-    return _off_track(case, xi2)
+    return case.start.motion(case.track, case.plate.outline)
 
 
-def _start_xi2(case: Case) -> float:
-    """The outline parameter of the start."""
-    return level_parameter(case) if case.start.xi2 is None else case.start.xi2
+def pose(case: Case, xi1, xi2):
+    """(x, y, theta) of the plate that touches at (xi1, xi2): (6) gives θ, (5) gives R₀. Numbers or arrays."""
+    return geometry.pose(case.track, case.plate.outline, xi1, xi2)
 
 
-def _off_track(case: Case, xi2: float) -> Motion:
-    """A start apart from the track, or about to hit or leave it: the outline's point moved along the track's normal."""
-    start, normal = case.start, case.track.normal(case.start.xi1)
-    x, y, theta = pose(case, start.xi1, xi2)
-    contact = case.track.point(start.xi1)
-    # The outline's point has the velocity slip·t + lift·n; the centre of mass follows by (11).
-    vx = start.slip * normal[1] + start.lift * normal[0] + start.omega * (contact[1] - y)
-    vy = -start.slip * normal[0] + start.lift * normal[1] - start.omega * (contact[0] - x)
-    x, y = x + start.gap * normal[0], y + start.gap * normal[1]
-    x, y, theta, vx, vy = (float(v) for v in (x, y, theta, vx, vy))
-    return Motion(x, y, theta, vx, vy, start.omega, start.xi1, xi2, nan, nan, start.slip)
-
-
-def level_parameter(case: Case) -> float:
-    """The outline parameter whose tangent is parallel to the track's at the start while θ = 0.
-
-    Raises DoesNotFit if there is none or more than one (an outline that is not convex), which asks for xi2.
-    """
-    outline, direction = case.plate.outline, case.track.tangent_angle(case.start.xi1)
-    low, high = outline.look
-    grid = np.linspace(low, high, 721)
-    # Whole turns between the two tangents, as a continuous function of the outline's parameter: zero mod 1 is wanted.
-    turns = (outline.tangent_angle(grid) - direction) / (2 * pi)
-    found = []
-    for i in range(720):
-        for whole in range(int(np.ceil(min(turns[i : i + 2]))), int(np.floor(max(turns[i : i + 2]))) + 1):
-            if turns[i + 1] != whole or i == 719:
-                root = _root(lambda s, k=whole: outline.tangent_angle(s) - direction - 2 * pi * k, grid[i : i + 2])
-                # Whole turns of a closed outline are taken back, so that θ is zero and not a multiple of 2π.
-                found.append(root - whole * outline.period if outline.period else root)
-    if outline.period:
-        found = [s for i, s in enumerate(found) if all(abs(s - other) > 1e-9 for other in found[:i])]
-    if len(found) != 1:
-        raise DoesNotFit(
-            f"{len(found)} points of the outline fit the track's direction with theta = 0; give xi2 in Start"
-        )
-    return found[0]
-
-
-def _root(function, bracket) -> float:
-    from scipy.optimize import brentq
-
-    a, b = (float(end) for end in bracket)
-    if function(a) == 0.0:
-        return a
-    return b if function(b) == 0.0 else brentq(function, a, b, xtol=1e-15, rtol=8.9e-16)
+def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
+    """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
+    return geometry.velocity(case.track, case.plate.outline, xi1, xi2, slip, omega)
 
 
 def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
-    """The pair of points where outline and track come closest, starting from the pair `near`.
-
-    Newton's method on: the tangents are parallel (6), and the gap vector is normal to the track. Raises DoesNotFit
-    if it does not converge, which a plate far from its track may cause.
-    """
-    xi1, xi2 = near
-    c, s = cos(theta), sin(theta)
-    for _ in range(50):
-        X, Y, Xp, Yp, Xs, Ys, _, _ = case.track.jet(xi1)
-        u, v, up, vp, us, vs, _, _ = case.plate.outline.jet(xi2)
-        dx, dy = x + c * u - s * v - X, y + s * u + c * v - Y
-        rpx, rpy = c * up - s * vp, s * up + c * vp
-        rsx, rsy = c * us - s * vs, s * us + c * vs
-        f, g = dx * Xp + dy * Yp, Xp * rpy - Yp * rpx
-        f1, f2 = dx * Xs + dy * Ys - Xp * Xp - Yp * Yp, rpx * Xp + rpy * Yp
-        g1, g2 = Xs * rpy - Ys * rpx, Xp * rsy - Yp * rsx
-        det = f1 * g2 - f2 * g1
-        if det == 0.0 or not isfinite(det):
-            break
-        step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
-        # A step beyond half a unit leaves the neighbourhood Newton's method is good for; it is shortened.
-        shorten = min(1.0, 0.5 / max(abs(step1), abs(step2), 1e-300))
-        xi1, xi2 = xi1 - shorten * step1, xi2 - shorten * step2
-        # Converged where a step moves both points by no more than a few roundings of the parameters.
-        if abs(step1) <= 4e-15 * (1 + abs(xi1)) and abs(step2) <= 4e-15 * (1 + abs(xi2)):
-            return Contact(xi1, xi2, _gap(case, x, y, c, s, xi1, xi2))
-    else:
-        # Rounding may keep the steps just above the bound for ever; points that agree to 1e-9 are the contact.
-        if abs(step1) <= 1e-9 * (1 + abs(xi1)) and abs(step2) <= 1e-9 * (1 + abs(xi2)):
-            return Contact(xi1, xi2, _gap(case, x, y, c, s, xi1, xi2))
-    raise DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g} for the pose ({x:.6g}, {y:.6g})")
-
-
-def _gap(case: Case, x, y, c, s, xi1, xi2) -> float:
-    X, Y, Xp, Yp = case.track.jet(xi1)[:4]
-    u, v = case.plate.outline.jet(xi2)[:2]
-    return ((y + s * u + c * v - Y) * Xp - (x + c * u - s * v - X) * Yp) / hypot(Xp, Yp)
+    """The pair of points where outline and track come closest, starting from the pair `near`."""
+    return geometry.find(case.track, case.plate.outline, x, y, theta, near)
 
 
 def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -183,48 +63,12 @@ def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def slip_velocity(case: Case, x, y, vx, vy, omega, xi1):
     """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there. Numbers or arrays."""
-    tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
-    return (vx - omega * (contact[1] - y)) * tangent[0] + (vy + omega * (contact[0] - x)) * tangent[1]
+    return geometry.slip_velocity(case.track, x, y, vx, vy, omega, xi1)
 
 
 def clearance(case: Case, xi1, xi2):
     """Outline's curvature minus track's, 1/m: positive where the plate fits (admissible contact)."""
-    return case.plate.outline.curvature(xi2) - case.track.curvature(xi1)
-
-
-def check_start(case: Case) -> None:
-    """Raises DoesNotFit or BadValue if the start is not an admissible contact."""
-    xi1, domain = case.start.xi1, case.track.domain
-    if domain and not case.track.period and not domain[0] <= xi1 <= domain[1]:
-        raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
-    _check_start_effects(case)
-    xi2 = _start_xi2(case)
-    if case.start.gap == 0.0 and not clearance(case, xi1, xi2) > 0.0:
-        raise DoesNotFit(
-            f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
-            f"{float(case.track.curvature(xi1)):.6g} 1/m is not below the outline's "
-            f"{float(case.plate.outline.curvature(xi2)):.6g} 1/m; give a smaller plate or a wider track"
-        )
-    start = start_motion(case)  # only where the plate fits: it divides by the difference of the curvatures
-    place = overlap(case, start.x, start.y, start.theta)
-    if place is not None:
-        raise DoesNotFit(
-            f"the plate overlaps its track at xi1 = {place:.6g} while it touches at xi1 = {xi1:g}; "
-            "give a smaller plate or another start"
-        )
-
-
-def _check_start_effects(case: Case) -> None:
-    """Raises BadValue if the start asks for an effect that the case does not name."""
-    start = case.start
-    if (start.gap > 0.0 or start.lift > 0.0) and case.effect(Flight) is None:
-        raise BadValue("gap and lift of Start begin off the track; add Flight to the effects or leave them at 0")
-    if start.gap == 0.0 and start.lift < 0.0 and case.effect(Impact) is None:
-        raise BadValue(
-            f"lift = {start.lift:g} of Start begins with an impact; add Impact to the effects or give lift=0"
-        )
-    if start.in_contact and start.slip != 0.0 and case.effect(PerfectlyRough) is not None:
-        raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {start.slip:g}")
+    return geometry.clearance(case.track, case.plate.outline, xi1, xi2)
 
 
 def overlap(case: Case, x: float, y: float, theta: float, near: float | None = None) -> float | None:

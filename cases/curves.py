@@ -15,16 +15,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 import sympy as sp
-from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
-from . import expressions, features
+from . import expressions, features, measured
 from .errors import BadCurve, BadValue, finite
+from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
 T = TypeVar("T")
-
-PARAMETER = sp.Symbol("s", real=True)
 
 # Enough samples to see a cusp or a hole of any curve a person would write; a finer feature is found where it matters,
 # by the solver that meets it.
@@ -68,14 +66,21 @@ class Curve:
     def __hash__(self) -> int:
         return hash((self.expression, self.domain))
 
+    def __reduce__(self):
+        """A curve travels to another process as its expression, a tree of SymPy objects; no text is read back."""
+        return _arrived, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
+
+    def at(self, s) -> tuple[sp.Expr, sp.Expr]:
+        """(X, Y) as expressions, with another expression for the parameter: how a curve is written into another."""
+        x, y = (part.xreplace({PARAMETER: sp.sympify(s)}) for part in self.expression)
+        return x, y
+
     @classmethod
     def through(cls, points, closed: bool) -> Curve:
         """A smooth curve that fits points (n, 2) in metres, in order along it; `residual` tells by how much it misses.
 
         A Fourier series of s in (0, 2π) if closed, else a polynomial on (−1, 1). Raises BadValue or BadCurve.
         """
-        from . import measured  # it is written in terms of this module
-
         if not isinstance(closed, bool | np.bool_):
             raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
         found = measured.fit(points, closed)
@@ -84,8 +89,6 @@ class Curve:
     @classmethod
     def from_csv(cls, path, closed: bool) -> Curve:
         """The same from a file of two columns x, y; in a case file its path counts from there."""
-        from . import measured
-
         return cls.through(measured.read(path), closed)
 
     # --- evaluation -------------------------------------------------------------------------------------------------
@@ -331,6 +334,13 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         if part.has(sp.nan, sp.zoo, sp.oo):
             raise BadCurve(f"the curve's coordinate {part} is not finite; give finite sizes")
     return x, y
+
+
+def _arrived(trees, domain, residual) -> Curve:
+    """The curve that a process sent. It was checked there, so it is not checked again."""
+    curve, expression = object.__new__(Curve), tuple(map(expressions.from_tree, trees))
+    vars(curve).update(function=curve.at, domain=domain, residual=residual, expression=_the_one(expression))
+    return curve
 
 
 @lru_cache(maxsize=4096)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 import sympy as sp
@@ -31,6 +31,11 @@ class Gravity:
         object.__setattr__(self, "g", not_negative("g of Gravity", self.g))
         object.__setattr__(self, "direction", finite("direction of Gravity", self.direction))
 
+    @property
+    def vector(self) -> tuple[float, float]:
+        """Its components in the fixed frame, m/s²."""
+        return self.g * cos(self.direction), self.g * sin(self.direction)
+
 
 @dataclass(frozen=True)
 class Load:
@@ -49,6 +54,10 @@ class Load:
             object.__setattr__(self, name, _formula(f"{name} of Load", getattr(self, name)))
         if not any(self.expression):
             raise BadValue("every component of Load is 0; leave Load out for a scene without one")
+
+    def __reduce__(self):
+        """A load travels to another process as its formulas; what is compiled from them stays."""
+        return _arrived, tuple(map(expressions.as_tree, self.expression))
 
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -76,6 +85,11 @@ class Load:
             return rows, rows
 
         return features.Features(values, features.centres(parts, MOTION[0]))
+
+
+def _arrived(*trees) -> Load:
+    """The load that a process sent."""
+    return Load(*map(expressions.from_tree, trees))
 
 
 def _formula(what: str, value) -> sp.Expr:

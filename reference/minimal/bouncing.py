@@ -61,7 +61,7 @@ class Bounces:
 
     def __init__(self, case: Case):
         self.case = case
-        self.size = sqrt(case.plate.inertia / case.plate.mass)
+        self.size = case.plate.gyration
         self.last: _Bounce | None = None
         self.ratio = inf
         self.some: list[_Bounce] = []  # of those that count, with speeds well apart

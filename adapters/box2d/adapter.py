@@ -1,0 +1,182 @@
+"""box2d (Box2D 3.1 by pyb2d3): a game engine in single precision, with chains of segments and soft contacts.
+
+Route `native`, the engine's own shapes. A round plate is a circle; any other convex plate a fan of polygons, of which
+the engine allows eight corners each. A line, and a circle met from outside, are exact; every other track is a chain,
+whose inner corners the engine smooths out by itself.
+
+The step is semi-implicit Euler with the contact's direction held from the step's beginning, through all its substeps:
+so a rung shortens its steps and takes one substep each; only the engine as it comes has four. A contact is a damped
+spring, whose velocity is taken out again after each step; `hertz` is its stiffness, 0.25/h the most the engine takes.
+
+What is small is told in the engine's unit of length: it leaves 0.005 of overlap alone, merges corners that stand off
+their neighbours' chord by twice that, lets no facet be shorter. `scale` is how many units a metre is given.
+
+Its fault: the spring looks at the plate's own point of contact, which in a step of rolling rises by r (ω h)²/2. The
+plate is let fall towards it, and presses by ½ m r ω ω̇ h too little: where friction just suffices to roll, it slips.
+
+The first transition's time converges with h² until single precision tells: with h = 1e-4 s the rounding of the
+positions, over h, lets go of the plate every other step, and transitions are invented. The ladder ends before.
+
+Sources: the Box2D manual ("Simulation") and the comments of its headers types.h and math_functions.h.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib.metadata import version as installed
+from typing import Any
+
+import numpy as np
+import pyb2d3
+
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    PerfectlyRough,
+    RollingResistance,
+    Trajectory,
+    Unilateral,
+)
+from cases.contact import start_motion
+from cases.errors import unknown
+from cases.mechanics import gravity
+
+from ..common import facets, half_steps
+from ..interface import Setting
+from . import shapes
+
+NAME = "box2d"
+routes = ("native",)
+
+# The engine's numbers are of single precision.
+ROUNDING = float(np.finfo(np.float32).eps)
+# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Unilateral, Flight, Impact)
+
+# Steps in seconds for a case of a few seconds; a longer case has as many steps.
+STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
+# The grid's, with stiffnesses that the engine takes at the longest of its steps, its own among them.
+GRID_STEPS, GRID_HERTZ = (4e-3, 2e-3, 1e-3, 5e-4), (15.0, 30.0, 62.5)
+# Units to a metre: slop is then 5 µm, less than a thousandth of any plate here, and facets may be a step's way long.
+SCALE = 1000.0
+# As its manual begins: 60 steps a second of four substeps, and metres.
+DEFAULTS = dict(h=1 / 60, substeps=4, scale=1.0)
+# Of the engine, in its units: what it leaves alone, and how fast it pushes and moves at most.
+SLOP, PUSH, SPEED = 0.005, 3.0, 400.0
+
+
+def version() -> str:
+    """The binding's version; it tells no other."""
+    return f"pyb2d3 {installed('pyb2d3')}"
+
+
+def refuses(case: Case, route: str) -> str | None:
+    """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
+    if route not in routes:
+        raise unknown("route of box2d", route, routes)
+    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if strange:
+        return f"box2d has nothing for {' and '.join(strange)}."
+    friction, outline, impact = case.effect(CoulombFriction), case.plate.outline, case.effect(Impact)
+    if friction and friction.stick != friction.mu:
+        return "box2d has one friction coefficient for slip and stick."
+    if not case.effect(Unilateral):
+        return "box2d's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
+    if not facets.is_convex(outline):
+        return "box2d's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
+    if case.effect(RollingResistance) and not facets.round_plate(case):
+        return "box2d has RollingResistance for circles alone, and this outline is none."
+    if impact and not case.plate.radius:
+        return "box2d's Impact is right for circles about their centre of mass alone, and this outline is none."
+    if impact and impact.restitution and friction:
+        return "box2d's friction in an Impact is bounded by the compression alone, whatever the restitution adds."
+    return None
+
+
+def ladder(case: Case, route: str) -> tuple[Setting, ...]:
+    """Settings from coarse to fine: the engine as it comes, then step, stiffness and facets together."""
+    stretched = max(1.0, case.duration / USUAL_DURATION)
+    steps = [h * stretched for h in STEPS]
+    knobs = dict(substeps=1, scale=SCALE)
+    return (
+        Setting.of(rung="defaults", **DEFAULTS, **shapes.corners(case, None)),
+        *(Setting.of(h=h, **knobs, hertz=0.25 / h, **shapes.corners(case, h)) for h in steps),
+    )
+
+
+def grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Step times model: facets and corners, or where there are none the contact's stiffness."""
+    models = [shapes.corners(case, h) for h in GRID_STEPS]
+    if any(models):
+        knobs: list[dict[str, Any]] = [dict(hertz=GRID_HERTZ[-1], **model) for model in models]
+    else:
+        knobs = [dict(hertz=hertz) for hertz in GRID_HERTZ]
+    return tuple(Setting.of(h=h, substeps=1, scale=SCALE, **knob) for h in GRID_STEPS for knob in knobs)
+
+
+@dataclass
+class Model:
+    """One run: the case, its setting, the step (s) and how many; the engine's world and plate, and what was noted."""
+
+    case: Case
+    knobs: dict[str, Any]
+    h: float
+    steps: int
+    world: pyb2d3.World
+    plate: pyb2d3.Body
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+
+
+def build(case: Case, route: str, setting: Setting) -> Model:
+    """A world with the plate at the case's start. The step divides the duration evenly."""
+    steps, knobs = max(2, round(case.duration / setting["h"])), dict[str, Any](setting)
+    h, scale, start = case.duration / steps, setting["scale"], start_motion(case)
+    pull = scale * gravity(case)
+    world = pyb2d3.World(gravity=(float(pull[0]), float(pull[1])), maximum_linear_speed=SPEED * scale)
+    if "hertz" in knobs:
+        world.set_contact_tuning(knobs["hertz"], 10.0, PUSH * scale)
+        world.sleeping_enabled = False
+    impact = case.effect(Impact)
+    if impact and "hertz" in knobs:
+        # Slower than what gravity gives in a step, nothing rebounds that the step could follow.
+        world.restitution_threshold = float(np.hypot(*pull)) * h
+    material = shapes.material(case)
+    shapes.add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
+    place = scale * start.x, scale * start.y
+    plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
+    shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 0))
+    mass = pyb2d3.MassData()
+    mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), case.plate.inertia * scale**2
+    plate.mass_data = mass
+    plate.linear_velocity, plate.angular_velocity = (scale * start.vx, scale * start.vy), start.omega
+    return Model(case, knobs, h, steps, world, plate)
+
+
+def run(model: Model) -> None:
+    """Step through the duration, noting poses and the velocities after the next step, in the engine's units."""
+    h, step, plate, note, substeps = model.h, model.world.step, model.plate, model.rows.append, model.knobs["substeps"]
+    rest = half_steps.rest(substeps) * h
+    for k in range(model.steps + 1):
+        (x, y), angle = plate.position, shapes.angle(plate)
+        step(h if k else h - rest, substeps)
+        (vx, vy), omega = plate.linear_velocity, plate.angular_velocity
+        note((x, y, angle, vx, vy, omega))
+        if k == 0:
+            # The engine accelerates first, then moves: the acceleration is half a substep short, the way is whole.
+            (x, y), angle = plate.position, shapes.angle(plate)
+            plate.set_transform((x + rest * vx, y + rest * vy), shapes.rotation(angle + rest * omega))
+
+
+def read(model: Model) -> Trajectory:
+    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
+    case, knobs, scale = model.case, model.knobs, model.knobs["scale"]
+    rows = np.array(model.rows) / np.array([scale, scale, 1.0, scale, scale, 1.0])
+    # The engine's angle forgets whole turns.
+    theta = np.unwrap(rows[:, 2])
+    rows[:, 2] = theta + 2 * np.pi * np.round((start_motion(case).theta - theta[0]) / (2 * np.pi))
+    rough = facets.sagitta(case, knobs.get("facets"), knobs.get("vertices")) + SLOP / scale
+    engine: dict[str, Any] = dict(rough=rough, lever=0.5, rounding=ROUNDING, rest=half_steps.rest(knobs["substeps"]))
+    return half_steps.read(half_steps.Noted(case, model.h, model.steps, rows, **engine))

@@ -1,0 +1,101 @@
+"""Scenes out of Box2D's own shapes: a circle or a fan of polygons on a circle or on a chain of segments."""
+
+from __future__ import annotations
+
+from math import atan2, cos, sin
+
+import numpy as np
+import pyb2d3
+
+from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases.shapes import as_circle
+
+from ..common import facets
+
+# A curve of as many facets as one types in.
+MODEST = 64
+# A coefficient of friction that no case's forces exhaust.
+ROUGH = 1e6
+# Corners a polygon may have; and edges on the rim of one in a fan: its eighth corner is the plate's centre.
+MOST_CORNERS, RIM = 8, 6
+# With more corners than this the engine merges some, on plates of the usual bends.
+FINEST_RIM = 390
+
+
+def corners(case: Case, h: float | None) -> dict[str, int]:
+    """How many facets and corners go with the step h (s): a facet is a step's way at top speed. None: a beginner's."""
+    counts: dict[str, int] = {}
+    if facets.track_kind(case) == "chain":
+        part = facets.stretch(case)
+        way = part.top_speed * h if h else 0.0
+        counts["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+    if not facets.round_plate(case):
+        # 0.2 s over the step is where corners cost as much energy as the step itself; whole polygons of a fan.
+        counts["vertices"] = RIM * round(max(0.2 / h, MODEST) / RIM) if h else MOST_CORNERS
+        counts["vertices"] = min(counts["vertices"], FINEST_RIM)
+    return counts
+
+
+def material(case: Case) -> pyb2d3.SurfaceMaterial:
+    """What both shapes are made of."""
+    friction, rolling, impact = case.effect(CoulombFriction), case.effect(RollingResistance), case.effect(Impact)
+    # Of the two shapes' numbers the engine takes the root of the product for friction, the larger for the others.
+    mu = ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
+    round_plate = facets.round_plate(case)
+    return pyb2d3.surface_material(
+        friction=mu,
+        restitution=impact.restitution if impact else 0.0,
+        # The engine's couple is this times the circle's radius times the normal force.
+        rolling_resistance=rolling.arm / round_plate.radius if rolling and round_plate else 0.0,
+    )
+
+
+def rotation(angle: float) -> pyb2d3.Rot:
+    """The engine's own make_rot is fast and off by up to 1.6e-3 rad."""
+    turned = pyb2d3.Rot()
+    turned.c, turned.s = cos(angle), sin(angle)
+    return turned
+
+
+def angle(body: pyb2d3.Body) -> float:
+    """The engine's own angle is fast and off by up to 2.7e-5 rad."""
+    turned = body.rotation
+    return atan2(turned.s, turned.c)
+
+
+def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
+    """A circle, or `count` segments with their corners smoothed out by the engine."""
+    circle, kind = as_circle(case.track), facets.track_kind(case)
+    if kind == "hill" and circle:
+        shape = pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius)
+        body.create_shape(pyb2d3.shape_def(material=material), shape)
+        return
+    corners = facets.chain(case, count)
+    closed = kind == "chain" and facets.stretch(case).closed
+    if closed:
+        corners = corners[:, :-1]
+    else:
+        # The first and last edges of an open chain only guide their neighbours.
+        corners = np.column_stack([2 * corners[:, 0] - corners[:, 1], corners, 2 * corners[:, -1] - corners[:, -2]])
+    # The engine's chains push to their right, ours has the plate on its left.
+    body.create_chain(pyb2d3.chain_def(points=scale * corners.T[::-1], material=material, is_loop=closed))
+
+
+def add_plate(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
+    """A circle, or a fan of polygons with `count` corners on its rim."""
+    define = pyb2d3.shape_def(material=material)
+    circle = facets.round_plate(case)
+    if circle:
+        body.create_shape(define, pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius))
+        return
+    rim = scale * facets.polygon(case, count).T
+    if count == MOST_CORNERS:
+        body.create_shape(define, pyb2d3.polygon(points=rim))
+        return
+    for first in range(0, count, RIM):
+        part = rim[np.arange(first, first + RIM + 1) % count]
+        body.create_shape(define, pyb2d3.polygon(points=np.vstack([np.zeros(2), part])))
+
+
+def _pair(values) -> tuple[float, float]:
+    return float(values[0]), float(values[1])

@@ -1,0 +1,176 @@
+"""Curves as corners, for engines whose shapes are straight: how far a plate can come, and the polygon that fits best.
+
+Nothing here knows an engine. Lengths in metres.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Curve, Flight, Load
+from cases.contact import pose, start_motion
+from cases.mechanics import gravity
+from cases.shapes import Circle, as_circle, as_line
+
+
+class Stretch(NamedTuple):
+    """The part of a track the plate can reach: parameters, arc length (m), whether closed, top speed (m/s) on it."""
+
+    low: float
+    high: float
+    length: float
+    closed: bool
+    top_speed: float
+
+
+def track_kind(case: Case) -> str:
+    """What the track is to an engine with few shapes: "line", "hill" (a whole circle from outside) or "chain"."""
+    if as_line(case.track):
+        return "line"
+    circle = as_circle(case.track)
+    return "hill" if circle and not circle.left and case.track.period else "chain"
+
+
+def round_plate(case: Case) -> Circle | None:
+    """The circle that the outline is, about the centre of mass or not, or None."""
+    return as_circle(case.plate.outline) if case.plate.outline.period else None
+
+
+@lru_cache(maxsize=64)
+def sway(outline: Curve) -> float:
+    """How far (m) the outline's centres of curvature are off the centre of mass along its normals; its reach at most.
+
+    Times the spin squared, it is what a plate that rolls on a level line asks of the normal force beside its weight.
+    """
+    s = np.linspace(*outline.look, 721)
+    point, inwards, bend = outline.point(s), outline.normal(s), outline.curvature(s)
+    reach = float(np.hypot(*point).max())
+    with np.errstate(divide="ignore"):
+        off = np.abs(1.0 / bend + np.sum(point * inwards, axis=0))
+    return float(np.minimum(off, reach).max())
+
+
+@lru_cache(maxsize=16)
+def stretch(case: Case) -> Stretch:
+    """Which part of the track the plate can reach, by its energy and by the time it has.
+
+    Nothing but a Load adds energy, so the plate stays where its potential is below its first energy; and its speed
+    cannot grow faster than g. A margin of the plate's own size is added at both ends.
+    """
+    start, plate, pull = start_motion(case), case.plate, gravity(case)
+    if case.effect(Load):
+        return _everywhere(case)
+    begun = energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * plate.inertia / plate.mass * start.omega**2
+    # A start off the track is higher, or lower, than the pose of contact there.
+    on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
+    energy += float(pull @ (on_track - (start.x, start.y)))
+    # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
+    energy += float(np.hypot(*pull)) * (plate.reach - plate.inner)
+    longest = (np.sqrt(2 * max(energy, begun)) + np.hypot(*pull) * case.duration) * case.duration
+    ways = [_walk(case, start.xi1, way, energy, longest, plate.reach) for way in (-1, 1)]
+    (low, back, fast), (high, ahead, faster) = ways
+    period = case.track.period
+    if period and high - low >= period:
+        low, high = start.xi1 - period / 2, start.xi1 + period / 2
+        length = float(np.mean(case.track.speed(np.linspace(low, high, 721)[:-1]))) * period
+        return Stretch(low, high, length, True, max(fast, faster))
+    return Stretch(low, high, back + ahead, False, max(fast, faster))
+
+
+# How far from its start (m) a plate with a load may come on a straight line, which has no end of its own.
+FAR = 1e3
+
+
+def _everywhere(case: Case) -> Stretch:
+    """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
+    track = case.track
+    low, high = (case.start.xi1 - FAR, case.start.xi1 + FAR) if track.domain is None else track.domain
+    if track.period:
+        low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
+    length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
+    start = start_motion(case)
+    fast = float(np.hypot(start.vx, start.vy) + np.hypot(*gravity(case)) * case.duration)
+    return Stretch(low, high, length, track.period is not None, fast)
+
+
+def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margin: float) -> tuple[float, float, float]:
+    """Farthest parameter reached in one direction, the arc length to it, and the top speed on the way."""
+    track, far, flies = case.track, 1.0, case.effect(Flight) is not None
+    bounded = track.period is not None or track.domain is not None
+    if track.period:
+        far = track.period
+    elif track.domain:
+        far = track.domain[1] - xi1 if way > 0 else xi1 - track.domain[0]
+    while True:
+        # 2000 steps to a walk follow every curve whose features its author could draw.
+        s = xi1 + way * np.linspace(0.0, far, 2001)
+        point, speed = track.point(s), track.speed(s)
+        run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * far / 2000
+        away = np.hypot(*(point - point[:, :1])) if flies else run
+        if bounded or away[-1] > longest + margin:
+            break
+        far *= 2.0
+    centre = point + case.plate.radius * track.normal(s) if case.plate.radius else point
+    kinetic = energy + gravity(case) @ (centre - centre[:, :1])
+    reachable = (kinetic >= 0.0) & (away <= longest)
+    if flies:
+        # It may pass what is too high for it through the air: up to the last place that is not.
+        stop = min(int(np.max(np.flatnonzero(reachable), initial=-1)) + 1, len(s) - 1)
+    else:
+        stop = len(s) - 1 if reachable.all() else int(np.argmin(reachable))
+    end = min(int(np.searchsorted(run, run[stop] + margin)), len(s) - 1)
+    return float(s[end]), float(run[end]), float(np.sqrt(2 * max(kinetic[: stop + 1].max(), 0.0)))
+
+
+def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:
+    """Corners, shape (2, count + 1), of `count` equally long facets along the stretch, `behind` (m) the track: facets
+    of that radius touch it.
+
+    They lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
+    """
+    part, track = stretch(case), case.track
+    fine = np.linspace(part.low, part.high, max(4 * count, 4000) + 1)
+    speed = track.speed(fine)
+    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
+    s = np.interp(np.linspace(0.0, run[-1], count + 1), run, fine)
+    outside = track.curvature(s) * (part.length / count) ** 2 / 12
+    return track.point(s) - (behind + outside) * track.normal(s)
+
+
+def polygon(case: Case, count: int) -> np.ndarray:
+    """Corners, shape (2, count), at equal turns of the outline's tangent, blown up to the area of the outline.
+
+    Equal turns put the corners where the outline bends most, so that every corner costs the same.
+    """
+    outline = case.plate.outline
+    s = np.linspace(*outline.look, 64 * 721)
+    angle = outline.tangent_angle(s)
+    corners = outline.point(np.interp(angle[0] + 2 * pi * np.arange(count) / count, angle, s))
+    return np.sqrt(_area(*outline.point(s[:-1])) / _area(*corners)) * corners
+
+
+def _area(x: np.ndarray, y: np.ndarray) -> float:
+    return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def is_convex(outline: Curve) -> bool:
+    """Whether the outline is closed and bends one way everywhere: what a polygon of an engine's can be."""
+    return bool(outline.period) and bool(np.all(outline.curvature(np.linspace(*outline.look, 721)) > 0.0))
+
+
+def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
+    """How far (m) facets of the track and vertices of the outline stand off the curves; None: the shape is exact."""
+    off = 0.0
+    if facets:
+        part = stretch(case)
+        bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()
+        off += float(bend) * (part.length / facets) ** 2 / 8
+    if vertices:
+        bend = case.plate.outline.curvature(np.linspace(*case.plate.outline.look, 721)).min()
+        # Corners at equal turns: the longest facet is where the outline bends least.
+        off += (2 * pi / vertices) ** 2 / (8 * float(bend))
+    return off

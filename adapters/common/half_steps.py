@@ -1,0 +1,348 @@
+"""The motion out of an engine whose positions stand at k·h and velocities half a step later: pymunk, Box2D, pybullet.
+
+That is semi-implicit Euler, the step of game engines, after a first step of h/2 (with substeps, one that is half a
+substep short). Velocities at the positions' times are interpolated between their neighbours; forces are what the
+contact added to the momentum in a step, over its length. On facets the force of a single step is noise about the true
+one: only its mean counts. Nothing here knows an engine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import nan
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Cost, CoulombFriction, Flight, Trajectory
+from cases.contact import Contact, slip_velocity, start_motion
+from cases.mechanics import gravity
+
+from ..interface import EngineFailure
+from .facets import sway
+from .follow import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
+
+
+@dataclass(frozen=True)
+class Noted:
+    """What a run noted: rows (x, y, theta, vx, vy, omega) at every step of `h` s, `steps` + 1 if it ran to its end.
+
+    `contacts`: those of the rows if the engine was given them, else they are looked for. `load`: what the case's Load
+    did in each step, (F_x, F_y, M) in N and N m, shape (n, 3). `rough`: how far (m) the engine's shapes stand off the
+    curves. `lever`: what share of the gap the engine puts between the plate and the point where friction acts.
+    `rounding`: relative, of its numbers. `rest`: what the first step was short of, over h.
+    """
+
+    case: Case
+    h: float
+    steps: int
+    rows: np.ndarray
+    contacts: list[Contact] | None = None
+    load: np.ndarray | None = None
+    rough: float = 0.0
+    lever: float = 0.0
+    rounding: float = float(np.finfo(float).eps)
+    rest: float = 0.5
+
+
+def rest(substeps: int) -> float:
+    """What the first step is short of, over its length: half a substep."""
+    return 0.5 / substeps
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Samples at the poses' times, arrays of one length.
+
+    `t` (s); `pose`, `rates` (n, 3); `force` (n, 2) of the contact, N, and whether it `pressed`; contact parameters and
+    gap (m); `aloft` where no contact is. `falling`: the velocities there if nothing has touched the plate since the
+    ones before, `rising`: if nothing touches it until the ones `after`.
+    """
+
+    t: np.ndarray
+    pose: np.ndarray
+    rates: np.ndarray
+    falling: np.ndarray
+    rising: np.ndarray
+    after: np.ndarray
+    force: np.ndarray
+    pressed: np.ndarray
+    xi1: np.ndarray
+    xi2: np.ndarray
+    gap: np.ndarray
+    aloft: np.ndarray
+
+    def __getitem__(self, places) -> _Samples:
+        """The samples at these places."""
+        return replace(self, **{name: getattr(self, name)[places] for name in self.__dataclass_fields__})
+
+
+class _Ending(NamedTuple):
+    """How many samples belong to the motion, and what ended it; `time` (s) if that lies before the last of them."""
+
+    kept: int
+    status: str = Trajectory.status
+    reason: str = Trajectory.reason
+    time: float = nan
+
+
+def read(noted: Noted) -> Trajectory:
+    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion.
+
+    Where the case has Flight the plate's leaving is no end.
+    """
+    case, samples = noted.case, _samples(noted)
+    hop = _hop(noted, samples)
+    flown = flights(samples.gap, samples.pressed, hop)
+    if case.effect(Flight):
+        for leaves, lands in flown:
+            samples.aloft[leaves:lands] = True
+    ending = _ending(noted, samples, flown, hop)
+    samples = _both_sides(samples[: ending.kept])
+    table = _table(noted, samples)
+    creep = _creep(noted, samples[~samples.aloft], table[~samples.aloft, 8])
+    if np.isfinite(ending.time):
+        table = _ended(table, ending.time)
+    t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = table.T
+    return Trajectory(
+        *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
+        status=ending.status,
+        reason=ending.reason,
+        cost=Cost(steps=len(noted.rows)),
+        slip_resolution=creep,
+    )
+
+
+# --- samples ----------------------------------------------------------------------------------------------------------
+
+
+def _samples(noted: Noted) -> _Samples:
+    """Everything at the poses' times, up to the first pose without contact; nothing is aloft yet."""
+    case, h, rows = noted.case, noted.h, noted.rows
+    if len(rows) < 3:
+        raise EngineFailure("The engine gave fewer than three steps.")
+    if not np.isfinite(rows).all():
+        when = h * int(np.argmin(np.isfinite(rows).all(axis=1)))
+        raise EngineFailure(f"The engine's numbers are not finite from {when:.4g} s on.")
+    start, pose, after = start_motion(case), rows[:, :3], rows[:, 3:]
+    before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
+    late, ahead = np.full((len(rows), 1), noted.rest * h), h * (1.0 - noted.rest)
+    late[0] = 0.0
+    inertia = np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
+    applied = np.append(gravity(case), 0.0) * inertia + (np.zeros(3) if noted.load is None else noted.load)
+    force = (case.plate.mass * (after - before) / (late + ahead) - applied)[:, :2]
+    rates = rates_at_poses(before, after, case.plate.reach, noted.rest)
+    contacts = (noted.contacts or _follow(case, pose))[: len(rows)]
+    xi1, xi2, gap = np.array(contacts, dtype=float).reshape(-1, 3).T
+    kept = slice(len(gap))
+    return _Samples(
+        t=np.linspace(0.0, case.duration, noted.steps + 1)[kept], pose=pose[kept], rates=rates[kept],
+        falling=(before + late * applied / inertia)[kept], rising=(after - ahead * applied / inertia)[kept],
+        after=after[kept], force=force[kept], pressed=_pressed(noted, force, rates)[kept],
+        xi1=xi1, xi2=xi2, gap=gap, aloft=np.zeros(len(gap), dtype=bool),
+    )  # fmt: skip
+
+
+def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float, rest: float = 0.5) -> np.ndarray:
+    """Velocities at the poses' times from those `rest` of a step before and the rest of it after, arrays (n, 3); the
+    first is the start's.
+
+    What lies between the two is off by rest (1 − rest)/2 h² of the second derivative, as much as the engine itself;
+    that is taken off by the smaller of the second differences to either side, so that none reaches across a jump of
+    the acceleration. (All three from one side: only together do they make a slip velocity. Spin counts by the plate's
+    `size`, m.)
+    """
+    bend = np.diff(after, 2, axis=0)
+    left, right = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
+    scale = np.array([1.0, 1.0, size])
+    nearer = np.linalg.norm(left * scale, axis=1) < np.linalg.norm(right * scale, axis=1)
+    smaller = np.where(nearer[:, None], left, right)
+    rates = (1.0 - rest) * before + rest * after
+    rates[0] = before[0]
+    rates[1:] -= 0.5 * rest * (1.0 - rest) * smaller
+    return rates
+
+
+def _pressed(noted: Noted, force: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Where the contact pushed.
+
+    A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
+    """
+    speed, strength = float(np.abs(rates[:, :2]).max()), np.hypot(*force.T)
+    return strength > 1e-9 * strength.max() + 10 * noted.rounding * noted.case.plate.mass * speed / noted.h
+
+
+def _follow(case: Case, poses: np.ndarray) -> list[Contact]:
+    """The contacts of the poses, up to the first pose without one, unless the plate may fly."""
+    follower, contacts = Follower(case), list[Contact]()
+    for x, y, theta in poses.tolist():
+        try:
+            contacts.append(follower(x, y, theta))
+        except BEYOND:
+            break
+    return contacts
+
+
+def _both_sides(samples: _Samples) -> _Samples:
+    """The samples with two for every landing: as the plate flew there, and as it goes on; the last only as it flew.
+
+    An impact has no duration, and the velocities to either side of it have no mean. Where the next sample flies, it
+    bounced; else it stays, with a force that a step's impulse does not tell, and the velocities of the next step: some
+    engines only close what is left of the gap in the step that lands.
+    """
+    count = len(samples.t)
+    at = np.flatnonzero(samples.aloft[:-1] & ~samples.aloft[1:]) + 1
+    lasting = at[at < count - 1]
+    order = np.sort(np.concatenate([np.arange(count), lasting]))
+    first, last = np.searchsorted(order, at), np.searchsorted(order, lasting) + 1
+    bounced = samples.aloft[lasting + 1]
+    both = samples[order]
+    both.rates[first], both.aloft[first] = samples.falling[at], True
+    both.rates[last] = np.where(bounced[:, None], samples.rising[lasting], samples.after[lasting + 1])
+    both.aloft[last], both.force[last] = bounced, nan
+    return both
+
+
+def _table(noted: Noted, samples: _Samples) -> np.ndarray:
+    """The columns of a Trajectory, shape (n, 12); in flight there are neither contact parameters, slip nor forces."""
+    case, up, xi1 = noted.case, samples.aloft, samples.xi1
+    nx, ny = case.track.normal(xi1)
+    (x, y, _), (vx, vy, omega), force = samples.pose.T, samples.rates.T, samples.force
+    # With the centre moved by what the engine leaves between plate and contact, the lever is the engine's.
+    lever = (1.0 - noted.lever) * samples.gap
+    slip = slip_velocity(case, x - lever * nx, y - lever * ny, vx, vy, omega, xi1)
+    normal_force = force[:, 0] * nx + force[:, 1] * ny
+    friction_force = np.sum(force.T * case.track.tangent(xi1), axis=0)
+    touch = np.column_stack([slip, normal_force, friction_force, xi1, samples.xi2])
+    touch[up] = nan, 0.0, 0.0, nan, nan
+    return np.column_stack([samples.t, samples.pose, samples.rates, touch])
+
+
+# --- how a motion ends ------------------------------------------------------------------------------------------------
+
+
+def _ended(table: np.ndarray, time: float) -> np.ndarray:
+    """The table with its last row moved to that time, s; where contact ends, or has not begun, nothing presses."""
+    before, last = table[-2], table[-1]
+    share = (time - before[0]) / (last[0] - before[0])
+    last = before + share * (last - before)
+    last[8:10] = 0.0
+    return np.vstack([table[:-1], last])
+
+
+def _ending(noted: Noted, samples: _Samples, flown: list[tuple[int, int]], hop: float) -> _Ending:
+    """The first of the things that end a motion, or the end of its time."""
+    case, there, asked, gap = noted.case, len(samples.t), noted.steps + 1, samples.gap
+    endings = [_Ending(asked)]
+    through = gap < -case.plate.inner
+    if through.any():
+        endings.append(_Ending(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
+    for name, curve, xi in (("track", case.track, samples.xi1), ("outline", case.plate.outline, samples.xi2)):
+        if curve.domain and not curve.period:
+            # Where there was no contact any more, the next one would have been about as far ahead as the last.
+            xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < there < asked else xi
+            up = np.append(samples.aloft, np.zeros(len(xi) - there, dtype=bool))
+            outside = ~up & ((xi < curve.domain[0]) | (xi > curve.domain[1]))
+            if outside.any():
+                reason = f"The contact reached the end of the {name}'s domain."
+                endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
+    if there < asked:
+        endings.append(_Ending(there, "lost_track", "No point of the track is near the plate any more."))
+    if not case.effect(Flight) and (gap > hop).any():
+        endings.append(_let_go(noted, samples, int(np.argmax(gap > hop))))
+    landings = [landing for _, landing in flown if landing < there]
+    if landings and lands_for_good(case):
+        endings.append(_touched(noted, gap, landings[0]))
+    return min(endings, key=lambda ending: ending.kept)
+
+
+def _let_go(noted: Noted, samples: _Samples, surely: int) -> _Ending:
+    """The lift-off where the force vanishes, after the last sample that pressed, before that `surely` off the track.
+
+    The weaker a contact, the more steps lie between two that push; the force over a hop is the push over its steps. It
+    is extrapolated by a line through the last six, for no longer than the last hop: another push would have come.
+    (An engine with drag of its own never stops pushing; its plate leaves where it is surely off.)
+    """
+    last = np.flatnonzero(samples.pressed[: surely + 1])[-7:]
+    ending = _Ending(int(last[-1]) + 1 if last.size else 1, "lift_off", LEFT)
+    if len(last) < 3 or last[-1] == surely:
+        return ending
+    hops, strength = np.diff(last), np.hypot(*samples.force[last[:-1]].T)
+    slope, level = np.polyfit(0.5 * (last[:-1] + last[1:] - 1), strength / hops, 1)
+    if slope >= 0.0:
+        return ending
+    vanishes = float(np.clip(-level / slope, last[-1], min(surely, last[-1] + hops[-1])))
+    return ending._replace(kept=max(int(np.ceil(vanishes)) + 1, 2), time=vanishes * noted.h)
+
+
+def _touched(noted: Noted, gap: np.ndarray, landing: int) -> _Ending:
+    """The landing where the gap closes, as it closes between the last sample in flight and the first that pressed.
+
+    A contact that is given to the engine presses at the beginning of the step in which the plate would land; it lands
+    at its end.
+    """
+    before, after = gap[landing - 1 : landing + 1]
+    share = min(before / (before - after), 2.0) if before > after else 1.0
+    return _Ending(landing + 1, "landing", LANDED, (landing - 1 + share) * noted.h)
+
+
+def _hop(noted: Noted, samples: _Samples) -> float:
+    """A gap in metres that only a plate in flight reaches.
+
+    An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
+    of gravity or contact; and facets stand off the curve. Four times that, and a millionth of the plate or a thousand
+    roundings of it, is a flight. The strongest force of a plate that flies is an impact's; what the bends of track and
+    outline ask for takes its place.
+    """
+    case, plate = noted.case, noted.case.plate
+    if case.effect(Flight):
+        bend = float(np.abs(case.track.curvature(np.linspace(*case.track.look, 721))).max())
+        speed, spin = np.hypot(*samples.rates[:, :2].T).max(), np.abs(samples.rates[:, 2]).max()
+        push = bend * float(speed) ** 2 + sway(plate.outline) * float(spin) ** 2
+    else:
+        push = float(np.hypot(*samples.force.T).max()) / plate.mass
+    strongest = float(np.hypot(*gravity(case))) + push
+    return max(1e-6, 1e3 * noted.rounding) * plate.inner + 2.0 * strongest * noted.h**2 + 4.0 * noted.rough
+
+
+# --- what is left where the engine sticks -----------------------------------------------------------------------------
+
+
+def _creep(noted: Noted, samples: _Samples, normal_force: np.ndarray) -> float:
+    """The slip velocity (m/s) that remains where the engine sticks, in all but one step in a hundred.
+
+    It sticks with the velocities of a half step, along a tangent that turns by some angle a in a step: the mean of
+    two such velocities misses by v a²/8 at the centre, and by as much at the contact, whose lever turns too; doubled
+    for plates whose outline bends more than the track. And on facets the normal force scatters from step to step:
+    where it falls short, so does friction, for one step.
+    """
+    case, h = noted.case, noted.h
+    # Only from one step to the next: a flight between two samples turns by much.
+    next_step = np.diff(samples.t) <= 1.5 * h
+    turns = np.abs(np.diff(case.track.tangent_angle(samples.xi1)))[next_step]
+    turn = float(turns[np.isfinite(turns)].max(initial=0.0))
+    # Half the difference of two neighbours is their distance from what they scatter about; the rarest are jumps.
+    scatter = 0.5 * _usual(np.abs(np.diff(normal_force))[next_step])
+    friction, plate = case.effect(CoulombFriction), case.plate
+    ease = 1 / plate.mass + plate.reach**2 / plate.inertia
+    missing = h * (friction.mu if friction else 0.0) * scatter * ease
+    speed = float(np.hypot(samples.rates[:, 0], samples.rates[:, 1]).max(initial=0.0))
+    lag = _lag(case, samples)[next_step] if noted.contacts is None else np.empty(0)
+    return 0.5 * speed * turn**2 + missing + _usual(lag)
+
+
+def _lag(case: Case, samples: _Samples) -> np.ndarray:
+    """The slip velocity (m/s) that the lever leaves from each sample to the next, where the engine finds the contact.
+
+    It sticks with the lever of the step's beginning. Along the normal that of a plate that is no disc grows or
+    shrinks, and in the middle of the step it differs by half of its change.
+    """
+    normal = case.track.normal(samples.xi1)
+    lever = np.sum((case.track.point(samples.xi1) - samples.pose[:, :2].T) * normal, axis=0)
+    return 0.5 * np.abs(samples.rates[1:, 2] * np.diff(lever))
+
+
+def _usual(values: np.ndarray) -> float:
+    """What all but one in a hundred stay below; 0 where there are none."""
+    values = values[np.isfinite(values)]
+    return float(np.percentile(values, 99)) if values.size else 0.0

@@ -1,0 +1,176 @@
+"""Our contact geometry inside Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver and step.
+
+The law is that of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that grows
+linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
+bound: friction grows on, and what rolls creeps with vreg where friction is the plate's weight.
+"""
+
+from __future__ import annotations
+
+from math import hypot, isnan
+from typing import NamedTuple
+
+import exudyn as exu
+import exudyn.itemInterface as item
+import numpy as np
+
+from cases import Case, Load, PerfectlyRough, Unilateral
+from cases.contact import start_motion
+from cases.mechanics import gravity
+
+from ..common.follow import BEYOND, Follower
+from ..interface import Setting
+from .system import (
+    Contact,
+    Stored,
+    System,
+    critical_damping,
+    cut_steps,
+    friction_coefficient,
+    node_sensors,
+    rough_friction,
+)
+
+
+class Touch(NamedTuple):
+    """Contact at one instant: parameters, lever of the contact point (m), unit tangent, gap, slip, N, share of mu."""
+
+    xi1: float
+    xi2: float
+    ax: float
+    ay: float
+    tx: float
+    ty: float
+    gap: float
+    slip: float
+    normal_force: float
+    share: float
+
+
+class PenaltyContact:
+    """The contact law for one run; it remembers where the contact was last."""
+
+    def __init__(self, case: Case, setting: Setting):
+        self.case, self.k, self.vreg = case, setting["k"], setting["vreg"]
+        self.damping, self.mu = critical_damping(case, setting), friction_coefficient(case)
+        self.load = case.effect(Load)
+        self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
+        self.unilateral = case.effect(Unilateral) is not None
+        self.follower = Follower(case)
+        # At the last evaluation.
+        self.slip = case.start.slip
+
+    def touch(self, pose, velocity) -> Touch:
+        """The contact of a state; raises one of BEYOND where there is none to be found."""
+        x, y, theta = pose
+        vx, vy, omega = velocity
+        xi1, xi2, gap = self.follower(x, y, theta)
+        if isnan(xi1):
+            return Touch(xi1, xi2, 0.0, 0.0, 1.0, 0.0, gap, 0.0, 0.0, 0.0)
+        X, Y, Xp, Yp, *_ = self.case.track.jet(xi1)
+        speed = hypot(Xp, Yp)
+        tx, ty, ax, ay = Xp / speed, Yp / speed, X - x, Y - y
+        ux, uy = vx - omega * ay, vy + omega * ax
+        slip, parting = ux * tx + uy * ty, uy * tx - ux * ty
+        normal_force = -self.k * gap - self.damping * parting
+        if self.unilateral and (gap >= 0.0 or normal_force < 0.0):
+            normal_force = 0.0
+        share = slip / self.vreg if self.rough else max(-1.0, min(1.0, slip / self.vreg))
+        return Touch(xi1, xi2, ax, ay, tx, ty, gap, slip, normal_force, share)
+
+    def friction_force(self, touch: Touch) -> float:
+        """Along the track's tangent, against the slip velocity."""
+        if self.rough:
+            return -self.grip(touch) * touch.share
+        return -self.mu * abs(touch.normal_force) * touch.share
+
+    def grip(self, touch: Touch) -> float:
+        """The friction (N) of a perfectly rough contact that creeps with vreg.
+
+        Where the plate may leave, it fades out with the last hundredth of the weight, so that friction does not end
+        with a jump.
+        """
+        return min(self.rough, 100.0 * abs(touch.normal_force)) if self.unilateral else self.rough
+
+    def force(self, _system, time, _object, pose, velocity) -> list[float]:
+        """The engine's call for the generalised forces (F_x, F_y, M): the contact's and the load's."""
+        contact = self.contact_force(pose, velocity)
+        if self.load is None:
+            return contact
+        return [a + b for a, b in zip(contact, self.load.at(time, *pose, *velocity), strict=True)]
+
+    def contact_force(self, pose, velocity) -> list[float]:
+        """The contact's share of them; a plate that lost its track flies."""
+        try:
+            touch = self.touch(pose, velocity)
+        except BEYOND:
+            return [0.0, 0.0, 0.0]
+        self.slip = touch.slip
+        N, T = touch.normal_force, self.friction_force(touch)
+        fx, fy = T * touch.tx - N * touch.ty, T * touch.ty + N * touch.tx
+        return [fx, fy, touch.ax * fy - touch.ay * fx]
+
+    def jacobian(self, _system, _time, _object, pose, velocity, by_pose, by_velocity) -> np.ndarray:
+        """The engine's call for −(by_pose ∂f/∂q + by_velocity ∂f/∂q̇), to first order in the penetration.
+
+        It leaves out how the contact point and the tangent turn, which is smaller by penetration over radius, and
+        saves the engine four fifths of its evaluations against differences.
+        """
+        try:
+            touch = self.touch(pose, velocity)
+        except BEYOND:
+            return np.zeros((3, 3))
+        N, ax, ay, tx, ty = touch.normal_force, touch.ax, touch.ay, touch.tx, touch.ty
+        if N == 0.0 and self.unilateral:
+            return np.zeros((3, 3))
+        tangent = np.array([tx, ty, ax * ty - ay * tx])
+        normal = np.array([-ty, tx, ax * tx + ay * ty])
+        spring = by_pose * self.k + by_velocity * self.damping
+        if self.rough:
+            gripped = by_velocity * self.grip(touch) / self.vreg
+            return spring * np.outer(normal, normal) + gripped * np.outer(tangent, tangent)
+        viscous = by_velocity * self.mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
+        pressed = normal - np.copysign(self.mu, N) * touch.share * tangent
+        return spring * np.outer(pressed, normal) + viscous * np.outer(tangent, tangent)
+
+    def follow(self, stored: Stored) -> Contact:
+        """The contact along a run that begins at the case's start, as far as it can be found."""
+        self.follower = Follower(self.case)
+        rows, lost = [], None
+        try:
+            for q, v in zip(stored.pose.tolist(), stored.velocity.tolist(), strict=True):
+                touch = self.touch(q, v)
+                force = touch.normal_force, self.friction_force(touch)
+                rows.append((touch.xi1, touch.xi2, touch.gap, touch.slip, *force))
+        except BEYOND as problem:
+            lost = str(problem)
+        xi1, xi2, gap, slip, normal_force, friction_force = np.array(rows, dtype=float).reshape(-1, 6).T
+        return Contact(xi1, xi2, gap, slip, normal_force, friction_force, lost)
+
+
+def build(case: Case, setting: Setting) -> System:
+    """Three coordinates (x, y, θ), the plate's mass matrix, gravity, and the contact as a user function."""
+    start, plate, law = start_motion(case), case.plate, PenaltyContact(case, setting)
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    node = system.AddNode(
+        item.NodeGenericODE2(
+            numberOfODE2Coordinates=3,
+            referenceCoordinates=[0.0] * 3,
+            initialCoordinates=[start.x, start.y, start.theta],
+            initialCoordinates_t=[start.vx, start.vy, start.omega],
+        )
+    )
+    system.AddObject(
+        item.ObjectGenericODE2(
+            nodeNumbers=[node],
+            massMatrix=np.diag([plate.mass, plate.mass, plate.inertia]),
+            forceVector=[*(plate.mass * gravity(case)), 0.0],
+            forceUserFunction=law.force,  # type: ignore[arg-type]
+            jacobianUserFunction=law.jacobian,  # type: ignore[arg-type]
+        )
+    )
+    cut_steps(case, setting, system, lambda: law.slip)
+    motion = node_sensors(system, node)
+    system.Assemble()
+    return System(container, system, motion, None, law.follow)

@@ -1,0 +1,186 @@
+"""Exudyn's own smooth contacts between a disc and a circle or a straight line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import hypot
+
+import exudyn as exu
+import exudyn.itemInterface as item
+import numpy as np
+
+from cases import Case, Gravity, Impact, Load, Unilateral
+from cases.contact import start_motion
+from cases.shapes import Circle, Line, as_circle, as_line
+
+from ..common.follow import BEYOND, Follower
+from ..interface import Setting
+from . import constrained
+from .system import (
+    Contact,
+    Stored,
+    System,
+    critical_damping,
+    cut_steps,
+    disc_body,
+    friction_coefficient,
+    ground,
+    node_sensors,
+)
+
+# An impact slower than this (m/s) is damped as if it were as fast: contact that lasts comes to rest.
+SLOWEST_IMPACT = 1e-2
+
+
+def refuses(case: Case) -> str | None:
+    """Why no object of the engine models the case's shapes, in one sentence, or None."""
+    if case.plate.radius is None:
+        return "Exudyn has smooth rolling contact for discs alone, and this outline is no circle about its centre."
+    if as_line(case.track) is None and as_circle(case.track) is None:
+        return "Exudyn has smooth rolling contact on straight lines and circles alone, and this track is neither."
+    if constrained.suits(case):
+        return constrained.refuses(case)
+    if case.effect(Unilateral) is None:
+        return "Exudyn's contacts with friction only push; a track that also pulls (no Unilateral) is not among them."
+    return None
+
+
+def build(case: Case, setting: Setting) -> System:
+    """A disc in the plane, its gravity, and the contact object that fits the track."""
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    node, disc = disc_body(case, system)
+    line, circle = as_line(case.track), as_circle(case.track)
+    if line:
+        number, contact = _on_line(case, setting, system, disc, line)
+        slip = _slip_on_line(system, line)
+    else:
+        assert circle is not None, "refuses() lets lines and circles alone pass"
+        number, contact = _on_circle(case, setting, system, disc, circle)
+        slip = _slip_on_circle(case, system, circle)
+    force = system.AddSensor(
+        item.SensorObject(objectNumber=number, outputVariableType=exu.OutputVariableType.Force, storeInternal=True)
+    )
+    motion = node_sensors(system, node)
+    cut_steps(case, setting, system, slip)
+    system.Assemble()
+    return System(container, system, motion, force, contact)
+
+
+def _slip_on_line(system, line: Line) -> Callable[[], float]:
+    """The slip velocity (m/s) at the end of a step. Plain numbers: it is asked for in every step."""
+    state, (tx, ty), (px, py) = system.systemData, line.direction.tolist(), line.point.tolist()
+
+    def slip() -> float:
+        (x, y, _), (vx, vy, omega) = state.GetODE2Coordinates(), state.GetODE2Coordinates_t()
+        return vx * tx + vy * ty + omega * ((y - py) * tx - (x - px) * ty)
+
+    return slip
+
+
+def _slip_on_circle(case: Case, system, circle: Circle) -> Callable[[], float]:
+    """The same; friction acts in the middle of the overlap, between the two radii."""
+    state, (cx, cy), side = system.systemData, circle.centre.tolist(), -1.0 if circle.left else 1.0
+    radius = _radius(case)
+
+    def slip() -> float:
+        (x, y, _), (vx, vy, omega) = state.GetODE2Coordinates(), state.GetODE2Coordinates_t()
+        away = hypot(x - cx, y - cy)
+        nx, ny = side * (x - cx) / away, side * (y - cy) / away
+        return vx * ny - vy * nx + omega * 0.5 * (radius + side * (away - circle.radius))
+
+    return slip
+
+
+def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
+    radius = _radius(case)
+    number = system.AddObject(
+        item.ObjectContactSphereSphere(
+            markerNumbers=[disc, ground(system, circle.centre)],
+            spheresRadii=[radius, circle.radius],
+            isHollowSphere1=circle.left,
+            **_contact_law(case, setting, system),
+        )
+    )
+
+    def contact(stored: Stored) -> Contact:
+        away = stored.pose[:, :2] - circle.centre
+        distance = np.hypot(away[:, 0], away[:, 1])
+        side = -1.0 if circle.left else 1.0
+        gap = side * (distance - circle.radius) - radius
+        # The engine's friction acts in the middle of the overlap; the nominal radius would bias the slip.
+        normal, arm = side * away / distance[:, None], radius + 0.5 * gap
+        return _read(case, stored, normal, gap, arm)
+
+    return number, contact
+
+
+def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
+    radius = _radius(case)
+    normal = np.array([-line.direction[1], line.direction[0]])
+    number = system.AddObject(
+        item.ObjectContactSphereTriangle(
+            markerNumbers=[disc, ground(system, np.zeros(2))],
+            sphereRadius=radius,
+            trianglePoints=exu.Vector3DList(_ground_triangle(case, line)),  # type: ignore[call-arg]
+            includeEdges=0,
+            **_contact_law(case, setting, system),
+        )
+    )
+
+    def contact(stored: Stored) -> Contact:
+        gap = (stored.pose[:, :2] - line.point) @ normal - radius
+        # The engine's friction acts on the triangle's plane.
+        return _read(case, stored, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
+
+    return number, contact
+
+
+def _contact_law(case: Case, setting: Setting, system) -> dict:
+    """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
+    data = item.NodeGenericData(initialCoordinates=[0.0] * 4, numberOfDataCoordinates=4)
+    impact = case.effect(Impact)
+    law: dict = dict(contactDamping=critical_damping(case, setting))
+    if impact and impact.restitution > 0.0:
+        # Gonthier's and Carvalho's damping, which the engine mixes so that any restitution comes out to a thousandth.
+        law = dict(impactModel=2, restitutionCoefficient=impact.restitution, minimumImpactVelocity=SLOWEST_IMPACT)
+    return dict(
+        nodeNumber=system.AddNode(data),
+        dynamicFriction=friction_coefficient(case),
+        frictionProportionalZone=setting["vreg"],
+        contactStiffness=setting["k"],
+        **law,
+    )
+
+
+def _read(case: Case, stored: Stored, normal, gap, arm) -> Contact:
+    """Slip and forces along the track's tangent and normal; `arm`: from the disc's centre to where friction acts."""
+    _, pose, velocity, force = stored
+    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
+    slip = np.sum(velocity[:, :2] * tangent, axis=1) + velocity[:, 2] * arm
+    normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
+    follower, found, lost = Follower(case), [], None
+    try:
+        for row in pose.tolist():
+            found.append(follower(*row)[:2])
+    except BEYOND as problem:
+        lost = str(problem)
+    xi1, xi2 = np.array(found, dtype=float).reshape(-1, 2).T
+    n = len(found)
+    return Contact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], lost)
+
+
+def _ground_triangle(case: Case, line: Line) -> list[list[float]]:
+    """A triangle across the plane of motion, around the start and wider than the plate can get in its time."""
+    start, gravity = start_motion(case), case.effect(Gravity)
+    fall = 0.5 * gravity.g * case.duration**2 if gravity else 0.0
+    # How far a load may take it is not known; a hundred times as far still has its place to twelve digits.
+    known = 2.0 * (_radius(case) + hypot(start.vx, start.vy) * case.duration + fall)
+    reach = 100.0 * known if case.effect(Load) else known
+    (x, y), (along_x, along_y) = case.track.point(start.xi1), reach * line.direction
+    return [[x - along_x, y - along_y, -reach], [x + along_x, y + along_y, -reach], [x, y, 2.0 * reach]]
+
+
+def _radius(case: Case) -> float:
+    assert case.plate.radius is not None, "refuses() lets discs alone pass"
+    return case.plate.radius

@@ -1,0 +1,171 @@
+"""What the two routes of the Exudyn adapter share: an assembled system, and its contact read back from a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any, NamedTuple
+
+import exudyn as exu
+import exudyn.itemInterface as item
+import numpy as np
+
+from cases import Case, CoulombFriction, Gravity, Load
+from cases.contact import start_motion
+
+from ..interface import Setting
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The contact along a run, arrays of one length: parameters, gap (m), slip (m/s), forces on the plate (N).
+
+    Shorter than the run if the plate was lost on the way, for the reason `lost`.
+    """
+
+    xi1: np.ndarray
+    xi2: np.ndarray
+    gap: np.ndarray
+    slip: np.ndarray
+    normal_force: np.ndarray
+    friction_force: np.ndarray
+    lost: str | None = None
+
+
+class Stored(NamedTuple):
+    """What the sensors kept: times (n,), pose and velocity (n, 3), force or acceleration (n, 3), or (n, 0) if none."""
+
+    t: np.ndarray
+    pose: np.ndarray
+    velocity: np.ndarray
+    force: np.ndarray
+
+
+@dataclass(frozen=True)
+class System:
+    """An assembled system in the container that owns it.
+
+    `motion` are the sensors of pose and velocity, `force` is one the contact's forces are read from, if there is one;
+    `contact` reads the contact from what they store.
+    """
+
+    container: Any
+    system: Any
+    motion: tuple[int, int]
+    force: int | None
+    contact: Callable[[Stored], Contact]
+
+
+def node_sensors(system, node: int) -> tuple[int, int]:
+    """Sensors that keep a node's coordinates and velocities in memory."""
+    pose, velocity = (
+        system.AddSensor(item.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
+        for kind in (exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t)
+    )
+    return pose, velocity
+
+
+def disc_body(case: Case, system) -> tuple[int, int]:
+    """The plate as a rigid body in the plane at the case's start, with gravity and load: its node and its marker."""
+    start, plate, gravity, load = start_motion(case), case.plate, case.effect(Gravity), case.effect(Load)
+    node = system.AddNode(
+        item.NodeRigidBody2D(
+            initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
+        )
+    )
+    body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, mass=plate.mass, inertia=plate.inertia))
+    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+    if gravity:
+        pull = [*gravity.vector, 0.0]
+        mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
+        system.AddLoad(item.LoadMassProportional(markerNumber=mass, loadVector=pull))
+    if load:
+
+        def now(system, time: float) -> list[float]:
+            state = system.systemData
+            return load.at(time, *state.GetODE2Coordinates(), *state.GetODE2Coordinates_t())
+
+        def force(system, time, _vector) -> list[float]:
+            return [*now(system, time)[:2], 0.0]
+
+        def moment(system, time, _vector) -> list[float]:
+            return [0.0, 0.0, now(system, time)[2]]
+
+        system.AddLoad(item.LoadForceVector(markerNumber=disc, loadVectorUserFunction=force))  # type: ignore[arg-type]
+        system.AddLoad(item.LoadTorqueVector(markerNumber=disc, loadVectorUserFunction=moment))  # type: ignore[arg-type]
+    return node, disc
+
+
+def ground(system, point: np.ndarray) -> int:
+    """A marker of the ground at a point of the plane."""
+    body = system.AddObject(item.ObjectGround(referencePosition=[*point, 0.0]))
+    return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+
+
+def applied(case: Case, stored: Stored) -> np.ndarray:
+    """The forces beside the contact's, gravity and load: (F_x, F_y) in N at the stored times, shape (n, 2)."""
+    force, gravity, load = np.zeros((len(stored.t), 2)), case.effect(Gravity), case.effect(Load)
+    if gravity:
+        force += case.plate.mass * np.array(gravity.vector)
+    if load:
+        rows = zip(stored.t.tolist(), stored.pose.tolist(), stored.velocity.tolist(), strict=True)
+        force += [load.at(t, *pose, *velocity)[:2] for t, pose, velocity in rows]
+    return force
+
+
+def cut_steps(case: Case, setting: Setting, system, slip: Callable[[], float]) -> None:
+    """With `cut` in the setting: a step in which the slip changes its sign is made again, smaller.
+
+    Friction flips within such a step, and the trapezoidal rule gives either side half of the step wherever the crossing
+    lies: what should stick then slips backward, by up to h/2 of the acceleration, and where the cone is nearly used up
+    it takes many steps to come to rest. The engine lets a user's function ask for another step size, as its contacts do
+    where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the end of the step
+    as `slip()` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks anyway.
+    """
+    if "cut" not in setting:
+        return
+    smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
+    begun = ended = case.start.slip
+    step_begins, time_of, now = 0.0, system.systemData.GetTime, exu.ConfigurationType.StartOfStep
+
+    def ask(_system, time: float) -> list[float]:
+        """[error, step to make it again with], or [0, −1] if it may stand."""
+        nonlocal begun, ended, step_begins
+        begins = time_of(now)
+        if begins != step_begins:
+            step_begins, begun = begins, ended
+        ended = slip()
+        if begun * ended >= 0.0 or abs(ended) <= vreg or time - begins <= smallest:
+            return [0.0, -1.0]
+        # Any error above the solver's tolerance of 1 makes it listen.
+        return [10.0, max((time - begins) * abs(begun) / (abs(begun) + abs(ended)), smallest)]
+
+    system.SetPostNewtonUserFunction(ask)
+
+
+def friction_coefficient(case: Case) -> float:
+    """mu, zero without friction."""
+    friction = case.effect(CoulombFriction)
+    return friction.mu if friction else 0.0
+
+
+def critical_damping(case: Case, setting: Setting) -> float:
+    """In N s/m, so that the plate settles on the contact's spring without bouncing, in the spring's own time."""
+    return 2.0 * sqrt(setting["k"] * case.plate.mass)
+
+
+def scales(case: Case) -> tuple[float, float]:
+    """A length (m; centre of mass to contact) and an acceleration (m/s²) that the rungs are multiples of."""
+    start = start_motion(case)
+    length = float(np.hypot(*case.plate.outline.point(start.xi2)))
+    gravity = case.effect(Gravity)
+    speed = max(abs(start.slip), abs(start.omega) * length)
+    # Without gravity the motion itself sets the scale; a plate at rest then stays there, at any scale.
+    acceleration = gravity.g if gravity and gravity.g > 0.0 else speed**2 / length
+    return length, acceleration or 1.0
+
+
+def rough_friction(case: Case) -> float:
+    """The friction (N) at which a perfectly rough contact creeps with vreg: the plate's weight, or its like."""
+    return case.plate.mass * scales(case)[1]

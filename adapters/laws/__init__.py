@@ -1,0 +1,50 @@
+"""The laws of mechanics that adapters are held to: this suite's in its tests, anybody's by `python -m adapters.laws`.
+
+`LAWS` maps names to laws, plain functions of a `Route`. A law raises AssertionError, which begins with its name, if the
+route breaks it, and `Refused` if the route cannot model its scene. `judge` tries them all. For tests of one's own there
+are the laws themselves (`adapters.laws.mechanics`), their scenes, `mirrored` and `turned`, and `hold` with the scales
+of a `Run`'s error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+from .mechanics import LAWS, SCENES, Law, mirrored, turned
+from .runs import Refused, Route, Run, hold
+
+__all__ = ["LAWS", "SCENES", "Law", "Refused", "Route", "Run", "Verdict", "hold", "judge", "mirrored", "turned"]
+
+
+class Verdict(NamedTuple):
+    """What came of one law on one route: "kept", "broken", "refused" or "failed", and why in a sentence."""
+
+    route: str
+    law: str
+    outcome: str
+    reason: str = ""
+
+
+def judge(adapter: Any, laws: Iterable[str] = tuple(LAWS), routes: Iterable[str] | None = None) -> Iterator[Verdict]:
+    """The verdicts of these laws on the routes (default: the adapter's own), one after another.
+
+    `adapter` is a module, or anything else with an adapter's functions. An exception is a verdict too; what ends the
+    process ends it here.
+    """
+    laws = tuple(laws)
+    for route in adapter.routes if routes is None else routes:
+        for law in laws:
+            yield Verdict(route, law, *_tried(law, Route(adapter, route)))
+
+
+def _tried(law: str, route: Route) -> tuple[str, str]:
+    try:
+        LAWS[law](route)
+    except Refused as refusal:
+        return "refused", str(refusal)
+    except AssertionError as broken:
+        return "broken", str(broken)
+    except Exception as problem:
+        return "failed", f"{type(problem).__name__}: {problem}"
+    return "kept", ""

@@ -1,0 +1,61 @@
+"""The command `python -m adapters.laws`: hold an adapter to the laws of mechanics, wherever it comes from."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Sequence
+
+from cases import CaseError
+from cases.errors import unknown
+
+from ..interface import find
+
+HELP = """\
+ADAPTER is a name that the suite knows (its own adapters, and those of installed packages in the entry-point group
+slip_to_roll.adapters), a Python file, or a module: exudyn, my_engine.py, my_package.my_engine.
+
+Every law is tried on every route, with the finest setting but one of its ladder: kept, broken (and by how much),
+refused (and why), or failed with an exception. The exit status is 0 if none is broken or failed, else 1; 2 if there is
+no such adapter, route or law.
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+    parser = argparse.ArgumentParser("python -m adapters.laws", description=__doc__, epilog=HELP)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("adapter", metavar="ADAPTER", help="the adapter")
+    parser.add_argument("--route", metavar="ROUTE", nargs="+", help="only these routes (default: all)")
+    parser.add_argument("--law", metavar="LAW", nargs="+", help="only these laws, with all their scenes (default: all)")
+    options = parser.parse_args(argv)
+    try:
+        return _judged(options.adapter, options.route, options.law)
+    except (CaseError, ImportError) as problem:
+        print(problem, file=sys.stderr)
+        return 2
+
+
+def _judged(name: str, routes: Sequence[str] | None, names: Sequence[str] | None) -> int:
+    from . import LAWS, judge  # SciPy and the scenes take their time, and --help needs none of them
+
+    adapter = find(name)
+    for route in routes or ():
+        if route not in adapter.routes:
+            raise unknown(f"route of {adapter.NAME}", route, adapter.routes)
+    known = {*LAWS, *(law.partition("[")[0] for law in LAWS)}
+    for law in names or ():
+        if law not in known:
+            raise unknown("law", law, known)
+    chosen = [law for law in LAWS if not names or law in names or law.partition("[")[0] in names]
+    counts: Counter[str] = Counter()
+    for verdict in judge(adapter, chosen, routes):
+        counts[verdict.outcome] += 1
+        print(f"{verdict.route}  {verdict.law}: {verdict.outcome}{': ' if verdict.reason else ''}{verdict.reason}")
+    print(f"{adapter.NAME}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
+    return 1 if counts["broken"] or counts["failed"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,329 @@
+"""Laws of mechanics that every adapter is held to, as plain functions of one route of an adapter.
+
+`LAWS` names them all. A law raises AssertionError, which begins with the law's name, if the route breaks it, and
+Refused if the route cannot model the law's scene. Nothing here compares one solver with another: each law follows from
+Newton's and Coulomb's laws, or from a symmetry of theirs. Tolerances are those of `adapters.laws.runs`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from math import atan, cos, pi, sin
+
+import numpy as np
+
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
+from cases.contact import pose, start_motion
+from cases.mechanics import energy, energy_growth
+
+from .runs import G, Refused, Route, Run, hold
+
+# --- scenes ----------------------------------------------------------------------------------------------------------
+
+CIRCLE = Curve(lambda s: (1.0 * curves.cos(s), 1.0 * curves.sin(s)))
+
+
+def _let_go(plate: Plate, start: Start, mu: float | None = 0.1) -> Case:
+    friction = (CoulombFriction(mu),) if mu else ()
+    return Case(CIRCLE, plate, (Gravity(G), *friction, Unilateral()), start, duration=1.0)
+
+
+def _elliptic_plate() -> Plate:
+    a, b = 0.2, 0.12
+    return Plate(Curve(lambda s: (a * curves.cos(s), b * curves.sin(s))), 1.0, (a * a + b * b) / 4)
+
+
+# A disc and a plate that is none, let go on the wall of a circle. An inertia of its own keeps the disc from hiding a
+# solver that assumes ½ m r².
+SCENES = {
+    "disc in a circle": _let_go(disc(0.1, 2.0, inertia=0.012), Start(-2.6, slip=0.3, omega=1.0)),
+    "ellipse in a circle": _let_go(_elliptic_plate(), Start(-2.6, xi2=-1.2, slip=0.3)),
+}
+
+
+def _slope(angle: float, mu: float, **how) -> Case:
+    """A hollow-ish disc on a line that falls to the right."""
+    track = Curve(lambda s: (s * curves.cos(angle), -s * curves.sin(angle)))
+    return Case(track, disc(0.1, 2.0), (Gravity(G), CoulombFriction(mu), Unilateral()), Start(0.0), **how)
+
+
+def mirrored(case: Case) -> Case:
+    """The case seen in a mirror that swaps left and right; parameters run backwards so that left stays left."""
+    start, gravity = start_motion(case), case.effect(Gravity)
+    assert gravity is not None
+    others = tuple(effect for effect in case.effects if effect is not gravity)
+    return replace(
+        case,
+        track=_mirror(case.track),
+        plate=replace(case.plate, outline=_mirror(case.plate.outline)),
+        effects=(Gravity(gravity.g, pi - gravity.direction), *others),
+        start=Start(-start.xi1, -start.xi2, -case.start.slip, -case.start.omega),
+    )
+
+
+def _mirror(curve: Curve) -> Curve:
+    def function(s):
+        x, y = curve.at(-s)
+        return -x, y
+
+    return Curve(function, domain=curve.domain and (-curve.domain[1], -curve.domain[0]))
+
+
+def turned(case: Case, angle: float) -> Case:
+    """The case with its track and its gravity turned about the origin."""
+    start, gravity = start_motion(case), case.effect(Gravity)
+    assert gravity is not None
+
+    def function(s):
+        x, y = case.track.at(s)
+        return x * cos(angle) - y * sin(angle), x * sin(angle) + y * cos(angle)
+
+    others = tuple(effect for effect in case.effects if effect is not gravity)
+    return replace(
+        case,
+        track=Curve(function, domain=case.track.domain),
+        effects=(Gravity(gravity.g, gravity.direction + angle), *others),
+        start=replace(case.start, xi2=start.xi2),
+    )
+
+
+# --- laws ------------------------------------------------------------------------------------------------------------
+
+
+def friction_torque(route: Route) -> None:
+    """A sliding disc spins up: ω = −(μ g t) m r/J, whatever its inertia."""
+    mu, mass, radius, inertia = 0.1, 2.0, 0.1, 0.012
+    # It would roll after v₀/(μ g (1 + m r²/J)) = 0.38 s.
+    case = Case(
+        Curve(lambda s: (s, 0)),
+        disc(radius, mass, inertia),
+        (Gravity(G), CoulombFriction(mu), Unilateral()),
+        Start(0.0, slip=1.0),
+        duration=0.3,
+    )
+    run = route.run(case)
+    exact = -mu * G * run.motion.t * mass * radius / inertia
+    # Friction's kick, through the same lever.
+    allowed = mu * run.kick * mass * radius / inertia
+    hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, allowed)
+
+
+def cone(route: Route, scene: Case) -> None:
+    """|T| ≤ μ N at every sample: friction never exceeds Coulomb's bound, nor acts where nothing presses."""
+    run = route.run(scene)
+    normal, friction = run.motion.normal_force, run.motion.friction_force
+    mu = _mu(scene)
+    # A push along a direction that is off by `tilt` has this share along the tangent; 1e-9 of the weight is rounding.
+    nothing = 1e-9 * scene.plate.mass * G + run.grain
+    hold("cone", "friction beyond zero", friction, (mu + run.tilt) * np.abs(normal) + nothing)
+    hold("cone", "the normal force below zero", np.minimum(normal, 0.0), run.tilt * np.abs(friction) + nothing)
+
+
+def friction_opposes_slip(route: Route, scene: Case) -> None:
+    """T = −μ N sign(v) where the plate surely slips: the force's direction, and its size in the mean."""
+    run, mu = route.run(scene), _mu(scene)
+    motion = run.motion
+    # Slip that a step can reverse is left out: friction acts on both of its sides there.
+    sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * _ease(scene.plate)
+    sure[0] = False
+    if sure.sum() < 10:
+        raise Refused("the plate hardly slips in this scene")
+    against = -np.sign(motion.slip[sure]) * motion.friction_force[sure]
+    pressed = motion.normal_force[sure]
+    # On facets the force of one step is noise, its sum is not.
+    hold("friction opposes slip", "the sum of friction", against.sum() / pressed.sum() - mu, run.tilt + 1e-6)
+
+
+def sticking_threshold(route: Route) -> None:
+    """A disc rolls down an incline up to tan = 3μ and slips beyond: told apart 0.1 % on either side."""
+    mu, off, duration = 0.1, 1e-3, 1.0
+    for share, slips in ((1 - off, False), (1 + off, True)):
+        angle = atan(3 * mu * share)
+        run = route.run(_slope(angle, mu, duration=duration))
+        # m r²/J = 2, so slip grows with g (sin − 3 μ cos), if it grows.
+        exact = G * (sin(angle) - 3 * mu * cos(angle)) * duration if slips else 0.0
+        # Half of the slip there is on the other side tells the two apart.
+        allowed = 0.5 * G * 3 * mu * off * cos(angle) * duration
+        side = "above" if slips else "below"
+        hold("sticking threshold", f"slip 0.1 % {side} tan = 3 mu", run.motion.slip[-1] - exact, allowed)
+
+
+def no_friction_no_spin(route: Route) -> None:
+    """Without friction a disc keeps its spin, since the normal force points at its centre."""
+    run = route.run(replace(SCENES["disc in a circle"], effects=(Gravity(G), Unilateral())))
+    omega = run.motion.omega
+    from scipy.integrate import trapezoid  # slow to import
+
+    # Nothing acts on the spin, so there is nothing a step could misplace: rounding of a thousand steps or more, and of
+    # the lever of the normal force.
+    plate, pressed = run.case.plate, float(trapezoid(np.abs(run.motion.normal_force), run.motion.t))
+    allowed = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * pressed / plate.inertia
+    hold("no spin-up without friction", "the spin", omega - omega[0], allowed)
+
+
+def energy_kept(route: Route, scene: Case) -> None:
+    """Without friction the energy is what it was."""
+    frictionless = replace(scene, effects=(Gravity(G), Unilateral()))
+    run = route.run(frictionless)
+    total = energy(frictionless, run.motion)
+    hold("energy kept without friction", "the energy", total - total[0], run.loss + _swing(run))
+
+
+def energy_never_grows(route: Route, scene: Case) -> None:
+    """With friction and no load the energy falls or stays."""
+    run = route.run(scene)
+    total = energy(scene, run.motion)
+    hold("energy never grows", "the energy, above its least so far,", energy_growth(total), _swing(run))
+
+
+def mirror_image(route: Route, scene: Case) -> None:
+    """The mirrored case has the mirrored motion."""
+    here, there = route.run(scene), route.run(mirrored(scene))
+    a, b = _common(here, there)
+    image = replace(b, x=-b.x, theta=-b.theta)
+    _hold_same_motion("mirror image", here, a, image)
+
+
+def turned_frame(route: Route, scene: Case) -> None:
+    """The case turned about the origin, gravity and all, has the turned motion."""
+    angle = 2.1
+    here, there = route.run(scene), route.run(turned(scene, angle))
+    a, b = _common(here, there)
+    back = replace(
+        b, x=b.x * cos(angle) + b.y * sin(angle), y=b.y * cos(angle) - b.x * sin(angle), theta=b.theta - angle
+    )
+    _hold_same_motion("turned frame", here, a, back)
+
+
+def momentum_balance(route: Route, scene: Case) -> None:
+    """m v and J ω grow by what the reported forces and gravity sum up to: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
+    from scipy.integrate import cumulative_trapezoid  # slow to import
+
+    run, motion, plate = route.run(scene), route.run(scene).motion, scene.plate
+    tangent, normal = scene.track.tangent(motion.xi1), scene.track.normal(motion.xi1)
+    fx, fy = motion.normal_force * normal + motion.friction_force * tangent
+    arm = scene.track.point(motion.xi1) - pose(scene, motion.xi1, motion.xi2)[:2]
+    pulled = -plate.mass * G
+
+    def sum_up(rate):
+        return cumulative_trapezoid(rate, motion.t, initial=0.0)
+
+    lever = float(np.hypot(*arm).max())
+    # Where on a facet the force acts is not reported; the arm is known to its length.
+    vague = lever * run.corners * sum_up(np.abs(motion.normal_force))[-1]
+    for what, change, force, allowed in (
+        ("m vx", plate.mass * (motion.vx - motion.vx[0]), fx, plate.mass * run.kick),
+        ("m vy", plate.mass * (motion.vy - motion.vy[0]), fy + pulled, plate.mass * run.kick),
+        (
+            "J omega",
+            plate.inertia * (motion.omega - motion.omega[0]),
+            arm[0] * fy - arm[1] * fx,
+            lever * plate.mass * run.kick + vague,
+        ),
+    ):
+        hold("momentum balance", f"{what} against the reported forces", change - sum_up(force), allowed)
+
+
+def lift_off(route: Route) -> None:
+    """A frictionless disc let go near the top of a circle leaves it where N vanishes: at ⅔ of its first cos φ."""
+    # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
+    track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
+    case = Case(track, disc(0.1, 2.0), (Gravity(G), Unilateral()), Start(0.2), duration=1.2)
+    run = route.run(case)
+    motion, length = run.motion, 1.1
+    if motion.status != "lift_off":
+        raise AssertionError(f"lift-off: the motion should end with lift_off, and its status is {motion.status}")
+    exact = 2 / 3 * cos(0.2)
+    speed = (G * length * exact) ** 0.5
+    # A step of travel, and N = m (g cos φ − v²/L) read with a speed that is off by a kick.
+    allowed = run.step * speed / length + 2 * speed * run.kick / (3 * G * length)
+    hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, allowed)
+
+
+def free_fall(route: Route) -> None:
+    """A disc off its track falls along a parabola and keeps its spin."""
+    start = Start(0.0, slip=0.4, omega=3.0, gap=0.5)
+    # It would land after 0.32 s.
+    case = Case(Curve(lambda s: (s, 0)), disc(0.1, 2.0), (Gravity(G), Unilateral(), Flight()), start, duration=0.25)
+    run, begun = route.run(case), start_motion(case)
+    motion, t = run.motion, run.motion.t
+    hold("free fall", "the end of the motion", float(t[-1]) - case.duration, 2 * run.step)
+    # Gravity acts up to a step early or late, and a turn is off by that of a step; 1e-9 is rounding, as a random walk
+    # of single precision is.
+    turn = begun.omega**2 * run.step * case.duration
+    grain = 10 * run.rounding * run.speed * len(t) ** 0.5
+    for what, told, exact, allowed in (
+        ("x", motion.x, begun.x + begun.vx * t, 1e-9),
+        ("y", motion.y, begun.y + begun.vy * t - 0.5 * G * t**2, run.kick * case.duration),
+        ("vx", motion.vx, begun.vx, 1e-9),
+        ("vy", motion.vy, begun.vy - G * t, run.kick),
+        ("theta", motion.theta, begun.theta + begun.omega * t, turn),
+        ("omega", motion.omega, begun.omega, 1e-9),
+    ):
+        hold("free fall", what, told - exact, allowed + grain)
+
+
+def _mu(case: Case) -> float:
+    friction = case.effect(CoulombFriction)
+    return friction.mu if friction else 0.0
+
+
+def _ease(plate: Plate) -> float:
+    """How much of a kick on the centre reaches the contact point: 1 + m ρ²/J with the largest lever ρ."""
+    return 1 + plate.mass * plate.reach**2 / plate.inertia
+
+
+def _swing(run: Run) -> float:
+    """By how much the energy of a sample, J, may be off if its velocity is off by a kick."""
+    return run.case.plate.mass * run.speed * run.kick
+
+
+def _common(here: Run, there: Run) -> tuple[Trajectory, Trajectory]:
+    """Both motions up to the end of the shorter."""
+    count = min(len(here.motion.t), len(there.motion.t))
+    return _cut(here.motion, count), _cut(there.motion, count)
+
+
+def _cut(motion: Trajectory, count: int) -> Trajectory:
+    names = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force", "xi1", "xi2")
+    return replace(motion, dense=None, **{name: getattr(motion, name)[:count] for name in names})
+
+
+def _hold_same_motion(law: str, run: Run, a: Trajectory, b: Trajectory) -> None:
+    # A velocity that is off by a kick, for as long as the motion lasts.
+    drift = run.kick * float(a.t[-1])
+    hold(law, "the end of the motion", float(a.t[-1]) - run.case.duration, 2 * run.step)
+    hold(law, "the centre", np.hypot(a.x - b.x, a.y - b.y), drift)
+    turns = 2 * pi * round(float(a.theta[0] - b.theta[0]) / (2 * pi))
+    size = run.case.plate.radius or float(np.hypot(*run.case.plate.outline.point(np.pi / 2)))
+    hold(law, "the angle", a.theta - b.theta - turns, drift / size)
+
+
+Law = Callable[[Route], None]
+
+
+def _everywhere(law: Callable[[Route, Case], None]) -> dict[str, Law]:
+    name = law.__name__
+    return {f"{name}[{scene}]": partial(_on, law, case) for scene, case in SCENES.items()}
+
+
+def _on(law: Callable[[Route, Case], None], scene: Case, route: Route) -> None:
+    law(route, scene)
+
+
+LAWS: dict[str, Law] = {
+    "friction_torque": friction_torque,
+    "sticking_threshold": sticking_threshold,
+    "no_friction_no_spin": no_friction_no_spin,
+    "lift_off": lift_off,
+    "free_fall": free_fall,
+    **_everywhere(cone),
+    **_everywhere(friction_opposes_slip),
+    **_everywhere(energy_kept),
+    **_everywhere(energy_never_grows),
+    **_everywhere(mirror_image),
+    **_everywhere(turned_frame),
+    **_everywhere(momentum_balance),
+}

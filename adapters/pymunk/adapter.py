@@ -1,0 +1,179 @@
+"""pymunk (Chipmunk/Munk2D): a game engine's semi-implicit Euler step with Coulomb friction as clamped impulses.
+
+Positions stand at k·h and velocities at (k+½)·h, if the first step is a half one (start backed up by v₀·h/2, then
+`step(h/2)`): `common.half_steps` reads them.
+
+Routes: `native` (the engine's circles, segments and polygons; order 1), `assisted` (the engine is told the exact
+contact point, normal and the normal velocity that follows the curve; inertia, cone, stick and push are its own;
+order 2).
+"""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass, field
+
+import numpy as np
+import pymunk
+
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Trajectory, Unilateral
+from cases.contact import start_motion
+
+from ..common import facets, half_steps
+from ..interface import EngineFailure, Setting
+from . import assisted, native
+from .load import Drive
+
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
+
+NAME = "pymunk"
+routes = ("native", "assisted")
+
+# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
+
+
+def version() -> str:
+    """pymunk's version with that of the library inside it."""
+    return f"{pymunk.version} (Chipmunk {pymunk.chipmunk_version.partition('-')[0]})"
+
+
+def refuses(case: Case, route: str) -> str | None:
+    """Why pymunk cannot model the case by that route, in one sentence, or None."""
+    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if strange:
+        return f"pymunk has nothing for {' and '.join(strange)}."
+    friction = case.effect(CoulombFriction)
+    if friction and friction.stick != friction.mu:
+        return "pymunk has one friction coefficient for slip and stick."
+    impact = case.effect(Impact)
+    if impact and case.plate.radius is None:
+        return (
+            "pymunk decides friction by the slip after an impact, not along its course; that is Impact's law for discs "
+            "about their centre alone."
+        )
+    if impact and impact.restitution > 0.0 and route == "assisted":
+        return "A contact that pymunk is told closes without restitution; Impact(0) is all it can do."
+    return _refuses_natively(case) if route == "native" else None
+
+
+def _refuses_natively(case: Case) -> str | None:
+    if not case.effect(Unilateral):
+        return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
+    outline = case.plate.outline
+    if not facets.is_convex(outline):
+        return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
+    endless = not case.track.period and not case.track.domain
+    if case.effect(Load) and endless and facets.track_kind(case) == "chain":
+        return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
+    return None
+
+
+# --- settings --------------------------------------------------------------------------------------------------------
+
+# Steps in seconds, the first a game's: 60 a second. A case longer than the usual one has longer steps, at most three
+# times as long: that bounds a ladder's cost and keeps every step below the game's.
+STEPS = {
+    "chain": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
+    "line": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "hill": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+    "polygon": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4),
+    # A polygon meets hundreds of facets in every step, and every corner of it is looked at each time.
+    "polygon on chain": (1 / 60, 5e-3, 4e-3, 2e-3, 1e-3, 5e-4),
+    "assisted": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
+}
+USUAL_DURATION, MOST_STRETCHED = 2.5, 3.0
+
+
+def ladder(case: Case, route: str) -> tuple[Setting, ...]:
+    """Settings from coarse to fine.
+
+    The first is the engine as it comes, 60 steps a second. Native: its slop, bias and iterations, 64 thick facets that
+    do not know their neighbours; the others correct all overlap beyond a hundred-thousandth of the plate at once, and
+    tighten step and facets together. Assisted: the step, and the sweeps of the solver where they matter.
+    """
+    first, *others = STEPS["assisted" if route == "assisted" else native.scene_kind(case)]
+    stretched = min(MOST_STRETCHED, max(1.0, case.duration / USUAL_DURATION))
+    steps = [h * stretched for h in others]
+    if route == "assisted":
+        defaults = Setting.of(rung="defaults", h=first)
+        return (defaults, *(Setting.of(h=h, iterations=assisted.iterations(case)) for h in steps))
+    defaults = Setting.of(rung="defaults", h=first, **native.shape_knobs(case, None))
+    return (defaults, *(Setting.of(h=h, **native.shape_knobs(case, h), **native.space_knobs(case)) for h in steps))
+
+
+# The grid's steps, coarse to fine: a game's beside those at which a facet's, a corner's and a sweep's part show.
+GRID_STEPS = (1e-2, 3e-3, 1e-3, 3e-4)
+
+
+def grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Step times model: facets and whether they know their neighbours, corners, slop, or sweeps of the solver."""
+    if route == "assisted":
+        return tuple(Setting.of(h=h, iterations=n) for h in GRID_STEPS for n in (1, 2, 5, 10))
+    return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
+
+
+# --- build, run, read -------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Model:
+    """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
+
+    `drive`: its load; `rough`: sagitta in metres of the facets that stand for the curves; `guide`: what gives the
+    assisted route its contacts.
+    """
+
+    case: Case
+    space: pymunk.Space
+    body: pymunk.Body
+    h: float
+    steps: int
+    drive: Drive | None = None
+    rough: float = 0.0
+    guide: assisted.Guide | None = None
+    # Six numbers to a row. Boxed ones would take ten times the memory, which is gigabytes for a long motion.
+    rows: array[float] = field(default_factory=lambda: array("d"))
+
+
+def build(case: Case, route: str, setting: Setting) -> Model:
+    """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
+    steps = max(2, round(case.duration / setting["h"]))
+    h = case.duration / steps
+    if route == "native":
+        space, body = native.build(case, setting)
+        drive = Drive(case, body, h) if case.effect(Load) else None
+        rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
+        model = Model(case, space, body, h, steps, drive, rough)
+    else:
+        space, body, drive, guide = assisted.build(case, setting, h)
+        model = Model(case, space, body, h, steps, drive, guide=guide)
+    start = start_motion(case)
+    body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
+    body.angle = start.theta - 0.5 * h * start.omega
+    body.velocity, body.angular_velocity = (start.vx, start.vy), start.omega
+    return model
+
+
+def run(model: Model) -> None:
+    """Step through the duration, noting pose and velocities after every step."""
+    step, body, note = model.space.step, model.body, model.rows.extend
+    # The half step moves the plate to its start and gives the velocities half a step's forces.
+    step(0.5 * model.h)
+    note((*body.position, body.angle, *body.velocity, body.angular_velocity))
+    for _ in range(model.steps):
+        step(model.h)
+        note((*body.position, body.angle, *body.velocity, body.angular_velocity))
+
+
+def read(model: Model) -> Trajectory:
+    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
+    drive, guide, rows = model.drive, model.guide, np.array(model.rows).reshape(-1, 6)
+    if drive and drive.problem:
+        raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
+    if guide and guide.problem:
+        raise EngineFailure(f"The contact could not be given to pymunk: {guide.problem}") from guide.problem
+    contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
+    return half_steps.read(
+        half_steps.Noted(model.case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)
+    )

@@ -1,0 +1,167 @@
+"""Any plate on any track: we tell the engine where the contact is, the engine does the mechanics.
+
+Two circles that overlap everywhere give one arbiter in every step. Before the engine solves it, `Guide.pre_solve`
+writes the exact contact point and normal into it, and the normal velocity with which the plate's next position is on
+the track again; inertia, friction cone, stick and push are the engine's own. That `surface_velocity` may have a part
+along the normal is not in pymunk's manual; it is what Chipmunk's `cpArbiterApplyImpulse` does with it.
+"""
+
+from __future__ import annotations
+
+from math import hypot, isnan
+
+import pymunk
+from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
+
+from cases import Case, Curve, Load, Unilateral
+from cases.contact import Contact, Motion, start_motion
+from cases.mechanics import gravity
+
+from ..common.follow import BEYOND, Follower
+from ..interface import Setting
+from .load import Drive, Torsor
+from .native import friction_coefficient
+
+# Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
+EVERYWHERE = 1e6
+
+# A normal velocity in m/s at which a contact may open or close without a push.
+FREELY = 1e9
+
+_TRACK, _PLATE = 1, 2
+
+
+class Guide:
+    """The geometry the engine is told, step by step, and the contacts it was told.
+
+    `lost` is true from the moment when no point of the track is near the plate; `problem` is the first exception
+    raised inside the callback, where the engine would print and drop it.
+    """
+
+    def __init__(self, case: Case, body: pymunk.Body, h: float, drive: Drive | None):
+        self.contacts: list[Contact] = []
+        self.lost = False
+        self.problem: Exception | None = None
+        self._case, self._body, self._h = case, body, h
+        self._two_sided = case.effect(Unilateral) is None
+        self._here, self._ahead = Follower(case), Follower(case)
+        self._before = _velocities(start_motion(case))
+        gx, gy = gravity(case)
+        self._gravity, self._drive = (float(gx), float(gy)), drive
+        # What acts tells how the velocities change in the first, half step; from then on they tell themselves.
+        self._change: Torsor | None = None
+
+    def pre_solve(self, arbiter: Arbiter, space: pymunk.Space, data: object) -> None:
+        """Write contact point, normal and the normal velocity wanted into the arbiter; let go of a lost plate."""
+        try:
+            if not self.lost:
+                self._tell(arbiter)
+        except BEYOND:
+            self.lost = True
+        except Exception as problem:
+            self.problem = self.problem or problem
+        if self.lost or self.problem:
+            arbiter.process_collision = False
+
+    def _tell(self, arbiter: Arbiter) -> None:
+        (x, y), theta, h, track = self._body.position, self._body.angle, self._h, self._case.track
+        contact = self._here(x, y, theta)
+        self.contacts.append(contact)
+        vx, vy, omega = self._predict()
+        ahead = self._ahead(x + h * vx, y + h * vy, theta + h * omega)
+        if isnan(contact.xi1) or isnan(ahead.xi1):
+            # A collision that is not processed once is not processed again; one that may open this fast never pushes.
+            here = Vec2d(x, y)
+            arbiter.contact_point_set = ContactPointSet(Vec2d(0.0, 1.0), (ContactPoint(here, here, 0.0),))
+            arbiter.surface_velocity = Vec2d(0.0, FREELY)
+            return
+        point, tangent, normal = _frame(track, contact.xi1)
+        # With the predicted velocities the plate would land off the track by the gap: so much less, or more, is wanted.
+        here = Vec2d(vx - omega * (point.y - y), vy + omega * (point.x - x))
+        wanted = here.dot(normal) - ahead.gap / h
+        # Slip is that of the middle of the step. The engine, which looks at the step's beginning, is told the change.
+        middle, along, _ = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
+        # The plate is there off the middle of its chord, by an eighth of what the step's change would take it.
+        (ax, ay), half = self._bend(), 0.5 * h
+        lever_x, lever_y = middle.x - x - half * vx + ax, middle.y - y - half * vy + ay
+        change = Vec2d(vx - omega * lever_y, vy + omega * lever_x).dot(along) - here.dot(tangent)
+        velocity = change * tangent - wanted * normal
+        # A guide on both sides pushes from the one that is needed; without a push there is no friction either, so the
+        # free motion alone decides.
+        if self._two_sided and self._free(point).dot(normal) > wanted:
+            normal = -normal
+        arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
+        arbiter.surface_velocity = velocity
+
+    def _bend(self) -> tuple[float, float]:
+        """How far (m) the chord of this step bulges towards the inside of the path."""
+        assert self._change is not None, "the velocities were predicted before"
+        part = 0.125 * self._h if len(self.contacts) > 1 else 0.25 * self._h
+        return part * self._change[0], part * self._change[1]
+
+    def _free(self, point: Vec2d) -> Vec2d:
+        """The velocity of the plate's point there after this step, if the contact did nothing."""
+        (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
+        kick = self._h if len(self.contacts) > 1 else 0.5 * self._h
+        ax, ay, turn = self._accelerations()
+        omega += kick * turn
+        return Vec2d(vx + kick * ax - omega * (point.y - y), vy + kick * ay + omega * (point.x - x))
+
+    def _accelerations(self) -> Torsor:
+        """What gravity and load do to the velocities per second, without the contact."""
+        if self._drive is None:
+            return (*self._gravity, 0.0)
+        (fx, fy, moment), plate = self._drive.torsor(), self._case.plate
+        return self._gravity[0] + fx / plate.mass, self._gravity[1] + fy / plate.mass, moment / plate.inertia
+
+    def _predict(self) -> tuple[float, float, float]:
+        """The velocities after this step, from their change in the one before."""
+        (vx, vy), omega = self._body.velocity, self._body.angular_velocity
+        if len(self.contacts) > 1:
+            ratio = 2.0 if len(self.contacts) == 2 else 1.0
+            before = self._before
+            self._change = (ratio * (vx - before[0]), ratio * (vy - before[1]), ratio * (omega - before[2]))
+        self._before = (vx, vy, omega)
+        if self._change is None:
+            ax, ay, turn = self._accelerations()
+            self._change = 0.5 * self._h * ax, 0.5 * self._h * ay, 0.5 * self._h * turn
+        change = self._change
+        return vx + change[0], vy + change[1], omega + change[2]
+
+
+def _frame(track: Curve, xi1: float) -> tuple[Vec2d, Vec2d, Vec2d]:
+    """The track's point, unit tangent and left normal."""
+    X, Y, tx, ty = track.jet(xi1)[:4]
+    length = hypot(tx, ty)
+    return Vec2d(X, Y), Vec2d(tx / length, ty / length), Vec2d(-ty / length, tx / length)
+
+
+def _velocities(start: Motion) -> tuple[float, float, float]:
+    return start.vx, start.vy, start.omega
+
+
+def iterations(case: Case) -> int:
+    """Sweeps of the engine's solver: its default where normal and friction impulse do not meet (a disc), else more.
+
+    The two impulses of one contact are solved side by side, and their coupling is damped out sweep by sweep.
+    """
+    return 10 if case.plate.radius else 40
+
+
+def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Drive | None, Guide]:
+    """A space with the plate as a body of its mass and inertia, what drives it, and the guide that knows its track."""
+    space = pymunk.Space()
+    gx, gy = gravity(case)
+    space.gravity = float(gx), float(gy)
+    # Slop and bias, which mend overlap, find none in the contact that is told; sweeps are all there is to set.
+    if "iterations" in setting:
+        space.iterations = setting["iterations"]
+    body = pymunk.Body(case.plate.mass, case.plate.inertia)
+    track, plate = pymunk.Circle(space.static_body, EVERYWHERE), pymunk.Circle(body, EVERYWHERE)
+    track.collision_type, plate.collision_type = _TRACK, _PLATE
+    track.friction, plate.friction = 1.0, friction_coefficient(case)
+    drive = Drive(case, body, h) if case.effect(Load) else None
+    guide = Guide(case, body, h, drive)
+    space.on_collision(_TRACK, _PLATE, pre_solve=guide.pre_solve)
+    space.add(body, track, plate)
+    return space, body, drive, guide

@@ -1,0 +1,50 @@
+"""A load in pymunk: a force and a moment set in every step, where the engine updates its velocities."""
+
+from __future__ import annotations
+
+import pymunk
+
+from cases import Case, Load
+from cases.contact import start_motion
+
+Torsor = tuple[float, float, float]
+
+
+class Drive:
+    """The load of one run; `rows` are (F_x, F_y, M) in N and N m of every step, `problem` what its formula raised.
+
+    The engine moves its bodies first, then updates their velocities: there the pose is of the step's own time t, while
+    the velocities are half a step behind and are carried on to t by their last change.
+    """
+
+    def __init__(self, case: Case, body: pymunk.Body, h: float):
+        load = case.effect(Load)
+        assert load is not None, "only a case with a load has something to drive"
+        self.rows: list[Torsor] = []
+        self.problem: Exception | None = None
+        self._at, self._body, self._h = load.at, body, h
+        start = start_motion(case)
+        self._before = start.vx, start.vy, start.omega
+        body.velocity_func = self._update
+
+    def torsor(self) -> Torsor:
+        """(F_x, F_y, M) at the pose the body has now, in N and N m; zero once the formula has failed."""
+        (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
+        # The first velocities are the start's, the second half a step away from them.
+        part = (0.0, 1.0)[len(self.rows)] if len(self.rows) < 2 else 0.5
+        vx, vy, omega = (now + part * (now - b) for now, b in zip((vx, vy, omega), self._before, strict=True))
+        try:
+            fx, fy, moment = self._at(self._h * len(self.rows), x, y, self._body.angle, vx, vy, omega)
+        except (ArithmeticError, ValueError) as problem:
+            self.problem = self.problem or problem
+            return 0.0, 0.0, 0.0
+        return fx, fy, moment
+
+    def _update(self, body: pymunk.Body, gravity: tuple[float, float], damping: float, dt: float) -> None:
+        """The engine's call for new velocities."""
+        fx, fy, moment = self.torsor()
+        (vx, vy), omega = body.velocity, body.angular_velocity
+        self._before = vx, vy, omega
+        self.rows.append((fx, fy, moment))
+        body.force, body.torque = (fx, fy), moment
+        pymunk.Body.update_velocity(body, gravity, damping, dt)

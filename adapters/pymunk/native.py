@@ -1,0 +1,189 @@
+"""Scenes out of pymunk's own shapes: a disc or a polygon on a segment, on a circle, or on a chain of segments."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+import pymunk
+
+from cases import Case, CoulombFriction, Impact, NotSupported, PerfectlyRough
+from cases.mechanics import gravity
+from cases.shapes import Circle, Line, as_circle, as_line
+
+from ..common.facets import chain, polygon, round_plate, stretch, track_kind
+from ..interface import Setting
+
+# What the track's chain is made of differs from rung to rung only in these; everything else is the engine's default.
+KNOBS = ("collision_slop", "collision_bias", "iterations")
+
+
+# A coefficient no contact here comes near: even a millionth of a newton would hold a plate of a tonne on a wall.
+ROUGH = 1e9
+
+
+def friction_coefficient(case: Case) -> float:
+    """Of the two shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
+    friction = case.effect(CoulombFriction)
+    return ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
+
+
+# --- the shapes' fineness --------------------------------------------------------------------------------------------
+
+# A polygon a person would type in; and the finest whose small overlaps the engine still finds (at 1000 corners an
+# elliptic plate of 0.3 m sank 7 cm into a circle).
+MODEST, MOST_CORNERS = 64, 800
+
+
+def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
+    """How fine and how thick the shapes are that go with the step h (s); None: a first-time user's.
+
+    A facet is as long as the plate's way in one step at its top speed: shorter ones cost time and gain nothing.
+    """
+    kind, knobs = track_kind(case), dict[str, float | int]()
+    if kind == "chain":
+        part = stretch(case)
+        way = part.top_speed * h if h else 0.0
+        knobs["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+        # A facet told of its neighbours does not catch the plate with its end where they meet. Nobody tells it unasked.
+        knobs["neighbors"] = 0 if h is None else 1
+    if kind != "hill":
+        # Thick walls catch what sinks into them; thin ones spare the engine's search for overlapping boxes.
+        thickness = case.plate.inner * (1.0 if h is None else 0.05)
+        knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
+    if not round_plate(case):
+        # Corners cost energy as facets do; 0.2 s over the step is where they cost as much as the step itself.
+        knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, MOST_CORNERS))
+    return knobs
+
+
+def space_knobs(case: Case) -> dict[str, float | int]:
+    """The space's knobs of every rung but the first: all overlap beyond a small slop is corrected at once."""
+    knobs: dict[str, float | int] = dict(collision_slop=1e-5 * case.plate.inner, collision_bias=0.0)
+    if not case.plate.radius:
+        knobs["iterations"] = 20
+    return knobs
+
+
+def model_grid(case: Case, steps: Sequence[float]) -> list[dict[str, float | int]]:
+    """The model's knobs that belong to the steps (s), in every combination, from the coarsest to the finest.
+
+    Corners, or facets and whether they know their neighbours, as fine as each of the steps asks for; a disc on one
+    segment or circle has its slop alone.
+    """
+    finest = shape_knobs(case, min(steps)) | space_knobs(case)
+    choices: dict[str, Sequence[float | int]] = {}
+    fineness = next((name for name in ("vertices", "facets") if name in finest), None)
+    if fineness:
+        choices[fineness] = sorted({shape_knobs(case, h)[fineness] for h in steps})
+    if fineness == "facets":
+        choices["neighbors"] = (0, 1)
+    if not choices:
+        choices["collision_slop"] = [finest["collision_slop"] * factor for factor in (1000, 100, 10, 1)]
+    return [finest | dict(zip(choices, values, strict=True)) for values in product(*choices.values())]
+
+
+def scene_kind(case: Case) -> str:
+    """What decides the cost of a scene: the track's kind for a disc; "polygon" or "polygon on chain" for others."""
+    kind = track_kind(case)
+    if round_plate(case):
+        return kind
+    return "polygon on chain" if kind == "chain" else "polygon"
+
+
+def _tightest_hill(case: Case) -> float:
+    """Smallest radius of curvature (m) of the track's bends away from the plate, infinite if there are none."""
+    part = stretch(case)
+    bend = float(case.track.curvature(np.linspace(part.low, part.high, 721)).min())
+    return -1 / bend if bend < 0.0 else float("inf")
+
+
+# --- the space -------------------------------------------------------------------------------------------------------
+
+
+# A segment takes 1.2 kilobytes, its share of the engine's tree and the arrays it is made from included.
+_MOST_FACETS = 1_000_000
+
+
+def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
+    """A space with the track as static shapes and the plate at the case's start, gravity and friction included."""
+    space = pymunk.Space()
+    gx, gy = gravity(case)
+    space.gravity = float(gx), float(gy)
+    for knob in KNOBS:
+        if knob in setting:
+            setattr(space, knob, setting[knob])
+    body = pymunk.Body(case.plate.mass, case.plate.inertia)
+    plate = _plate_shape(case, body, setting)
+    plate.friction = friction_coefficient(case)
+    shapes = _track_shapes(case, space, setting)
+    impact = case.effect(Impact)
+    plate.elasticity = impact.restitution if impact else 0.0
+    for shape in shapes:
+        # The engine multiplies the two shapes' coefficients.
+        shape.friction = shape.elasticity = 1.0
+    # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
+    random.Random(0).shuffle(shapes)
+    space.add(body, plate, *shapes)
+    return space, body
+
+
+def _plate_shape(case: Case, body: pymunk.Body, setting: Setting) -> pymunk.Shape:
+    circle = round_plate(case)
+    if circle:
+        x, y = circle.centre
+        return pymunk.Circle(body, circle.radius, (float(x), float(y)))
+    corners = polygon(case, setting["vertices"])
+    return pymunk.Poly(body, [(float(x), float(y)) for x, y in corners.T])
+
+
+def _track_shapes(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
+    kind, line, circle = track_kind(case), as_line(case.track), as_circle(case.track)
+    if kind == "hill" and circle:
+        return [_static_circle(space, circle)]
+    if line:
+        return [_line_segment(case, space, line, setting["thickness"])]
+    return _chain(case, space, setting)
+
+
+def _static_circle(space: pymunk.Space, circle: Circle) -> pymunk.Shape:
+    x, y = circle.centre
+    return pymunk.Circle(space.static_body, circle.radius, (float(x), float(y)))
+
+
+def _line_segment(case: Case, space: pymunk.Space, line: Line, thickness: float) -> pymunk.Shape:
+    """One segment along the stretch, its surface above the line by half the slop the engine allows anyway.
+
+    The engine finds a contact only where shapes overlap: without that overlap the plate would fall once more.
+    """
+    part = stretch(case)
+    normal = np.array([-line.direction[1], line.direction[0]])
+    lift = normal * (0.5 * min(space.collision_slop, 1e-6 * case.plate.inner) - thickness)
+    (ax, ay), (bx, by) = (case.track.point(s) + lift for s in (part.low, part.high))
+    return pymunk.Segment(space.static_body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
+
+
+def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
+    """Segments of equal length along the stretch, behind the track by their radius."""
+    count, thickness = setting["facets"], setting["thickness"]
+    if count > _MOST_FACETS:
+        raise NotSupported(
+            f"At this step so near a fit needs {count:,} facets, and a million take more than a gigabyte of memory; "
+            "give a coarser setting."
+        )
+    points = [(float(x), float(y)) for x, y in chain(case, count, behind=thickness).T]
+    if stretch(case).closed:
+        points[-1] = points[0]
+        before, after = points[-2], points[1]
+    else:
+        before, after = points[0], points[-1]
+    padded = [before, *points, after]
+    segments: list[pymunk.Shape] = []
+    for i in range(count):
+        segment = pymunk.Segment(space.static_body, points[i], points[i + 1], thickness)
+        if setting["neighbors"]:
+            segment.set_neighbors(padded[i], padded[i + 3])
+        segments.append(segment)
+    return segments

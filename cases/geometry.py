@@ -1,0 +1,167 @@
+"""Two curves, a track and the outline of a plate: where they touch, by how much they miss, how they slip.
+
+Nothing here knows a case or a solver; `cases.contact` asks the same of a case. Positions in metres, angles in radians;
+(5), (6), (11), (12) are the paper's equations.
+"""
+
+from __future__ import annotations
+
+from math import cos, hypot, isfinite, nan, pi, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from .curves import Curve
+from .errors import DoesNotFit
+
+
+class Contact(NamedTuple):
+    """Contact parameters and the gap (m, negative where the plate overlaps its track)."""
+
+    xi1: float
+    xi2: float
+    gap: float
+
+
+class Motion(NamedTuple):
+    """Pose, velocities and contact parameters with their rates (NaN off the track) at one instant."""
+
+    x: float
+    y: float
+    theta: float
+    vx: float
+    vy: float
+    omega: float
+    xi1: float
+    xi2: float
+    xi1_dot: float
+    xi2_dot: float
+    slip: float
+
+
+def pose(track: Curve, outline: Curve, xi1, xi2):
+    """(x, y, theta) of the plate that touches at (xi1, xi2): (6) gives θ, (5) gives R₀. Numbers or arrays."""
+    theta = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
+    c, s = np.cos(theta), np.sin(theta)
+    (X, Y), (x, y) = track.point(xi1), outline.point(xi2)
+    return X - (c * x - s * y), Y - (s * x + c * y), theta
+
+
+def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
+    """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
+    P, p = float(track.speed(xi1)), float(outline.speed(xi2))
+    bend_track, bend_outline = float(track.curvature(xi1)), float(outline.curvature(xi2))
+    # The tangents turn together: κ_track ṡ_track = ω + κ_outline ṡ_outline, and slip = ṡ_track − ṡ_outline by (12).
+    along_track = (omega - bend_outline * slip) / (bend_track - bend_outline)
+    along_outline = along_track - slip
+    x, y, theta = (float(value) for value in pose(track, outline, xi1, xi2))
+    tangent, contact = track.tangent(xi1), track.point(xi1)
+    # (11) solved for the velocity of the centre of mass: v = Ṙ₀ + ω U (R − R₀).
+    vx = slip * tangent[0] + omega * (contact[1] - y)
+    vy = slip * tangent[1] - omega * (contact[0] - x)
+    return Motion(x, y, theta, float(vx), float(vy), omega, xi1, xi2, along_track / P, along_outline / p, slip)
+
+
+def velocity_apart(
+    track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float, gap: float, gap_rate: float
+) -> Motion:
+    """The motion of a plate off its track, or about to hit or leave it.
+
+    Its outline's point lies `gap` (m) away along the track's normal, tangents parallel, and has the velocity
+    slip·t + gap_rate·n.
+    """
+    normal = track.normal(xi1)
+    x, y, theta = pose(track, outline, xi1, xi2)
+    contact = track.point(xi1)
+    # The centre of mass follows from the point's velocity by (11).
+    vx = slip * normal[1] + gap_rate * normal[0] + omega * (contact[1] - y)
+    vy = -slip * normal[0] + gap_rate * normal[1] - omega * (contact[0] - x)
+    x, y = x + gap * normal[0], y + gap * normal[1]
+    x, y, theta, vx, vy = (float(v) for v in (x, y, theta, vx, vy))
+    return Motion(x, y, theta, vx, vy, omega, xi1, xi2, nan, nan, slip)
+
+
+def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
+    """The outline parameter whose tangent is parallel to the track's at `xi1` while θ = 0.
+
+    Raises DoesNotFit if there is none or more than one (an outline that is not convex), which asks for xi2.
+    """
+    direction = track.tangent_angle(xi1)
+    low, high = outline.look
+    grid = np.linspace(low, high, 721)
+    # Whole turns between the two tangents, as a continuous function of the outline's parameter: zero mod 1 is wanted.
+    turns = (outline.tangent_angle(grid) - direction) / (2 * pi)
+    found = []
+    for i in range(720):
+        for whole in range(int(np.ceil(min(turns[i : i + 2]))), int(np.floor(max(turns[i : i + 2]))) + 1):
+            if turns[i + 1] != whole or i == 719:
+                root = _root(lambda s, k=whole: outline.tangent_angle(s) - direction - 2 * pi * k, grid[i : i + 2])
+                # Whole turns of a closed outline are taken back, so that θ is zero and not a multiple of 2π.
+                found.append(root - whole * outline.period if outline.period else root)
+    if outline.period:
+        found = [s for i, s in enumerate(found) if all(abs(s - other) > 1e-9 for other in found[:i])]
+    if len(found) != 1:
+        raise DoesNotFit(
+            f"{len(found)} points of the outline fit the track's direction with theta = 0; give xi2 in Start"
+        )
+    return found[0]
+
+
+def _root(function, bracket) -> float:
+    from scipy.optimize import brentq
+
+    a, b = (float(end) for end in bracket)
+    if function(a) == 0.0:
+        return a
+    return b if function(b) == 0.0 else brentq(function, a, b, xtol=1e-15, rtol=8.9e-16)
+
+
+def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
+    """The pair of points where outline and track come closest, starting from the pair `near`.
+
+    Newton's method on: the tangents are parallel (6), and the gap vector is normal to the track. Raises DoesNotFit
+    if it does not converge, which a plate far from its track may cause.
+    """
+    xi1, xi2 = near
+    c, s = cos(theta), sin(theta)
+    for _ in range(50):
+        X, Y, Xp, Yp, Xs, Ys, _, _ = track.jet(xi1)
+        u, v, up, vp, us, vs, _, _ = outline.jet(xi2)
+        dx, dy = x + c * u - s * v - X, y + s * u + c * v - Y
+        rpx, rpy = c * up - s * vp, s * up + c * vp
+        rsx, rsy = c * us - s * vs, s * us + c * vs
+        f, g = dx * Xp + dy * Yp, Xp * rpy - Yp * rpx
+        f1, f2 = dx * Xs + dy * Ys - Xp * Xp - Yp * Yp, rpx * Xp + rpy * Yp
+        g1, g2 = Xs * rpy - Ys * rpx, Xp * rsy - Yp * rsx
+        det = f1 * g2 - f2 * g1
+        if det == 0.0 or not isfinite(det):
+            break
+        step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
+        # A step beyond half a unit leaves the neighbourhood Newton's method is good for; it is shortened.
+        shorten = min(1.0, 0.5 / max(abs(step1), abs(step2), 1e-300))
+        xi1, xi2 = xi1 - shorten * step1, xi2 - shorten * step2
+        # Converged where a step moves both points by no more than a few roundings of the parameters.
+        if abs(step1) <= 4e-15 * (1 + abs(xi1)) and abs(step2) <= 4e-15 * (1 + abs(xi2)):
+            return Contact(xi1, xi2, _gap(track, outline, x, y, c, s, xi1, xi2))
+    else:
+        # Rounding may keep the steps just above the bound for ever; points that agree to 1e-9 are the contact.
+        if abs(step1) <= 1e-9 * (1 + abs(xi1)) and abs(step2) <= 1e-9 * (1 + abs(xi2)):
+            return Contact(xi1, xi2, _gap(track, outline, x, y, c, s, xi1, xi2))
+    raise DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g} for the pose ({x:.6g}, {y:.6g})")
+
+
+def _gap(track: Curve, outline: Curve, x, y, c, s, xi1, xi2) -> float:
+    X, Y, Xp, Yp = track.jet(xi1)[:4]
+    u, v = outline.jet(xi2)[:2]
+    return ((y + s * u + c * v - Y) * Xp - (x + c * u - s * v - X) * Yp) / hypot(Xp, Yp)
+
+
+def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):
+    """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there. Numbers or arrays."""
+    tangent, contact = track.tangent(xi1), track.point(xi1)
+    return (vx - omega * (contact[1] - y)) * tangent[0] + (vy + omega * (contact[0] - x)) * tangent[1]
+
+
+def clearance(track: Curve, outline: Curve, xi1, xi2):
+    """Outline's curvature minus track's, 1/m: positive where the plate fits (admissible contact)."""
+    return outline.curvature(xi2) - track.curvature(xi1)

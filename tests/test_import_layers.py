@@ -1,0 +1,107 @@
+"""The direction of the arrows inside `cases` and `adapters`: floors that import downwards, and no circles."""
+
+from __future__ import annotations
+
+import ast
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from adapters import engines
+from adapters.interface import NO_ADAPTERS
+
+ROOT = Path(__file__).parent.parent
+
+
+def modules(room: str) -> dict[str, Path]:
+    """The modules of a room by their names; a package is its `__init__`."""
+    found = {}
+    for path in sorted((ROOT / room).rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def imports(name: str, path: Path, known: dict[str, Path]) -> set[str]:
+    """The modules of `known` that a module imports, wherever in it the import stands."""
+    package = name if path.stem == "__init__" else name.rpartition(".")[0]
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            base = ".".join([*above, *filter(None, [node.module])])
+            # `from package import module` imports the module; the package's own names come from the package.
+            inside = {f"{base}.{alias.name}" for alias in node.names} & known.keys()
+            names |= inside or {base}
+    return (names & known.keys()) - {name}
+
+
+def arrows(room: str) -> dict[str, set[str]]:
+    known = modules(room)
+    return {name: imports(name, path, known) for name, path in known.items()}
+
+
+def reached(start: str, graph: dict[str, set[str]]) -> set[str]:
+    """All that a module imports, directly or not."""
+    found, waiting = set(), [start]
+    while waiting:
+        for name in graph[waiting.pop()] - found:
+            found.add(name)
+            waiting.append(name)
+    return found
+
+
+@pytest.mark.parametrize("room", ["cases", "adapters"])
+def test_room_has_no_circle(room):
+    graph = arrows(room)
+    # Everything in a catalogue imports the room's face, as a stranger's case would; the registry finds it by looking.
+    graph = {name: below for name, below in graph.items() if not name.startswith("cases.catalogue")}
+    assert list(TopologicalSorter(graph).static_order())
+
+
+@pytest.mark.parametrize("module", ["cases.geometry", "cases.curves", "cases.expressions", "cases.effects"])
+def test_geometry_and_formulas_know_no_case(module):
+    known = reached(module, arrows("cases"))
+    assert not known & {"cases", "cases.case", "cases.start", "cases.contact", "cases.registry", "cases.trajectory"}
+
+
+def floor(module: str) -> str:
+    """Of `adapters`: its second name, or "engine" for the modules of one."""
+    part = (module.split(".") + [""])[1]
+    return part if part in NO_ADAPTERS else "engine" if part else "face"
+
+
+MAY_IMPORT = {
+    "interface": set(),
+    "face": {"interface"},
+    "common": {"interface"},
+    "laws": {"interface"},
+    "engine": {"interface", "common"},
+}
+
+
+def test_adapters_import_downwards_and_no_engine_knows_another():
+    for module, below in arrows("adapters").items():
+        for name in below:
+            if floor(module) == floor(name):
+                same_engine = module.split(".")[1:2] == name.split(".")[1:2]
+                assert floor(module) != "engine" or same_engine, f"{module} imports {name}"
+            else:
+                # `adapters` itself is the face, which everything imports by being in it; nobody asks it for names.
+                assert floor(name) in MAY_IMPORT[floor(module)], f"{module} imports {name}"
+
+
+def test_what_is_no_adapter_is_listed_and_every_adapter_is_there():
+    own = {path.stem for path in (ROOT / "adapters").iterdir() if path.stem[0] != "_" and path.name != "__pycache__"}
+    assert own - NO_ADAPTERS == {"box2d", "exudyn", "pybullet", "pymunk"} <= set(engines())
+
+
+def test_the_checks_see_an_arrow_upwards(tmp_path):
+    known = {"cases.case": Path(), "cases.geometry": Path()}
+    wrong = tmp_path / "geometry.py"
+    for text in ("from .case import Case", "from cases.case import Case", "import cases.case", "from . import case"):
+        wrong.write_text(f"def late():\n    {text}\n")
+        assert imports("cases.geometry", wrong, known) == {"cases.case"}, text
