@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING
 
 from cases import CaseError
 
-from .plan import MADE_BY, Plan, listing, parser, plan_of, solvers, strangers
+from .options import MADE_BY, Plan, listing, parser, plan_of, solvers, strangers
 
 if TYPE_CHECKING:
-    from .precision import Measured
-    from .records import Experiment
-    from .store import Store
+    from .analysis.work_precision import Measured
+    from .running.records import Experiment
+    from .running.store import Store
     from .studies import Study
 
 # A report is written in a minute or two: a part of one that is a day old (s) was left by a build that was killed.
@@ -48,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("reports.build: stopped before anything was run", file=sys.stderr)
         return 130
-    from .store import Store
+    from .running.store import Store
 
     store = Store(plan.store, plan.fresh)
     try:
@@ -67,9 +67,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _build(plan: Plan, store: Store) -> None:
-    from . import experiment as xp
     from . import studies
-    from .recall import Recall
+    from .running import experiment as xp
+    from .running.calls import Recall
 
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
@@ -94,14 +94,14 @@ def _with_trajectories(plan: Plan, found: Experiment) -> Experiment:
     """What was found here, and what others found."""
     if not plan.trajectories:
         return found
-    from . import elsewhere
+    from .running import external as elsewhere
 
     return elsewhere.joined(found, plan.trajectories)
 
 
 def _measure(plan: Plan, found: Experiment, store: Store) -> Measured:
     """The timed pass, after everything else has ended; a quick report goes without."""
-    from . import precision
+    from .analysis import work_precision as precision
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
@@ -132,8 +132,15 @@ def _write(
     folder: Path,
 ) -> None:
     """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
-    from . import drawing, elsewhere, figures, precision, precision_figures, studies, tables, webpage
-    from .manifest import manifest
+    from . import studies
+    from .analysis import tables
+    from .analysis import work_precision as precision
+    from .drawing import figures
+    from .drawing import style as drawing
+    from .drawing import work_precision as precision_figures
+    from .page import html as webpage
+    from .page.manifest import manifest
+    from .running import external as elsewhere
 
     folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
     _say("tables")
@@ -216,7 +223,7 @@ def _told(plan: Plan, found: Experiment, store: Store) -> str:
     """What was written and what came out, for the terminal."""
     from tabulate import tabulate
 
-    from . import tables
+    from .analysis import tables
 
     lines = [f"report: {plan.out / 'index.html'} ({found.seconds:.0f} s of runs)", ""]
     counts = tables.outcome_counts(found)

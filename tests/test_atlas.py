@@ -13,7 +13,7 @@ import cases
 import reference
 from cases import Case, CoulombFriction, Gravity, Mode, Plate, Start, Unilateral
 from reference import contact_frame
-from reports import health
+from reports.judging import residuals as health
 from tests.authorities.paper_application import FIRST_TRANSITION
 from tests.hard_scenes import shifted_ellipse
 

@@ -12,7 +12,7 @@ import reference
 from adapters import EngineFailure, Setting, engines
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, UnknownName, curves, disc
 from cases import Unilateral as Pushes
-from reports import metrics
+from reports.judging import slip_phases as metrics
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 from tests.scenes import ellipse
 

@@ -34,7 +34,10 @@ from cases import (
     library,
     registry,
 )
-from reports import build, compare, formulations, stability
+from reports import build
+from reports.judging import exported as compare
+from reports.studies.formulations import measure as formulations
+from reports.studies.stability import measure as stability
 from tests.test_atlas import within
 
 # What people, files and programs put where a number belongs; some of it is one.

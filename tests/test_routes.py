@@ -12,8 +12,10 @@ import cases
 from adapters import Setting
 from cases import Case, Trajectory
 from cases.contact import start_motion
-from reports import experiment, metrics, trial
-from reports.records import is_default_setting
+from reports.judging import slip_phases as metrics
+from reports.running import experiment
+from reports.running import tasks as trial
+from reports.running.records import is_default_setting
 
 from .authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 

@@ -1,0 +1,351 @@
+"""What accuracy costs in time: errors of the experiment beside timings of the clock, as rows; who is timed.
+
+Only right runs count, and only times taken alone on a quiet machine are ranked.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from cases import Case
+
+from ..running import clock, workers
+from ..running.clock import Contestant, Timing
+from ..running.fingerprint import Key as Kept
+from ..running.fingerprint import Keys
+from ..running.records import CaseKey, Experiment, Run, is_default_setting
+from ..running.store import Store
+from . import baselines as null_motions
+from . import convergence as fits
+from . import quantities, tables
+from .quantities import UNITS, error
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+NEVER, NOT_TIMED, NOT_KNOWN, DISTURBED = "never", "not timed", "not known", "disturbed"
+# A curve of fewer settings tells no order and no saturation.
+LEAST_SETTINGS = 6
+# Wall seconds for all timings of a default report, and how many cases share them: once through the full ladder of every
+# route takes some five seconds on a dear case, and an interval needs three times.
+BUDGET, MOST_CASES = 54.0, 5
+# A full report times every case, each for about so long.
+FULL_BUDGET_A_CASE = 60.0
+# Beyond its budget a case may take as long as one run more and its compilations.
+_PATIENCE = 60.0
+
+Key = tuple[str, str, str, str]  # case, solver, route, setting
+Tell = Callable[[str, int, Iterator], Iterator]
+
+
+class Measured(NamedTuple):
+    """What the timed pass found: the cases timed, timings, null motions and witnessed bars by case, and what could not
+    be timed, with the reason."""
+
+    cases: tuple[str, ...] = ()
+    timings: Mapping[Key, Timing] = {}
+    nulls: Mapping[str, null_motions.Told] = {}
+    failures: Mapping[str, str] = {}
+
+
+# --- the timed pass ---------------------------------------------------------------------------------------------------
+
+
+def chosen(experiment: Experiment, full: bool) -> list[Case]:
+    """The cases to time: all, or of each family the variant with most transitions, those that most routes ran with
+    their whole ladders."""
+    able = [case for case in experiment.cases if not experiment.truths[case.label].failure]
+    if full:
+        return able
+    events = {case.label: len(experiment.truths[case.label].transitions) for case in able}
+    families: dict[str, list[Case]] = {}
+    for case in able:
+        families.setdefault(case.name, []).append(case)
+    one_each = [max(family, key=lambda case: events[case.label]) for family in families.values()]
+    whole = {case.label: _whole_ladders(experiment, case.label) for case in one_each}
+    ranked = sorted(one_each, key=lambda case: (-whole[case.label], -events[case.label]))
+    return [case for case in ranked if whole[case.label]][:MOST_CASES]
+
+
+def _whole_ladders(experiment: Experiment, label: str) -> int:
+    """How many routes ran enough settings of the case for a curve."""
+    groups = tables.routes(run for run in experiment.runs if run.case == label and run.rung)
+    return sum(len(group) >= LEAST_SETTINGS for group in groups.values())
+
+
+def measure(
+    experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell, store: Store | None = None
+) -> Measured:
+    """Time the chosen cases one after the other, each in one process with nothing beside it, or take what is kept."""
+    store = store or Store(None)
+    cases = chosen(experiment, full)
+    timings: dict[Key, Timing] = {}
+    failures: dict[str, str] = {}
+    # What the cheap cases leave of the budget the dear ones have.
+    asked = {case.label: contestants(experiment, case.label) for case in cases}
+    in_turn = sorted(cases, key=lambda case: sum(one.expected_s for one in asked[case.label]))
+    deadline = time.perf_counter() + BUDGET
+
+    def one_by_one() -> Iterator[str]:
+        for place, case in enumerate(in_turn):
+            left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
+            budget = FULL_BUDGET_A_CASE if full else left
+            label, key = case.label, CaseKey.of(case, files)
+            share = FULL_BUDGET_A_CASE if full else BUDGET / len(cases)
+            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in asked[label]], share)
+            answer = _timed(pool, store, kept_under, (key, asked[label], budget), budget + _PATIENCE)
+            if answer.outcome == "done":
+                found, failed = answer.value
+                timings.update({(label, *who): timing for who, timing in found.items()})
+                failures.update({f"{label}, {' '.join(who)}": why for who, why in failed.items()})
+            else:
+                failures[label] = answer.reason
+            yield label
+
+    with workers.Pool(1) as pool:
+        list(tell("timings", len(cases), one_by_one()))
+    labels = [case.label for case in cases]
+    nulls = dict.fromkeys(labels, null_motions.failed("", ""))
+    calls = workers.run(null_motions.told, [(CaseKey.of(case, files),) for case in cases], jobs=2)
+    for index, answer in tell("null scores", len(cases), calls):
+        done = answer.outcome == "done"
+        nulls[labels[index]] = answer.value if done else null_motions.failed(labels[index], answer.reason)
+    return Measured(tuple(labels), timings, nulls, failures)
+
+
+def _timed(pool: workers.Pool, store: Store, kept_under: Kept | None, call: tuple, limit: float) -> workers.Answer:
+    """A case's timings, together as they were taken in turns: those kept, or new ones, kept if none is disturbed."""
+    kept = store.get("timing", kept_under, tuple[dict[clock.Who, Timing], dict[clock.Who, str]])
+    if kept is not None:
+        return workers.Answer("done", value=kept)
+    (_, answer), *_ = pool.run(clock.time_case, [call], limit)
+    if answer.outcome == "done" and not any(timing.disturbed for timing in answer.value[0].values()):
+        store.put("timing", kept_under, answer.value)
+    return answer
+
+
+def contestants(experiment: Experiment, label: str) -> list[Contestant]:
+    """Every setting that gave a right motion of the case."""
+    runs = [run for run in experiment.runs if run.case == label and run.outcome == "right"]
+    return [Contestant(r.solver, r.route, r.setting, r.cost.wall_s + r.cost.setup_s) for r in runs]
+
+
+# --- rows -------------------------------------------------------------------------------------------------------------
+
+
+def floor(experiment: Experiment, measured: Measured, label: str, quantity: str) -> float:
+    """Ten times the truth's error bar: below it no error is told. Infinite where the bar is not known."""
+    bar = quantities.bar(experiment.truths[label], quantity, measured.nulls[label].witnessed)
+    return fits.ABOVE * bar if isfinite(bar) else inf
+
+
+def asked(experiment: Experiment, measured: Measured, label: str) -> list[str]:
+    """What can be asked of a case: nothing about transitions where there are none."""
+    return [q for q in UNITS if isfinite(floor(experiment, measured, label, q))]
+
+
+def _timed_runs(experiment: Experiment, measured: Measured) -> list[Run]:
+    """The right runs of the timed cases."""
+    return [run for run in experiment.runs if run.case in measured.cases and run.outcome == "right"]
+
+
+def null_error(measured: Measured, label: str, quantity: str) -> tuple[float, str]:
+    """The best that a null motion scores, and which; NaN where none scores anything."""
+    scores = [(row[quantity], row["motion"]) for row in measured.nulls[label].rows if isfinite(row[quantity])]
+    return min(scores, default=(nan, ""))
+
+
+def work_precision_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]:
+    """One row per right run of a timed case and quantity it tells. Times are empty where the budget left none for it.
+
+    `below_floor`: the error is below ten times the truth's bar, so that its size is not known. `null_error`: what the
+    best of the null motions scores, `null_motion`.
+    """
+    rows = []
+    for run in _timed_runs(experiment, measured):
+        timing = measured.timings.get((run.case, run.solver, run.route, run.setting), _UNTIMED)
+        for quantity in asked(experiment, measured, run.case):
+            size, least = error(run, quantity), floor(experiment, measured, run.case, quantity)
+            null, motion = null_error(measured, run.case, quantity)
+            if not isfinite(size):
+                continue
+            rows.append(
+                {
+                    "case": run.case,
+                    "solver": run.solver,
+                    "route": run.route,
+                    "setting": run.setting,
+                    "cpu_s": timing.cpu_s,
+                    "cpu_low_s": timing.cpu_low_s,
+                    "cpu_high_s": timing.cpu_high_s,
+                    "wall_s": timing.wall_s,
+                    "setup_s": timing.setup_s,
+                    "compile_s": timing.compile_s,
+                    "read_s": timing.read_s,
+                    "repeats": timing.repeats,
+                    "disturbed_repeats": timing.disturbed_repeats,
+                    "disturbed": timing.disturbed,
+                    "steps": run.cost.steps,
+                    "error": size,
+                    "quantity": quantity,
+                    "floor_error": least,
+                    "below_floor": size <= least,
+                    "null_error": null,
+                    "null_motion": motion,
+                }
+            )
+    return rows
+
+
+_UNTIMED = Timing(*7 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
+
+
+def fit_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]:
+    """One row per route and quantity of a timed case: order in steps and in CPU time, each with its 95 % interval, and
+    where and why the error saturates (`fits`). The engine's own defaults are no rung; disturbed times do not count."""
+    rows = []
+    groups = tables.routes(run for run in _timed_runs(experiment, measured) if not is_default_setting(run.setting))
+    for (case, solver, route), group in groups.items():
+        for quantity in asked(experiment, measured, case):
+            bar = floor(experiment, measured, case, quantity) / fits.ABOVE
+            ladder = [
+                fits.Point(
+                    run.setting,
+                    run.cost.steps,
+                    error(run, quantity),
+                    bar,
+                    quantities.doubt(run, quantity),
+                    quantities.rounding(run, quantity),
+                )
+                for run in group
+            ]
+            if not any(isfinite(point.error) for point in ladder):
+                continue
+            by_steps, settled = fits.order(ladder), fits.saturation(ladder)
+            by_time = fits.order(
+                [p._replace(spent=_ranked_cpu(measured, (case, solver, route, p.setting))) for p in ladder]
+            )
+            rows.append(
+                {
+                    "case": case,
+                    "solver": solver,
+                    "route": route,
+                    "quantity": quantity,
+                    "settings": len(ladder),
+                    "order": by_steps.order,
+                    "order_low": by_steps.low,
+                    "order_high": by_steps.high,
+                    "order_in_time": by_time.order,
+                    "order_in_time_low": by_time.low,
+                    "order_in_time_high": by_time.high,
+                    "saturation": settled.cause,
+                    "saturated_from": settled.setting,
+                    "saturated_error": settled.error,
+                    "settings_used": " | ".join(by_steps.settings),
+                    "note": by_steps.note,
+                }
+            )
+    return rows
+
+
+def _ranked_cpu(measured: Measured, key: Key) -> float:
+    """CPU time, s, or NaN if there is none to be ranked by."""
+    timing = measured.timings.get(key, _UNTIMED)
+    return nan if timing.disturbed else timing.cpu_s
+
+
+def time_to_accuracy_rows(points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The cheapest setting of each route for each accuracy, and its ratio to the fastest route's.
+
+    `cpu_s` is a number, or: never (no setting is as accurate), not timed (one is, and the budget did not reach it),
+    not known (the truth itself is not that sure), disturbed (the machine was, so that nothing is ranked by it). The
+    ratio's interval is that of both times. `rank` counts the routes that are faster for sure, their intervals being
+    apart, and one: routes that share it cannot be told apart; who has too few repeats for an interval has none.
+    `null_reaches`: a null motion is as accurate.
+    """
+    rows = []
+    for (case, quantity), of_quantity in groups(points, "case", "quantity").items():
+        for accuracy in ACCURACIES:
+            best = {who: _cheapest(group, accuracy) for who, group in groups(of_quantity, "solver", "route").items()}
+            found = [p for p in best.values() if not isinstance(p, str)]
+            ranked = [p for p in found if not p["disturbed"] and isfinite(p["cpu_low_s"])]
+            fastest = min(found, key=lambda p: p["cpu_s"], default=None)
+            for (solver, route), point in best.items():
+                told: dict[str, Any] = {
+                    "case": case,
+                    "quantity": quantity,
+                    "accuracy": accuracy,
+                    "solver": solver,
+                    "route": route,
+                    "cpu_s": DISTURBED,
+                    "cpu_low_s": nan,
+                    "cpu_high_s": nan,
+                    "setting": "",
+                    "ratio": nan,
+                    "ratio_low": nan,
+                    "ratio_high": nan,
+                    "rank": nan,
+                }
+                if isinstance(point, str):
+                    told["cpu_s"] = point
+                elif not point["disturbed"]:
+                    told |= {"cpu_s": point["cpu_s"], "setting": point["setting"]}
+                    told |= {"cpu_low_s": point["cpu_low_s"], "cpu_high_s": point["cpu_high_s"]}
+                    if isfinite(point["cpu_low_s"]):
+                        told["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
+                    # Who is the fastest is not known if it may be one that was disturbed.
+                    if fastest is not None and not fastest["disturbed"]:
+                        told |= dict(
+                            zip(("ratio_low", "ratio", "ratio_high"), ratio_of_intervals(point, fastest), strict=True)
+                        )
+                rows.append({**told, "null_reaches": of_quantity[0]["null_error"] <= accuracy})
+    return rows
+
+
+def ratio_of_intervals(one: dict[str, Any], other: dict[str, Any]) -> tuple[float, float, float]:
+    """CPU time of one row in units of the other's: least, of medians, greatest that both intervals allow."""
+    if one is other:
+        return 1.0, 1.0, 1.0
+    return (
+        one["cpu_low_s"] / other["cpu_high_s"],
+        one["cpu_s"] / other["cpu_s"],
+        one["cpu_high_s"] / other["cpu_low_s"],
+    )
+
+
+def _cheapest(group: Sequence[dict[str, Any]], accuracy: float) -> dict[str, Any] | str:
+    """The cheapest timed row that is accurate enough, or the word why there is none."""
+    if group[0]["floor_error"] > accuracy:
+        return NOT_KNOWN
+    able = [row for row in group if max(row["error"], row["floor_error"]) <= accuracy]
+    timed = [row for row in able if isfinite(row["cpu_s"])]
+    if timed:
+        return min(timed, key=lambda row: row["cpu_s"])
+    return NOT_TIMED if able else NEVER
+
+
+def groups(rows: Iterable[dict[str, Any]], *columns: str) -> dict[tuple, list[dict[str, Any]]]:
+    """Rows by the values of some columns, in the order in which they come."""
+    found: dict[tuple, list[dict[str, Any]]] = {}
+    for row in rows:
+        found.setdefault(tuple(row[c] for c in columns), []).append(row)
+    return found
+
+
+def frames(experiment: Experiment, measured: Measured) -> dict[str, pd.DataFrame]:
+    """The tables of this section by name; none if nothing was timed."""
+    import pandas as pd
+
+    if not measured.cases:
+        return {}
+    points = work_precision_rows(experiment, measured)
+    return {
+        "work_precision": pd.DataFrame(points),
+        "work_precision_fits": pd.DataFrame(fit_rows(experiment, measured)),
+        "time_to_accuracy": pd.DataFrame(time_to_accuracy_rows(points)),
+        "null_scores": pd.DataFrame([row for told in measured.nulls.values() for row in told.rows]),
+    }
