@@ -121,6 +121,10 @@ class Case:
 
         check_start(self)
 
+    def __reduce__(self):
+        """A case travels to another process by value, whether a catalogue knows it or not."""
+        return _arrived, (vars(self) | {"parameters": dict(self.parameters)},)
+
     def effect(self, kind: type[E]) -> E | None:
         """The case's effect of that kind, or None if the case does not ask for it."""
         return next((e for e in self.effects if isinstance(e, kind)), None)
@@ -130,6 +134,13 @@ class Case:
         """`name[parameter=value,…]`: the one text that `cases.load` turns back into this case."""
         inside = ",".join(f"{key}={_written(value)}" for key, value in self.parameters.items())
         return f"{self.name}[{inside}]" if inside else self.name
+
+
+def _arrived(values: dict) -> Case:
+    """The case that a process sent. It was checked there, so it is not checked again."""
+    case = object.__new__(Case)
+    vars(case).update(values, parameters=MappingProxyType(values["parameters"]))
+    return case
 
 
 def _written(value) -> str:

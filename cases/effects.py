@@ -49,6 +49,10 @@ class Load:
         if not any(self.expression):
             raise BadValue("every component of Load is 0; leave Load out for a scene without one")
 
+    def __reduce__(self):
+        """A load travels to another process as its formulas; what is compiled from them stays."""
+        return _arrived, tuple(map(expressions.as_tree, self.expression))
+
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
         """(fx, fy, moment) as expressions in `MOTION`."""
@@ -58,6 +62,11 @@ class Load:
     def at(self) -> Callable[..., list[float]]:
         """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats."""
         return sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+
+
+def _arrived(*trees) -> Load:
+    """The load that a process sent."""
+    return Load(*map(expressions.from_tree, trees))
 
 
 def _formula(what: str, value) -> sp.Expr:

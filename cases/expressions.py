@@ -74,3 +74,20 @@ def lifted(expressions: Sequence[sp.Expr]) -> tuple[tuple[sp.Expr, ...], tuple[s
     floats = {f for e in expressions for f in e.atoms(sp.Float)}
     replace = {f: size[abs(float(f))] * (1 if f > 0 else -1) for f in floats}
     return tuple(e.xreplace(replace) for e in expressions), symbols
+
+
+def as_tree(expression: sp.Basic):
+    """An expression as (function, argument, …) of such trees, with numbers and symbols for leaves, to be pickled.
+
+    SymPy's own pickles work an expression out anew as they are read, which multiplies out what an author factored.
+    """
+    return (expression.func, *map(as_tree, expression.args)) if expression.args else expression
+
+
+def from_tree(tree) -> sp.Basic:
+    """The expression of a tree, to the last bracket."""
+    if not isinstance(tree, tuple):
+        return tree
+    function, *arguments = tree
+    as_it_stands = {"evaluate": False} if issubclass(function, sp.Add | sp.Mul | sp.Pow | sp.Function) else {}
+    return function(*map(from_tree, arguments), **as_it_stands)

@@ -1,0 +1,92 @@
+"""Cases travel to another process by value: what arrives is the same case, whether a catalogue knows it or not."""
+
+from __future__ import annotations
+
+import pickle
+import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import cases
+from cases import Case, CoulombFriction, Curve, Gravity, Load, Plate, Start, Unilateral
+from cases.contact import start_motion
+from cases.curves import cos, sin
+from reports.fingerprint import content
+
+
+@pytest.fixture(scope="module")
+def elsewhere():
+    """A process that shares nothing with this one."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        yield pool
+
+
+def seen(some: list[Case]) -> list[tuple]:
+    """What a process that was sent cases makes of them, and the cases."""
+    return [(case.label, content(case), case) for case in some]
+
+
+def begun(case: Case) -> tuple:
+    """The start and the load there: what needs the compiled curves and formulas."""
+    load = case.effect(Load)
+    return tuple(start_motion(case)), load and load.at(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
+
+
+def by_hand() -> Case:
+    """A case no catalogue knows, made of functions that no other process can import, in forms that SymPy's own
+    pickles multiply out."""
+    track = Curve(lambda s: (s, -sp.Rational(1, 3) * cos(2 * s) * sp.Mul(2, s + 5.5, evaluate=False)), domain=(-1, 3))
+    outline = Curve(lambda s: (0.1 * cos(s), (sp.pi / 40) * sin(s)))
+    load = Load(fx="-0.2*vx + sin(3*t)", moment=sp.Symbol("omega", real=True) / 3)
+    assert load.at(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 3.0) == [-0.2, 0.0, 1.0]  # compiled: that stays here
+    effects = (Gravity(9.81), load, CoulombFriction(0.2), Unilateral())
+    return Case(track, Plate(outline, 1.0, 0.01), effects, Start(0.5), duration=1.0, parameters={"size": 0.1})
+
+
+def all_cases() -> list[Case]:
+    return [by_hand(), *(case for name in cases.names() for case in cases.select(name, long=True))]
+
+
+def test_every_case_arrives_as_it_was_sent(elsewhere):
+    sent = all_cases()
+    for case, (label, digest, back) in zip(sent, elsewhere.submit(seen, sent).result(), strict=True):
+        assert label == case.label
+        assert digest == content(case) is not None
+        assert (back, hash(back)) == (case, hash(case))
+        assert dict(back.parameters) == dict(case.parameters)
+        assert back.track.residual == case.track.residual
+
+
+def test_an_arrived_case_has_the_same_motion_to_the_last_digit(elsewhere):
+    points = np.array([[np.cos(a), 0.8 * np.sin(a)] for a in np.linspace(0, 2 * np.pi, 41)[:-1]])
+    measured = Case(
+        Curve.through(points, closed=True),
+        cases.disc(0.1, 1.0),
+        (Gravity(9.81), CoulombFriction(0.2), Unilateral()),
+        Start(0.0),
+        duration=1.0,
+    )
+    for case in (by_hand(), measured, cases.load("disc_in_circle")):
+        assert repr(elsewhere.submit(begun, case).result()) == repr(begun(case))
+
+
+def test_an_arrived_curve_can_be_written_into_another():
+    curve = by_hand().track
+    back = pickle.loads(pickle.dumps(curve))
+    assert Curve(lambda s: back.function(-s), (-3, 1)) == Curve(lambda s: curve.function(-s), (-3, 1))
+
+
+def test_a_case_is_small_and_quick_to_send():
+    sent = all_cases()
+    began = time.process_time()
+    letters = [pickle.dumps(case) for case in sent]
+    for letter in letters:
+        pickle.loads(letter)
+    # Measured: 0.3 ms and 880 bytes a case; ten times that would be felt beside a run of 10 ms.
+    assert (time.process_time() - began) / len(sent) < 3e-3
+    assert np.mean([len(letter) for letter in letters]) < 1100
+    assert max(map(len, letters)) < 2500
