@@ -1,4 +1,4 @@
-"""What was asked for: the command's options, checked before anything runs, and the ladders they thin.
+"""All options of all commands: one parser, checked before anything runs. The same word means the same everywhere.
 
 Everything here answers at once; what is slow to import is imported when it is needed.
 """
@@ -6,25 +6,27 @@ Everything here answers at once; what is slow to import is imported when it is n
 from __future__ import annotations
 
 import argparse
-import json
 import os
-from collections.abc import Sequence
+import shlex
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import adapters
 import cases
 from cases import BadValue, Case, CaseError
 from cases.errors import unknown
 
+from .page.folder import foreign_file
+from .running.records import REFERENCE, is_default_setting
+
 if TYPE_CHECKING:
     from adapters import Setting
 
-    from .running.external import Elsewhere
+    from .running.external import External
 
-MADE_BY = "slip-to-roll report"
-REFERENCE = "reference"
 # The families every solver runs; they alone make up a quick report.
 SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
 # Families whose whole ladders stand in a default report, so that they can be timed: with the shared ones a lift-off and
@@ -35,41 +37,39 @@ STORE = ".slip-to-roll"
 # Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
 _LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
 
-
-@dataclass(frozen=True)
-class Plan:
-    """What was asked for, checked."""
-
-    out: Path
-    cases: tuple[Case, ...]
-    files: tuple[str, ...]
-    solvers: tuple[str, ...]
-    effort: str
-    jobs: int
-    argv: tuple[str, ...]
-    asked: bool  # whether the cases were named, not taken from the whole catalogue
-    store: Path | None = None  # where finished runs are kept
-    fresh: bool = False  # whether what is kept there is left out of account
-    trajectories: tuple[Elsewhere, ...] = ()
-
-    @property
-    def limit(self) -> float:
-        """Wall seconds a run may take."""
-        return _LIMITS[self.effort]
-
-    def thin(self, case: str, solver: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
-        """The rungs to run: all, or the defaults and three for a quick report, one in the breadth of the catalogue.
-
-        There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion."""
-        if self.effort == "full" or (self.effort == "default" and (self.asked or case in WHOLE)):
-            return settings
-        from .running.records import is_default_setting
-
-        ladder = [s for s in settings if not is_default_setting(s)]
-        third = len(ladder) // 3
-        one = len(ladder) - 1 if solver == REFERENCE else 2 * third
-        places = sorted({0, third, 2 * third} if self.effort == "quick" else {one}) if ladder else []
-        return (*(s for s in settings if is_default_setting(s)), *(ladder[i] for i in places))
+# Each option: its flag, and what argparse has to know. Commands choose from these and add none.
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "out": dict(metavar="DIR", help="folder to write"),
+    "case": dict(
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        help='cases: a name (all its variants) or "name[parameter=value,…]" (default: all, or those of --case-file)',
+    ),
+    "case_file": dict(
+        metavar="FILE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="Python files with cases of your own, marked with @case",
+    ),
+    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all)"),
+    "trajectory": dict(
+        metavar="NAME[@CASE]=FILE",
+        action="append",
+        default=[],
+        help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
+    ),
+    "quick": dict(action="store_true", help="three cases, one variant each, fewer settings"),
+    "full": dict(action="store_true", help="every setting of every case, with ten times the patience"),
+    "jobs": dict(metavar="N", default="2", help="runs beside each other (default: 2)"),
+    "store": dict(
+        metavar="DIR",
+        help=f"folder where finished runs are kept and taken from (default: {STORE}); delete it to forget them",
+    ),
+    "fresh": dict(action="store_true", help="run everything anew, whatever is kept"),
+    "list": dict(action="store_true", help="print cases and solvers, and stop"),
+}
 
 
 class Parser(argparse.ArgumentParser):
@@ -83,58 +83,92 @@ class Parser(argparse.ArgumentParser):
         raise BadValue(f"{message}; see {self.prog} --help")
 
 
-def parser() -> argparse.ArgumentParser:
-    """The command's options."""
+def parser(
+    command: str,
+    description: str,
+    *options: str,
+    words: Mapping[str, str] | None = None,
+    example: str = "",
+    **defaults: Any,
+) -> Parser:
+    """The parser of a command with some of the options; `defaults` are the command's own.
+
+    `words` are what stands there without an option, and what is said of it: beside them an option takes one value at a
+    time, and may be given again.
+    """
     parser = Parser(
-        prog="python -m reports.build",
-        description="Run cases through solvers and write a report: index.html, tables, figures, manifest.json.",
-        epilog='Example: python -m reports.build --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
+        prog=f"python -m {command}",
+        description=description,
+        epilog=example and f"Example: {example}",
         allow_abbrev=False,
     )
-    add = parser.add_argument
-    add("--out", metavar="DIR", default="report", help="folder of the report (default: report)")
-    add(
-        "--case",
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        help='cases: a name (all its variants) or "name[parameter=value,…]" (default: all, or those of --case-file)',
-    )
-    add(
-        "--case-file",
-        metavar="FILE",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="Python files with cases of your own, marked with @case",
-    )
-    add(
-        "--solver",
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        help=f"solvers: {', '.join(solvers())} (default: all)",
-    )
-    add(
-        "--trajectory",
-        metavar="NAME[@CASE]=FILE",
-        action="append",
-        default=[],
-        help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
-    )
-    effort = parser.add_mutually_exclusive_group()
-    add = effort.add_argument
-    add("--quick", action="store_true", help="three cases, one variant each, fewer settings")
-    add("--full", action="store_true", help="every setting of every case, with ten times the patience")
-    parser.add_argument("--jobs", metavar="N", default="2", help="runs beside each other (default: 2)")
-    parser.add_argument(
-        "--store",
-        metavar="DIR",
-        help=f"folder where finished runs are kept and taken from (default: {STORE}); delete it to forget them",
-    )
-    parser.add_argument("--fresh", action="store_true", help="run everything anew, whatever is kept")
-    parser.add_argument("--list", action="store_true", help="print cases and solvers, and stop")
+    effort = parser.add_mutually_exclusive_group() if {"quick", "full"} <= {*options} else parser
+    for option in options:
+        how = dict(_OPTIONS[option])
+        if option in defaults:
+            how = how | {"default": defaults[option], "help": f"{how['help']} (default: {defaults[option]})"}
+        if words and how.get("nargs") == "+":
+            how |= {"nargs": None, "action": "append"}
+        (effort if option in ("quick", "full") else parser).add_argument(f"--{option.replace('_', '-')}", **how)
+    for name, text in (words or {}).items():
+        parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
     return parser
+
+
+def status(command: str, work: Callable[[list[str]], None], argv: Sequence[str] | None) -> int:
+    """The exit status of a command's work: 0; 2 if what is asked of it makes no sense, 1 if files cannot be read or
+    written, 130 if it was stopped. What went wrong is said in one line."""
+    try:
+        work(list(sys.argv[1:] if argv is None else argv))
+    except CaseError as problem:
+        print(f"{command}: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"{command}: {problem}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt as stop:
+        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a bar may stand on the line
+        return 130
+    return 0
+
+
+def command(module: str, words: Sequence[str]) -> str:
+    """The command as it is typed again."""
+    return " ".join([f"python -m {module}", *map(shlex.quote, words)])
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a report is made of, checked."""
+
+    out: Path
+    cases: tuple[Case, ...]
+    files: tuple[str, ...]
+    solvers: tuple[str, ...]
+    effort: str
+    jobs: int
+    argv: tuple[str, ...]
+    named: bool  # whether the cases were named, not taken from the whole catalogue
+    store: Path | None = None  # where finished runs are kept
+    fresh: bool = False  # whether what is kept there is left out of account
+    trajectories: tuple[External, ...] = ()
+
+    @property
+    def limit(self) -> float:
+        """Wall seconds a run may take."""
+        return _LIMITS[self.effort]
+
+    def select_rungs(self, case: str, solver: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+        """The rungs to run: all, or the defaults and three for a quick report, one in the breadth of the catalogue.
+
+        There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion."""
+        if self.effort == "full" or (self.effort == "default" and (self.named or case in WHOLE)):
+            return settings
+        ladder = [s for s in settings if not is_default_setting(s)]
+        third = len(ladder) // 3
+        one = len(ladder) - 1 if solver == REFERENCE else 2 * third
+        places = sorted({0, third, 2 * third} if self.effort == "quick" else {one}) if ladder else []
+        return (*(s for s in settings if is_default_setting(s)), *(ladder[i] for i in places))
 
 
 def solvers() -> tuple[str, ...]:
@@ -145,27 +179,61 @@ def solvers() -> tuple[str, ...]:
 def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
     effort = "quick" if options.quick else "full" if options.full else "default"
-    jobs = whole_jobs(options.jobs)
-    chosen = tuple(dict.fromkeys(options.solver or solvers()))
+    jobs, chosen = whole_jobs(options.jobs), chosen_solvers(options.solver)
+    files, own = load_files(options.case_file)
+    out = checked_out(Path(options.out))
+    store = checked_store(options.store, out)
+    names = options.case or own
+    found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
+    external = _trajectories(options.trajectory, found)
+    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(names), store, options.fresh, external)
+
+
+def plan_by_hand(
+    given: Iterable[Case],
+    solvers: Iterable[str] | None,
+    out: Path,
+    effort: str,
+    jobs: int,
+    store: Path | None,
+    fresh: bool,
+) -> Plan:
+    """The plan of a report on cases made by hand, checked as one of the command's; raises CaseError."""
+    found = tuple(given)
+    for case in found:
+        if not isinstance(case, Case):
+            raise BadValue(f"{case!r} is no Case; give a list of cases")
+    labels = [case.label for case in found]
+    twice = next((label for label in labels if labels.count(label) > 1), "")
+    if twice or not found:
+        raise BadValue(f"two cases are called {twice!r}; give each a name=" if twice else "no case is given; give one")
+    if effort not in _LIMITS:
+        raise unknown("effort", effort, _LIMITS)
+    chosen, out = chosen_solvers(solvers), checked_out(out)
+    return Plan(out, found, (), chosen, effort, whole_jobs(str(jobs)), (), True, checked_store(store, out), fresh)
+
+
+def chosen_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
+    """Each named solver once, or all; raises UnknownName."""
+    chosen = tuple(dict.fromkeys(names or solvers()))
     for name in chosen:
         if name not in solvers():
             raise unknown("solver", name, solvers())
-    files = tuple(str(Path(file).resolve()) for file in options.case_file)
-    own = [name for file in files for name in _guarded(file, lambda file=file: cases.load_file(file))]
-    out = _checked_out(Path(options.out))
-    store = _checked_store(options.store, out)
-    asked = options.case or own
-    found = _cases(asked or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
-    given = _trajectories(options.trajectory, found)
-    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(asked), store, options.fresh, given)
+    return chosen
 
 
-def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[Elsewhere, ...]:
+def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
+    """Bring case files into the catalogue; their paths, and the names of their cases."""
+    names = [name for file in files for name in guarded(file, lambda file=file: cases.load_file(file))]
+    return tuple(str(Path(file).resolve()) for file in files), names
+
+
+def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External, ...]:
     if not texts:
         return ()
-    from .running import external as elsewhere
+    from .running import external
 
-    return elsewhere.asked(texts, found, solvers())
+    return external.from_options(texts, found, solvers())
 
 
 def whole_jobs(text: str) -> int:
@@ -179,18 +247,18 @@ def whole_jobs(text: str) -> int:
     return jobs
 
 
-def _cases(texts: Sequence[str], effort: str) -> tuple[Case, ...]:
+def chosen_cases(texts: Sequence[str], effort: str) -> tuple[Case, ...]:
     """The cases of the texts, each once; a quick report takes only the last variant of a bare name."""
     found: dict[tuple, Case] = {}
     for text in texts:
-        variants = _guarded(f"the case {text}", lambda text=text: cases.select(text))
+        variants = guarded(f"the case {text}", lambda text=text: cases.select(text))
         for case in variants[-1:] if effort == "quick" else variants:
             found.setdefault((case.name, tuple(case.parameters.items())), case)
     return tuple(found.values())
 
 
-def _guarded(what: str, make):
-    """A case's own code may fail in any way; it is told in one sentence."""
+def guarded(what: str, make):
+    """A case's own code may fail in any way; it is said in one sentence."""
     try:
         return make()
     except CaseError:
@@ -200,7 +268,7 @@ def _guarded(what: str, make):
         raise BadValue(f"{what} fails: {type(problem).__name__}: {text}") from problem
 
 
-def _checked_out(out: Path) -> Path:
+def checked_out(out: Path) -> Path:
     """The folder to write, resolved; raises BadValue unless it is new, empty, or a report of ours and nothing else."""
     out = out.expanduser().resolve()
     if out == Path.cwd() or out in Path.cwd().parents:
@@ -208,18 +276,18 @@ def _checked_out(out: Path) -> Path:
     if out.exists() and not out.is_dir():
         raise BadValue(f"--out is {out}, which is a file; give a folder")
     _check_writable("--out", out, out.parent)
-    strange = strangers(out)
-    if strange:
-        raise BadValue(f"--out is {out}, which holds {strange}, no part of a report; give another folder")
+    foreign = foreign_file(out)
+    if foreign:
+        raise BadValue(f"--out is {out}, which holds {foreign}, no part of a report; give another folder")
     return out
 
 
-def _checked_store(text: str | None, out: Path) -> Path:
+def checked_store(text: str | Path | None, out: Path) -> Path:
     """The store's folder, resolved; raises BadValue if what was asked for is no folder of its own or not writable."""
     store = Path(STORE if text is None else text).expanduser().resolve()
     if store == out or store in out.parents or out in store.parents:
         raise BadValue(f"--store is {store} and --out is {out}; give folders that are not inside each other")
-    if text is not None:  # the place nobody asked for may be unfit: the report is made all the same, and says so
+    if text is not None:  # the usual place may be unfit: the report is made all the same, and says so
         if store.exists() and not store.is_dir():
             raise BadValue(f"--store is {store}, which is a file; give a folder")
         _check_writable("--store", store, store)
@@ -230,38 +298,3 @@ def _check_writable(option: str, path: Path, folder: Path) -> None:
     above = next(place for place in (folder, *folder.parents) if place.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder")
-
-
-def strangers(out: Path) -> str:
-    """A file in the folder that no report of ours wrote, or ""."""
-    files = [p for p in out.rglob("*") if not p.is_dir() or p.is_symlink()] if out.is_dir() else []
-    known: set[str] = set()
-    try:
-        manifest = json.loads((out / "manifest.json").read_text(encoding="utf-8"))
-        if manifest.get("made_by") == MADE_BY:
-            known = set(manifest["files"])
-    except (OSError, ValueError, KeyError, AttributeError, TypeError):
-        pass  # no manifest, or not one of ours: everything in the folder is somebody's
-    return next((str(p.relative_to(out)) for p in sorted(files) if p.relative_to(out).as_posix() not in known), "")
-
-
-def listing(files: Sequence[str]) -> str:
-    """Cases with variants and summaries, solvers with routes."""
-    for file in files:
-        _guarded(file, lambda file=file: cases.load_file(file))
-    lines = ["cases"]
-    for name in cases.names():
-        lines.append(f"  {name}: {cases.entry(name).summary}")
-        try:
-            lines += [f"    {case.label}" for case in _guarded("it", lambda name=name: cases.select(name))]
-        except CaseError as problem:
-            lines.append(f"    cannot be made: {problem}")
-    lines.append("solvers")
-    from .running.tasks import solver
-
-    for name in solvers():
-        try:
-            lines.append(f"  {name}: {', '.join(solver(name).routes)}")
-        except ImportError as problem:
-            lines.append(f"  {name}: not installed ({problem})")
-    return "\n".join(lines)

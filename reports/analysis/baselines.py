@@ -1,4 +1,4 @@
-"""What motions that know nothing of friction's law would score, so that nobody is praised for a saturated metric.
+"""Baselines: what motions that know nothing of friction's law score, so that nobody is praised for a saturated metric.
 
 And, in the same worker, how far the reference's second method is from the truth's: an error bar for the quantities
 that the certificate does not keep.
@@ -6,7 +6,7 @@ that the certificate does not keep.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import inf, nan
 from typing import Any, NamedTuple
@@ -19,32 +19,35 @@ from cases.contact import start_motion
 
 from ..judging import distances
 from ..judging.distances import Distance
-from ..running.records import TRUTH_RTOL, CaseKey
-from ..running.tasks import load
+from ..running.calls import Calls
+from ..running.records import TRUTH_RTOL
 from . import quantities
 
 # Even times at which motions are compared.
 _SAMPLES = 1001
 
 
-class Told(NamedTuple):
+class Baseline(NamedTuple):
     """Rows of null motions, and by quantity the distance of the reference's second method from the truth's."""
 
     rows: tuple[dict[str, Any], ...]
     witnessed: dict[str, float]
 
 
-def told(key: CaseKey) -> Told:
+def measure(cases: Sequence[Case], calls: Calls) -> dict[str, Baseline]:
+    """The baseline of each case, by its label."""
+    answers = calls.all("null scores", baseline, [(case,) for case in cases])
+    return {
+        case.label: a.value if a.outcome == "done" else Baseline((_scored(case.label, "any", {}, a.failure[1]),), {})
+        for case, a in zip(cases, answers, strict=True)
+    }
+
+
+def baseline(case: Case) -> Baseline:
     """Both for a case; the null motions' rows hold an error for each quantity of `quantities.UNITS`."""
-    case = load(key)
     truth = reference.simulate(case, rtol=TRUTH_RTOL)
     rows = [_row(case, truth, name, motion) for name, motion in MOTIONS.items()]
-    return Told(tuple(rows), _witnessed(case, truth))
-
-
-def failed(label: str, reason: str) -> Told:
-    """What is told of a case whose null motions could not be found."""
-    return Told((_scored(label, "any", {}, reason),), {})
+    return Baseline(tuple(rows), _witnessed(case, truth))
 
 
 def frictionless(case: Case) -> Trajectory:

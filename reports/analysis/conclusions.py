@@ -15,7 +15,7 @@ from .work_precision import DISTURBED, groups, ratio_of_intervals
 CLEARLY = 100.0
 
 
-class Verdict(NamedTuple):
+class Conclusion(NamedTuple):
     """At one accuracy of a case: the engine that gets there first, and its CPU time over that of each of the
     reference's methods (least, middle, greatest that the timings allow)."""
 
@@ -34,7 +34,7 @@ def main_quantity(rows: Sequence[dict[str, Any]]) -> dict[str, str]:
     return {case: first if (case, first) in asked else pose for case in dict.fromkeys(row["case"] for row in rows)}
 
 
-def verdicts(rows: Sequence[dict[str, Any]]) -> list[Verdict]:
+def conclusions(rows: Sequence[dict[str, Any]]) -> list[Conclusion]:
     """One for each case and accuracy that both an engine and the reference reach, by rows of `time_to_accuracy`."""
     quantity = main_quantity(rows)
     rows = [row for row in rows if quantity[row["case"]] == row["quantity"]]
@@ -49,7 +49,7 @@ def verdicts(rows: Sequence[dict[str, Any]]) -> list[Verdict]:
                 best = min(engines, key=lambda row: row["cpu_s"])
                 ratios = {row["route"]: ratio_of_intervals(best, row) for row in own}
                 name = f"{best['solver']} {best['route']}"
-                found.append(Verdict(case, quantity[case], accuracy, name, ratios, accuracy == min(reached)))
+                found.append(Conclusion(case, quantity[case], accuracy, name, ratios, accuracy == min(reached)))
     return found
 
 
@@ -59,7 +59,7 @@ def _is_time(row: dict[str, Any]) -> bool:
 
 def headline(rows: Sequence[dict[str, Any]]) -> str:
     """What the section says first: by what factor the reference is cheaper, and everywhere that it is not."""
-    found = verdicts(rows)
+    found = conclusions(rows)
     if not found:
         return f"No case has timings of both an engine and the reference to be ranked by.{_disturbed(rows)}"
     methods = list(dict.fromkeys(method for verdict in found for method in verdict.ratios))
@@ -80,7 +80,7 @@ def headline(rows: Sequence[dict[str, Any]]) -> str:
     return told + "".join(_method(method, found) for method in methods) + _disturbed(rows)
 
 
-def _method(method: str, found: Sequence[Verdict]) -> str:
+def _method(method: str, found: Sequence[Conclusion]) -> str:
     """Where one method of the reference is cheaper than every engine, and where it is not."""
     mine = [verdict for verdict in found if method in verdict.ratios]
     dearer = [v for v in mine if v.ratios[method][1] < 1.0]
@@ -89,7 +89,7 @@ def _method(method: str, found: Sequence[Verdict]) -> str:
     return told + (f"; not on {_list(dearer, method)}." if dearer else ".")
 
 
-def _list(found: Sequence[Verdict], method: str) -> str:
+def _list(found: Sequence[Conclusion], method: str) -> str:
     """Case by case: the accuracies, the engine, and what part of the method's time it takes where that is least."""
     named = []
     for (case, engine), same in groups([v._asdict() for v in found], "case", "engine").items():

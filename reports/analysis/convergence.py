@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from ..running.records import Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
 
 # An error counts where it stands this far above what truth, reading and arithmetic can tell: there a tenth of it is
 # theirs.
@@ -17,6 +19,8 @@ CONFIDENCE = 0.95
 # A ladder's last rungs are level if the finest is better than the worst of them by no more than this factor, over at
 # least LEAST_SPAN in steps: a method of order one half would have gained a factor of two.
 _FLAT = 1.5
+# Rounding of a time read at the end of a run of very many steps, in units of its last place.
+_ULPS = 16
 # What stops an error from falling: the truth's own bar, the reading from samples, rounding, or something of the
 # engine's that the ladder does not refine.
 TRUTH, READING, ROUNDING, MODEL = "truth", "reading", "rounding", "model"
@@ -109,3 +113,63 @@ def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     left = y - y.mean() - slope * off
     freedom = len(x) - 2
     return slope, float(t.ppf(0.5 + CONFIDENCE / 2, freedom) * np.sqrt(left @ left / freedom / (off @ off)))
+
+
+# --- rows -------------------------------------------------------------------------------------------------------------
+
+
+def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """One row per route and quantity: the observed order with its confidence interval, the error of the finest rung,
+    and what keeps the finest rungs from improving (`saturation`)."""
+    rows = []
+    for (case, solver, route), group in routes(experiment.runs).items():
+        fine = finest(group)
+        if fine is None:
+            continue
+        truth = experiment.truths[case]
+        ladder = [run for run in group if run.outcome == "right" and not is_default(run) and not is_truth(run, truth)]
+        quantities = [("centre_max", [run.distance.centre_max for run in ladder], 0.0, fine.distance.centre_max)]
+        if truth.transitions:
+            errors = [first_error(run) for run in ladder]
+            quantities.insert(0, ("first_transition_time", errors, _floor(truth), first_error(fine)))
+        for quantity, errors, floor, finest_error in quantities:
+            points = _points(ladder, errors, floor)
+            fit, settled = order(points), saturation(points)
+            rows.append(
+                {
+                    "case": case,
+                    "solver": solver,
+                    "route": route,
+                    "quantity": quantity,
+                    "order": fit.order,
+                    "order_low": fit.low,
+                    "order_high": fit.high,
+                    "finest_error": finest_error,
+                    "settings_used": " | ".join(fit.settings),
+                    "note": fit.note,
+                    "saturation": settled.cause,
+                    "saturated_from": settled.setting,
+                }
+            )
+    return rows
+
+
+def _floor(truth: Truth) -> float:
+    return max(truth.error_bars[0], _ULPS * float(np.spacing(truth.transitions[0].time)))
+
+
+def _points(ladder: Sequence[Run], errors: Sequence[float], floor: float) -> list[Point]:
+    return [
+        Point(str(run.setting), run.cost.steps, abs(size), floor, _doubt(run), rounding(run))
+        for run, size in zip(ladder, errors, strict=True)
+    ]
+
+
+def _doubt(run: Run) -> float:
+    """How sure the reading of the first transition is, s."""
+    return run.spreads[0] if run.spreads and isfinite(run.spreads[0]) else 0.0
+
+
+def rounding(run: Run) -> float:
+    """Rounding of a sum of as many terms as the run has steps, of the order one."""
+    return float(np.finfo(float).eps) * max(run.cost.steps, 1) ** 0.5

@@ -8,8 +8,8 @@ from math import isfinite, nan
 import numpy as np
 
 from ..judging.distances import Distance
-from ..running.records import Run, Truth
-from . import tables
+from ..running.records import Run, Truth, first_error
+from .convergence import rounding as step_rounding
 
 # The unit of each quantity's error. Force and energy are parts of the true motion's own (`distances.differences`).
 UNITS = {
@@ -30,7 +30,7 @@ _LEAST_SHARE = 1e-15
 def error(run: Run, quantity: str) -> float:
     """The run's error, at least zero; NaN where there is none (a missed transition, a force that is not told)."""
     if quantity == "first_transition_time":
-        return abs(tables.first_error(run))
+        return abs(first_error(run))
     if quantity == "all_transitions":
         return max((abs(row.error) for row in run.ledger), default=nan)
     return from_distance(run.distance, quantity)
@@ -68,4 +68,4 @@ def rounding(run: Run, quantity: str) -> float:
     if quantity == "normal_force_mean":
         # A step's force is a difference of velocities over the step.
         return float(np.finfo(float).eps) * max(run.cost.steps, 1)
-    return tables.rounding(run)
+    return step_rounding(run)

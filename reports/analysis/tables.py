@@ -1,63 +1,21 @@
-"""Runs -> tables: one row per fact, lower-case snake_case columns. Times in s, errors in the unit of their quantity."""
+"""Runs -> rows: one per fact, lower-case snake_case columns. Times in s, errors in the unit of their quantity."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from math import isfinite, nan
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from reference.errata import errata
 
-from ..running.records import REFERENCE, TRUTH_RTOL, Experiment, Run, Truth, gives_motion, is_default_setting
-from . import convergence as fits
+from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
+from .convergence import convergence_rows
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# Columns that hold errors, by the end of their names.
-_ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt", "accuracy")
 OUTCOMES = ("right", "wrong", "refused", "crashed", "timed_out")
-
-# Rounding of a time read at the end of a run of very many steps, in units of its last place.
-_ULPS = 16
-
-
-def is_default(run: Run) -> bool:
-    """Whether the run is the engine as it comes."""
-    return is_default_setting(run.setting)
-
-
-def is_truth(run: Run, truth: Truth) -> bool:
-    """Whether the run is the very one the others are judged by, so that its error is zero by construction."""
-    return run.solver == REFERENCE and run.route == truth.method and run.setting == f"rtol={TRUTH_RTOL:g}"
-
-
-def routes(runs: Iterable[Run]) -> dict[tuple[str, str, str], list[Run]]:
-    """Runs by (case, solver, route), each from coarse to fine."""
-    groups: dict[tuple[str, str, str], list[Run]] = {}
-    for run in runs:
-        groups.setdefault((run.case, run.solver, run.route), []).append(run)
-    return groups
-
-
-def finest(group: Sequence[Run]) -> Run | None:
-    """The finest rung that gave a motion, or None."""
-    return next((run for run in reversed(group) if gives_motion(run)), None)
-
-
-def default(group: Sequence[Run]) -> Run | None:
-    """The engine's own settings, if the route has such a rung."""
-    return next((run for run in group if is_default(run)), None)
-
-
-def first_error(run: Run | None) -> float:
-    """Error of the time of the truth's first transition, s; NaN if it was missed or there is none."""
-    rows = [row for row in run.ledger if row.event == 1 and row.verdict != "spurious"] if run else []
-    return rows[0].error if rows else nan
 
 
 # --- the tables -------------------------------------------------------------------------------------------------------
@@ -95,7 +53,7 @@ def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "case": run.case,
                     "solver": run.solver,
                     "route": run.route,
-                    "setting": run.setting,
+                    "setting": str(run.setting),
                     "event": row.event,
                     "before": row.before,
                     "after": row.after,
@@ -128,7 +86,7 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "case": run.case,
                 "solver": run.solver,
                 "route": run.route,
-                "setting": run.setting,
+                "setting": str(run.setting),
                 "outcome": run.outcome,
                 "reason": run.reason,
                 "status": run.status,
@@ -145,63 +103,6 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per route and quantity: the observed order with its confidence interval, the error of the finest rung,
-    and what keeps the finest rungs from improving (`fits`)."""
-    rows = []
-    for (case, solver, route), group in routes(experiment.runs).items():
-        fine = finest(group)
-        if fine is None:
-            continue
-        truth = experiment.truths[case]
-        ladder = [run for run in group if run.outcome == "right" and not is_default(run) and not is_truth(run, truth)]
-        quantities = [("centre_max", [run.distance.centre_max for run in ladder], 0.0, fine.distance.centre_max)]
-        if truth.transitions:
-            errors = [first_error(run) for run in ladder]
-            quantities.insert(0, ("first_transition_time", errors, _floor(truth), first_error(fine)))
-        for quantity, errors, floor, finest_error in quantities:
-            points = _points(ladder, errors, floor)
-            fit, settled = fits.order(points), fits.saturation(points)
-            rows.append(
-                {
-                    "case": case,
-                    "solver": solver,
-                    "route": route,
-                    "quantity": quantity,
-                    "order": fit.order,
-                    "order_low": fit.low,
-                    "order_high": fit.high,
-                    "finest_error": finest_error,
-                    "settings_used": " | ".join(fit.settings),
-                    "note": fit.note,
-                    "saturation": settled.cause,
-                    "saturated_from": settled.setting,
-                }
-            )
-    return rows
-
-
-def _floor(truth: Truth) -> float:
-    return max(truth.error_bars[0], _ULPS * float(np.spacing(truth.transitions[0].time)))
-
-
-def _points(ladder: Sequence[Run], errors: Sequence[float], floor: float) -> list[fits.Point]:
-    return [
-        fits.Point(run.setting, run.cost.steps, abs(size), floor, _doubt(run), rounding(run))
-        for run, size in zip(ladder, errors, strict=True)
-    ]
-
-
-def _doubt(run: Run) -> float:
-    """How sure the reading of the first transition is, s."""
-    return run.spreads[0] if run.spreads and isfinite(run.spreads[0]) else 0.0
-
-
-def rounding(run: Run) -> float:
-    """Rounding of a sum of as many terms as the run has steps, of the order one."""
-    return float(np.finfo(float).eps) * max(run.cost.steps, 1) ** 0.5
 
 
 def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
@@ -225,7 +126,7 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "finest_error": first_error(fine),
                 "finest_centre_max": fine.distance.centre_max if fine else nan,
                 "finest_outcome": fine.outcome if fine else group[-1].outcome,
-                "finest_setting": fine.setting if fine else "",
+                "finest_setting": str(fine.setting) if fine else "",
                 "order": orders.get((case, solver, route), nan),
                 "transitions": len(truth.transitions),
                 "truth_error_bar": truth.error_bars[0] if truth.error_bars else nan,
@@ -233,25 +134,6 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-def error_text(row: Mapping[str, Any], column: str) -> str:
-    """An error of a headline row (`default_error`, `finest_error`) with its sign, or in words where there is none.
-
-    No more is claimed than the truth's error bar allows; without a transition the centre's error stands instead.
-    """
-    if column == "finest_error" and row["is_truth"]:
-        return "is the truth"
-    value, outcome = row[column], row[column.replace("error", "outcome")]
-    if outcome in ("", "refused", "crashed", "timed_out"):
-        return outcome
-    doubt = "" if outcome == "right" else f" ({outcome})"
-    if not row["transitions"]:
-        return f"centre {row[column.replace('error', 'centre_max')]:.1e}{doubt}"
-    if not isfinite(value):
-        return "missed"
-    bar = row["truth_error_bar"]
-    return (f"{value:+.1e}" if abs(value) > bar else f"< {bar:.1e}") + doubt
 
 
 def outcome_counts(experiment: Experiment) -> dict[str, Counter]:
@@ -262,6 +144,13 @@ def outcome_counts(experiment: Experiment) -> dict[str, Counter]:
     return counts
 
 
+class Table(NamedTuple):
+    """What is said of a table: what it holds, and what its columns mean."""
+
+    holds: str
+    columns: Mapping[str, str] = {}
+
+
 TABLES = {
     "headline": headline_rows,
     "transitions": transition_rows,
@@ -270,6 +159,14 @@ TABLES = {
     "truth": truth_rows,
     "errata": errata_rows,
 }
+WORDS = {
+    "headline": Table("First-transition error and centre error of each route, defaults and finest setting"),
+    "transitions": Table("Every transition of every run, matched, missed or spurious"),
+    "trajectories": Table("Every run: outcome, distance from the truth, cost"),
+    "convergence": Table("Observed order of every route"),
+    "truth": Table("The certified transitions the runs are judged by"),
+    "errata": Table("The paper's misprints, each formula evaluated (residuals relative to what it must equal)"),
+}
 
 
 def frames(experiment: Experiment) -> dict[str, pd.DataFrame]:
@@ -277,41 +174,3 @@ def frames(experiment: Experiment) -> dict[str, pd.DataFrame]:
     import pandas as pd
 
     return {name: pd.DataFrame(make(experiment)) for name, make in TABLES.items()}
-
-
-# --- files and text ---------------------------------------------------------------------------------------------------
-
-
-def write(tables: dict[str, pd.DataFrame], folder: Path, command: str = "") -> None:
-    """Each table as NAME.csv (all digits) and NAME.md (for reading, with the command that makes it again, if given)."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, frame in tables.items():
-        frame.to_csv(folder / f"{name}.csv", index=False)
-        again = f"\nMake it again: `{command}`\n" if command else ""
-        (folder / f"{name}.md").write_text(f"{markdown(frame)}\n{again}", encoding="utf-8")
-
-
-def markdown(frame: pd.DataFrame) -> str:
-    """The table as a Markdown pipe table, numbers shortened for reading."""
-    from tabulate import tabulate
-
-    if frame.empty:
-        return "No rows."
-    columns = [str(column) for column in frame.columns]
-    rows = [[shorten(row[c], c).replace("|", "\\|") for c in columns] for row in frame.to_dict("records")]
-    return tabulate(rows, headers=columns, tablefmt="pipe", disable_numparse=True)
-
-
-def shorten(value: Any, column: str) -> str:
-    """A value as people read it: times with nine digits, errors with two, an empty cell where there is nothing."""
-    if isinstance(value, bool | np.bool_):
-        return "yes" if value else ""
-    if isinstance(value, float | np.floating):
-        if not isfinite(value):
-            return ""
-        if column in ("time", "reference_time"):
-            return f"{value:.9g}"
-        if column.endswith(_ERRORS):
-            return f"{value:.1e}"
-        return f"{value:.2f}" if column.startswith("order") else f"{value:.2g}"
-    return "" if value is None else str(value)

@@ -1,146 +1,42 @@
-"""What accuracy costs in time: errors of the experiment beside timings of the clock, as rows; who is timed.
+"""What accuracy costs in time: errors of the experiment beside timings of the clock, as rows.
 
 Only right runs count, and only times taken alone on a quiet machine are ranked.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from cases import Case
-
-from ..running import clock, workers
-from ..running.clock import Contestant, Timing
-from ..running.fingerprint import Key as Kept
-from ..running.fingerprint import Keys
-from ..running.records import CaseKey, Experiment, Run, is_default_setting
-from ..running.store import Store
-from . import baselines as null_motions
-from . import convergence as fits
-from . import quantities, tables
+from ..running.clock import UNTIMED, Timing
+from ..running.records import Experiment, Run, is_default, routes
+from ..running.timings import Key
+from . import convergence, quantities
+from .baselines import Baseline
 from .quantities import UNITS, error
+from .tables import Table
 
 if TYPE_CHECKING:
     import pandas as pd
 
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 NEVER, NOT_TIMED, NOT_KNOWN, DISTURBED = "never", "not timed", "not known", "disturbed"
-# A curve of fewer settings tells no order and no saturation.
-LEAST_SETTINGS = 6
-# Wall seconds for all timings of a default report, and how many cases share them: once through the full ladder of every
-# route takes some five seconds on a dear case, and an interval needs three times.
-BUDGET, MOST_CASES = 54.0, 5
-# A full report times every case, each for about so long.
-FULL_BUDGET_A_CASE = 60.0
-# Beyond its budget a case may take as long as one run more and its compilations.
-_PATIENCE = 60.0
-
-Key = tuple[str, str, str, str]  # case, solver, route, setting
-Tell = Callable[[str, int, Iterator], Iterator]
 
 
 class Measured(NamedTuple):
-    """What the timed pass found: the cases timed, timings, null motions and witnessed bars by case, and what could not
-    be timed, with the reason."""
+    """Labels of the cases timed, timings, baselines by case, and what could not be timed, with the reason."""
 
     cases: tuple[str, ...] = ()
     timings: Mapping[Key, Timing] = {}
-    nulls: Mapping[str, null_motions.Told] = {}
+    nulls: Mapping[str, Baseline] = {}
     failures: Mapping[str, str] = {}
-
-
-# --- the timed pass ---------------------------------------------------------------------------------------------------
-
-
-def chosen(experiment: Experiment, full: bool) -> list[Case]:
-    """The cases to time: all, or of each family the variant with most transitions, those that most routes ran with
-    their whole ladders."""
-    able = [case for case in experiment.cases if not experiment.truths[case.label].failure]
-    if full:
-        return able
-    events = {case.label: len(experiment.truths[case.label].transitions) for case in able}
-    families: dict[str, list[Case]] = {}
-    for case in able:
-        families.setdefault(case.name, []).append(case)
-    one_each = [max(family, key=lambda case: events[case.label]) for family in families.values()]
-    whole = {case.label: _whole_ladders(experiment, case.label) for case in one_each}
-    ranked = sorted(one_each, key=lambda case: (-whole[case.label], -events[case.label]))
-    return [case for case in ranked if whole[case.label]][:MOST_CASES]
-
-
-def _whole_ladders(experiment: Experiment, label: str) -> int:
-    """How many routes ran enough settings of the case for a curve."""
-    groups = tables.routes(run for run in experiment.runs if run.case == label and run.rung)
-    return sum(len(group) >= LEAST_SETTINGS for group in groups.values())
-
-
-def measure(
-    experiment: Experiment, files: tuple[str, ...], full: bool, tell: Tell, store: Store | None = None
-) -> Measured:
-    """Time the chosen cases one after the other, each in one process with nothing beside it, or take what is kept."""
-    store = store or Store(None)
-    cases = chosen(experiment, full)
-    timings: dict[Key, Timing] = {}
-    failures: dict[str, str] = {}
-    # What the cheap cases leave of the budget the dear ones have.
-    asked = {case.label: contestants(experiment, case.label) for case in cases}
-    in_turn = sorted(cases, key=lambda case: sum(one.expected_s for one in asked[case.label]))
-    deadline = time.perf_counter() + BUDGET
-
-    def one_by_one() -> Iterator[str]:
-        for place, case in enumerate(in_turn):
-            left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
-            budget = FULL_BUDGET_A_CASE if full else left
-            label, key = case.label, CaseKey.of(case, files)
-            share = FULL_BUDGET_A_CASE if full else BUDGET / len(cases)
-            kept_under = Keys(case, experiment.versions).timing([one[:3] for one in asked[label]], share)
-            answer = _timed(pool, store, kept_under, (key, asked[label], budget), budget + _PATIENCE)
-            if answer.outcome == "done":
-                found, failed = answer.value
-                timings.update({(label, *who): timing for who, timing in found.items()})
-                failures.update({f"{label}, {' '.join(who)}": why for who, why in failed.items()})
-            else:
-                failures[label] = answer.reason
-            yield label
-
-    with workers.Pool(1) as pool:
-        list(tell("timings", len(cases), one_by_one()))
-    labels = [case.label for case in cases]
-    nulls = dict.fromkeys(labels, null_motions.failed("", ""))
-    calls = workers.run(null_motions.told, [(CaseKey.of(case, files),) for case in cases], jobs=2)
-    for index, answer in tell("null scores", len(cases), calls):
-        done = answer.outcome == "done"
-        nulls[labels[index]] = answer.value if done else null_motions.failed(labels[index], answer.reason)
-    return Measured(tuple(labels), timings, nulls, failures)
-
-
-def _timed(pool: workers.Pool, store: Store, kept_under: Kept | None, call: tuple, limit: float) -> workers.Answer:
-    """A case's timings, together as they were taken in turns: those kept, or new ones, kept if none is disturbed."""
-    kept = store.get("timing", kept_under, tuple[dict[clock.Who, Timing], dict[clock.Who, str]])
-    if kept is not None:
-        return workers.Answer("done", value=kept)
-    (_, answer), *_ = pool.run(clock.time_case, [call], limit)
-    if answer.outcome == "done" and not any(timing.disturbed for timing in answer.value[0].values()):
-        store.put("timing", kept_under, answer.value)
-    return answer
-
-
-def contestants(experiment: Experiment, label: str) -> list[Contestant]:
-    """Every setting that gave a right motion of the case."""
-    runs = [run for run in experiment.runs if run.case == label and run.outcome == "right"]
-    return [Contestant(r.solver, r.route, r.setting, r.cost.wall_s + r.cost.setup_s) for r in runs]
-
-
-# --- rows -------------------------------------------------------------------------------------------------------------
 
 
 def floor(experiment: Experiment, measured: Measured, label: str, quantity: str) -> float:
     """Ten times the truth's error bar: below it no error is told. Infinite where the bar is not known."""
     bar = quantities.bar(experiment.truths[label], quantity, measured.nulls[label].witnessed)
-    return fits.ABOVE * bar if isfinite(bar) else inf
+    return convergence.ABOVE * bar if isfinite(bar) else inf
 
 
 def asked(experiment: Experiment, measured: Measured, label: str) -> list[str]:
@@ -167,7 +63,7 @@ def work_precision_rows(experiment: Experiment, measured: Measured) -> list[dict
     """
     rows = []
     for run in _timed_runs(experiment, measured):
-        timing = measured.timings.get((run.case, run.solver, run.route, run.setting), _UNTIMED)
+        timing = measured.timings.get((run.case, run.solver, run.route, run.setting), UNTIMED)
         for quantity in asked(experiment, measured, run.case):
             size, least = error(run, quantity), floor(experiment, measured, run.case, quantity)
             null, motion = null_error(measured, run.case, quantity)
@@ -178,7 +74,7 @@ def work_precision_rows(experiment: Experiment, measured: Measured) -> list[dict
                     "case": run.case,
                     "solver": run.solver,
                     "route": run.route,
-                    "setting": run.setting,
+                    "setting": str(run.setting),
                     "cpu_s": timing.cpu_s,
                     "cpu_low_s": timing.cpu_low_s,
                     "cpu_high_s": timing.cpu_high_s,
@@ -201,20 +97,18 @@ def work_precision_rows(experiment: Experiment, measured: Measured) -> list[dict
     return rows
 
 
-_UNTIMED = Timing(*7 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
-
-
 def fit_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]:
     """One row per route and quantity of a timed case: order in steps and in CPU time, each with its 95 % interval, and
-    where and why the error saturates (`fits`). The engine's own defaults are no rung; disturbed times do not count."""
+    where and why the error saturates (`convergence`). The engine's own defaults are no rung; disturbed times do not
+    count."""
     rows = []
-    groups = tables.routes(run for run in _timed_runs(experiment, measured) if not is_default_setting(run.setting))
-    for (case, solver, route), group in groups.items():
+    ladders = routes(run for run in _timed_runs(experiment, measured) if not is_default(run))
+    for (case, solver, route), group in ladders.items():
         for quantity in asked(experiment, measured, case):
-            bar = floor(experiment, measured, case, quantity) / fits.ABOVE
+            bar = floor(experiment, measured, case, quantity) / convergence.ABOVE
             ladder = [
-                fits.Point(
-                    run.setting,
+                convergence.Point(
+                    str(run.setting),
                     run.cost.steps,
                     error(run, quantity),
                     bar,
@@ -225,10 +119,9 @@ def fit_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]
             ]
             if not any(isfinite(point.error) for point in ladder):
                 continue
-            by_steps, settled = fits.order(ladder), fits.saturation(ladder)
-            by_time = fits.order(
-                [p._replace(spent=_ranked_cpu(measured, (case, solver, route, p.setting))) for p in ladder]
-            )
+            by_steps, settled = convergence.order(ladder), convergence.saturation(ladder)
+            spent = [_ranked_cpu(measured, (case, solver, route, run.setting)) for run in group]
+            by_time = convergence.order([p._replace(spent=s) for p, s in zip(ladder, spent, strict=True)])
             rows.append(
                 {
                     "case": case,
@@ -254,7 +147,7 @@ def fit_rows(experiment: Experiment, measured: Measured) -> list[dict[str, Any]]
 
 def _ranked_cpu(measured: Measured, key: Key) -> float:
     """CPU time, s, or NaN if there is none to be ranked by."""
-    timing = measured.timings.get(key, _UNTIMED)
+    timing = measured.timings.get(key, UNTIMED)
     return nan if timing.disturbed else timing.cpu_s
 
 
@@ -349,3 +242,11 @@ def frames(experiment: Experiment, measured: Measured) -> dict[str, pd.DataFrame
         "time_to_accuracy": pd.DataFrame(time_to_accuracy_rows(points)),
         "null_scores": pd.DataFrame([row for told in measured.nulls.values() for row in told.rows]),
     }
+
+
+WORDS = {
+    "work_precision": Table("Error and CPU time of every right run of the timed cases"),
+    "work_precision_fits": Table("Orders in steps and in CPU time, and where and why the error saturates"),
+    "time_to_accuracy": Table("CPU time to each accuracy, and its ratio to the fastest route"),
+    "null_scores": Table("What motions that know nothing of friction's law would score"),
+}

@@ -18,11 +18,10 @@ from matplotlib.figure import Figure
 
 from cases import Case, Gravity, Mode
 
-from ..analysis import tables
-from ..running import workers
-from ..running.records import CaseKey, Experiment, Run, Truth
-from ..running.tasks import load
-from .style import FAINT, PALETTE, POINTS, STYLE, TRUTH, Drawn, Looks, file_name, logarithmic, save
+from ..running.calls import Calls
+from ..running.records import Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
+from .files import Drawn, file_name, save
+from .style import FAINT, PALETTE, POINTS, STYLE, TRUTH, Looks, logarithmic, looks_of
 
 # An error drawn on a logarithmic axis needs a least value; below a double's rounding of quantities of order one there
 # is nothing to see.
@@ -55,35 +54,30 @@ _MODE_WORDS = {
 }
 
 
-def draw(experiment: Experiment, folder: Path, files: tuple[str, ...] = (), jobs: int = 1) -> Iterator[Drawn]:
-    """Write every figure into the folder, `jobs` cases at a time; yields what was written, case by case.
+def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
+    """Write every figure into the folder; yields what was written, case by case.
 
-    `files` are read before a case of theirs is loaded. A case whose figures fail has one `Drawn` that says so: hours
-    of runs are not lost by a picture.
+    A case whose figures fail has one `Drawn` that says so: hours of runs are not lost by a picture.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    looks, main = Looks(experiment), headline_case(experiment)
+    looks, main = looks_of(experiment), headline_case(experiment)
     shown = [case for case in experiment.cases if not experiment.truths[case.label].failure]
-    calls = [
-        (CaseKey.of(case, files), _part(experiment, case.label), looks, folder.resolve(), case is main)
-        for case in shown
-    ]
-    for index, answer in workers.run(draw_case, calls, jobs, limit=_PATIENCE):
+    asked = [(case, _part(experiment, case.label), looks, folder.resolve(), case is main) for case in shown]
+    for case, answer in zip(shown, calls.all("figures", draw_case, asked, limit=_PATIENCE), strict=True):
         if answer.outcome == "done":
             yield from answer.value
         else:
-            yield Drawn("", shown[index].label, "Figures", f"They could not be drawn: {answer.reason}")
+            yield Drawn("", case.label, "Figures", f"They could not be drawn: {answer.failure[1]}")
 
 
 def _part(experiment: Experiment, label: str) -> Experiment:
-    """What one case's figures are made from; the case itself is loaded where they are drawn."""
+    """What one case's figures are made from."""
     runs = tuple(run for run in experiment.runs if run.case == label)
     return Experiment((), {label: experiment.truths[label]}, runs, experiment.seconds)
 
 
-def draw_case(key: CaseKey, part: Experiment, looks: Looks, folder: Path, main: bool) -> list[Drawn]:
+def draw_case(case: Case, part: Experiment, looks: Looks, folder: Path, main: bool) -> list[Drawn]:
     """The figures of one case: scene, motion, error, and the headline if it is the main one."""
-    case = load(key)
     name, drawn = file_name(case.label), []
     with matplotlib.rc_context(STYLE):
         if main:
@@ -139,9 +133,9 @@ def _name(run: Run) -> str:
 
 
 def _finest(experiment: Experiment, label: str) -> list[Run]:
-    groups = tables.routes(run for run in experiment.runs if run.case == label).values()
-    runs = [tables.finest(group) for group in groups]
-    return [run for run in runs if run and not tables.is_truth(run, experiment.truths[label])]
+    groups = routes(run for run in experiment.runs if run.case == label).values()
+    runs = [finest(group) for group in groups]
+    return [run for run in runs if run and not is_truth(run, experiment.truths[label])]
 
 
 def _mark_transitions(ax: Axes, truth: Truth, width: float = 0.0) -> None:
@@ -187,7 +181,7 @@ def _log_error(ax: Axes, runs: list[Run], name: str, looks: Looks) -> list[tuple
         if not np.any(np.isfinite(off)):
             continue
         t, size = _envelope(run.off["t"], off)
-        ax.plot(t, size, **looks.line(run), linewidth=1.0)
+        ax.plot(t, size, **looks.line(run.solver, run.route), linewidth=1.0)
         if np.any(np.isfinite(size)):
             ends.append((float(size[np.isfinite(size)][-1]), run))
     logarithmic(ax, "y")
@@ -208,7 +202,7 @@ def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: Looks) -> None:
             (5, 0),
             xycoords="axes fraction",
             textcoords="offset points",
-            color=looks.colour(run),
+            color=looks.colour(run.solver),
             va="center",
             fontsize=8.5,
             annotation_clip=False,
@@ -251,7 +245,7 @@ def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: Looks) ->
         every = max(1, len(values) // POINTS)
         exact = np.interp(run.samples["t"], truth.samples["t"], truth.samples[name])
         noisy = np.nanquantile(np.abs(values - exact), 0.9) > room
-        look = looks.line(run) | ({"linewidth": 0.4, "alpha": 0.5, "zorder": 1.5} if noisy else {})
+        look = looks.line(run.solver, run.route) | ({"linewidth": 0.4, "alpha": 0.5, "zorder": 1.5} if noisy else {})
         # A solver that takes a few long steps gives points; straight lines between them would be this picture's error.
         look |= {"linestyle": "", "marker": ".", "markersize": 4} if len(values) < _FEW else {}
         ax.plot(run.samples["t"][::every], values[::every], **look, label=_name(run))
@@ -284,24 +278,24 @@ def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     truth = experiment.truths[case.label]
     timed = bool(truth.transitions)
     figure, ax = plt.subplots(figsize=(7.2, 4.3), layout="constrained")
-    for (_, _, route), group in tables.routes(run for run in experiment.runs if run.case == case.label).items():
+    for (_, _, route), group in routes(run for run in experiment.runs if run.case == case.label).items():
         if not route:
             continue
         points = [
             (run.cost.steps, max(size, _SMALLEST), run)
             for run in group
             if run.outcome in ("right", "wrong")
-            and not tables.is_truth(run, truth)
-            and isfinite(size := abs(tables.first_error(run) if timed else run.distance.centre_max))
+            and not is_truth(run, truth)
+            and isfinite(size := abs(first_error(run) if timed else run.distance.centre_max))
         ]
-        ladder = [p for p in points if not tables.is_default(p[2])]
+        ladder = [p for p in points if not is_default(p[2])]
         if not points:
             continue
-        look = looks.line(points[0][2])
+        look = looks.line(points[0][2].solver, route)
         ax.plot([p[0] for p in ladder], [p[1] for p in ladder], **look, label=_name(points[0][2]))
         for steps, size, run in points:
-            hollow = "white" if tables.is_default(run) else look["color"]
-            marker = "x" if run.outcome == "wrong" else looks.marker(run)
+            hollow = "white" if is_default(run) else look["color"]
+            marker = "x" if run.outcome == "wrong" else looks.marker(run.solver, run.route)
             ax.plot(steps, size, marker=marker, markersize=6, color=look["color"], markerfacecolor=hollow)
     logarithmic(ax, "xy")
     if timed:

@@ -12,12 +12,12 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..analysis import conclusions as verdicts
-from ..analysis import work_precision as precision
+from ..analysis import conclusions, work_precision
 from ..analysis.quantities import UNITS
 from ..analysis.work_precision import Measured
 from ..running.records import Experiment, is_default_setting
-from .style import STYLE, Drawn, Looks, file_name, logarithmic, save
+from .files import Drawn, file_name, save
+from .style import STYLE, Looks, logarithmic, looks_of
 
 _WORDS = (
     "Work and precision",
@@ -48,22 +48,22 @@ _TITLES = {
 
 def draw(experiment: Experiment, measured: Measured, folder: Path) -> Iterator[Drawn]:
     """Write a figure for each timed case and one for all; yields what was written."""
-    looks, points = Looks(experiment), precision.work_precision_rows(experiment, measured)
-    rows = precision.time_to_accuracy_rows(points)
+    looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measured)
+    rows = work_precision.time_to_accuracy_rows(points)
     with matplotlib.rc_context(STYLE):
-        if verdicts.verdicts(rows):
-            yield save(summary(experiment, rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
+        if conclusions.conclusions(rows):
+            yield save(summary(rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
         for label in measured.cases:
             own = [p for p in points if p["case"] == label and isfinite(p["cpu_s"])]
             if own:
-                figure = work_precision(experiment, label, own, looks)
+                figure = case_figure(experiment, label, own, looks)
                 yield save(figure, folder, f"work_precision_{file_name(label)}", label, *_WORDS)
 
 
-def work_precision(experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: Looks) -> Figure:
+def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: Looks) -> Figure:
     """A panel for each quantity; all transitions only where there are more than one."""
     several = len(experiment.truths[label].transitions) > 1
-    of_quantity = precision.groups(points, "quantity")
+    of_quantity = work_precision.groups(points, "quantity")
     shown = [q for q in UNITS if (q,) in of_quantity and (several or q != "all_transitions")]
     columns = 3 if len(shown) > 4 else 2
     lines = -(-len(shown) // columns)
@@ -71,7 +71,7 @@ def work_precision(experiment: Experiment, label: str, points: Sequence[dict[str
         lines, columns, figsize=(3.1 * columns, 2.6 * lines), sharex=True, layout="constrained", squeeze=False
     )
     for ax, quantity in zip(axes.flat, shown, strict=False):
-        _panel(ax, experiment, label, of_quantity[quantity,], looks)
+        _panel(ax, of_quantity[quantity,], looks)
         ax.set_title(_TITLES[quantity], loc="left")
     for ax in axes.flat[len(shown) :]:
         ax.set_axis_off()
@@ -88,19 +88,18 @@ def work_precision(experiment: Experiment, label: str, points: Sequence[dict[str
     return figure
 
 
-def _panel(ax: Axes, experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: Looks) -> None:
+def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: Looks) -> None:
     logarithmic(ax, "xy")
     band, null = points[0]["floor_error"], points[0]["null_error"]
-    for (solver, route), group in precision.groups(points, "solver", "route").items():
-        run = next(r for r in experiment.runs if (r.case, r.solver, r.route) == (label, solver, route))
+    for (solver, route), group in work_precision.groups(points, "solver", "route").items():
         ladder = [p for p in group if not is_default_setting(p["setting"])]
-        look = looks.line(run)
+        look = looks.line(solver, route)
         # A setting inside the band interrupts the line: where it lies is not known.
         sizes = [nan if p["below_floor"] else p["error"] for p in ladder]
         ax.plot([p["cpu_s"] for p in ladder], sizes, **look, label=f"{solver}, {route}")
         for p in group:
             if not p["below_floor"]:
-                _point(ax, p, look["color"], looks.marker(run))
+                _point(ax, p, look["color"], looks.marker(solver, route))
         reached = [p["cpu_s"] for p in group if p["below_floor"]]
         if reached:
             ax.plot(min(reached), band, marker="v", color=look["color"], markersize=7, clip_on=False, zorder=5)
@@ -124,9 +123,9 @@ def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
     )  # fmt: skip
 
 
-def summary(experiment: Experiment, rows: Sequence[dict[str, Any]], looks: Looks) -> Figure:
+def summary(rows: Sequence[dict[str, Any]], looks: Looks) -> Figure:
     """Performance profiles at several accuracies."""
-    quantity = verdicts.main_quantity(rows)
+    quantity = conclusions.main_quantity(rows)
     rows = [row for row in rows if quantity[row["case"]] == row["quantity"]]
     known = [a for a in _PANELS if any(isfinite(row["ratio"]) for row in rows if row["accuracy"] == a)]
     figure, axes = plt.subplots(
@@ -135,12 +134,11 @@ def summary(experiment: Experiment, rows: Sequence[dict[str, Any]], looks: Looks
     )  # fmt: skip
     widest = max(row["ratio"] for row in rows if isfinite(row["ratio"])) * 2
     for ax, accuracy in zip(axes[0], known, strict=True):
-        for (solver, route), group in precision.groups(rows, "solver", "route").items():
+        for (solver, route), group in work_precision.groups(rows, "solver", "route").items():
             ratios = sorted(r["ratio"] for r in group if r["accuracy"] == accuracy and isfinite(r["ratio"]))
-            run = next(r for r in experiment.runs if (r.solver, r.route) == (solver, route))
             shares = [i / len(quantity) for i in range(len(ratios) + 1)]
             # Drawn also where it never leaves zero, so that the legend is the same everywhere.
-            ax.step([1.0, *ratios, widest], [0.0, *shares[1:], shares[-1]], where="post", **looks.line(run),
+            ax.step([1.0, *ratios, widest], [0.0, *shares[1:], shares[-1]], where="post", **looks.line(solver, route),
                     label=f"{solver}, {route}")  # fmt: skip
         logarithmic(ax, "x")
         ax.set_title(f"accuracy {accuracy:g}", loc="left")

@@ -61,7 +61,7 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     result["pose"] = np.hypot(result["centre"], sqrt(case.plate.inertia / case.plate.mass) * result["angle"])
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
-    fastest = np.max(_kinetic(case, exact), initial=0.0)
+    fastest = np.max(kinetic(case, exact), initial=0.0)
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
     off = energy(case, found) - energy(case, exact)
     result["energy_share"] = off / (fastest if fastest > 0.0 else nan)
@@ -99,7 +99,7 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
     return Distance(*values)
 
 
-def _kinetic(case: Case, motion: Trajectory | State) -> np.ndarray:
+def kinetic(case: Case, motion: Trajectory | State) -> np.ndarray:
     """Kinetic energy, J."""
     vx, vy, omega = (np.asarray(v) for v in (motion.vx, motion.vy, motion.omega))
     return 0.5 * case.plate.mass * (vx**2 + vy**2) + 0.5 * case.plate.inertia * omega**2
@@ -107,9 +107,8 @@ def _kinetic(case: Case, motion: Trajectory | State) -> np.ndarray:
 
 def energy(case: Case, trajectory: Trajectory | State) -> np.ndarray:
     """Kinetic energy plus the potential of the case's gravity, J, zero potential at the frame's origin; shape (n,)."""
-    kinetic = _kinetic(case, trajectory)
-    gravity = case.effect(Gravity)
+    moving, gravity = kinetic(case, trajectory), case.effect(Gravity)
     if gravity is None:
-        return kinetic
+        return moving
     along = np.asarray(trajectory.x) * cos(gravity.direction) + np.asarray(trajectory.y) * sin(gravity.direction)
-    return kinetic - case.plate.mass * gravity.g * along
+    return moving - case.plate.mass * gravity.g * along

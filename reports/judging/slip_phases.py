@@ -1,23 +1,21 @@
-"""What a trajectory is worth: its transitions read from samples, matched with the truth's.
+"""Phases of slip and roll of one contact, read from its samples, and the transitions between them.
 
-Pure functions of trajectories. The same reading serves every solver that does not locate its transitions itself; that
-of one contact stands here, `reading` splits a motion into contacts and flights.
-SI units. Source of the reading's two laws: while slipping, (34) makes v smooth up to its zero, so a branch
-extrapolates to it; after the cone saturates at t0, v' grows from zero, so v ~ (t - t0)^2 and sqrt(v) is linear.
+Pure functions of trajectories. The same reading serves every solver that does not locate its transitions itself;
+`transitions` splits a motion into contacts and flights. SI units.
+
+Source of the reading's two laws: while slipping, (34) makes v smooth up to its zero, so a branch extrapolates to it;
+after the cone saturates at t0, v' grows from zero, so v ~ (t - t0)^2 and sqrt(v) is linear.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
 
 from cases import Mode, Trajectory, Transition
-
-# --- transitions from samples ----------------------------------------------------------------------------------------
 
 # A slip below this part of the motion's speed is rounding for every double-precision solver that sticks exactly: ten
 # digits are lost at worst where a slip velocity is the difference of two speeds and a thousand steps add up.
@@ -51,11 +49,11 @@ class _Phase(NamedTuple):
 
 
 def read_transitions(trajectory: Trajectory, mu: float | None = None) -> tuple[Transition, ...]:
-    """The transitions of a sampled motion; see `read`."""
-    return read(trajectory, mu).transitions
+    """The transitions of a sampled contact; see `read_contact`."""
+    return read_contact(trajectory, mu).transitions
 
 
-def read(trajectory: Trajectory, mu: float | None = None) -> Reading:
+def read_contact(trajectory: Trajectory, mu: float | None = None) -> Reading:
     """First mode and transitions of one sampled contact, from t, slip, forces and slip_resolution alone.
 
     The end of slip (to roll, or a reversal) is where the slipping branch, extrapolated by a local polynomial, reaches
@@ -65,8 +63,9 @@ def read(trajectory: Trajectory, mu: float | None = None) -> Reading:
     forces are not used).
 
     Error on exact samples with n of them in a slip phase of the paper's application (0.6 s): half a gap for n = 8,
-    1e-5 s for n = 30, 1e-8 s for n = 125, 1e-11 s for n = 600 (tests/test_metrics.py holds it to that); noise of size
-    d moves a time by up to some hundred d over the slope of v. A roll shorter than 2.5 samples is not seen.
+    1e-5 s for n = 30, 1e-8 s for n = 125, 1e-11 s for n = 600 (tests/reports/test_slip_phases.py holds it to that);
+    noise of size d moves a time by up to some hundred d over the slope of v. A roll shorter than 2.5 samples is not
+    seen.
     """
     t, v, force = _samples(trajectory, mu)
     if mu == 0.0:
@@ -253,52 +252,3 @@ def _chord(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | No
         return None
     zero = float(t[-1] + y[-1] * (t[-1] - t[-2]) / (y[-2] - y[-1]))
     return (min(zero, end), 0.5 * float(t[-1] - t[-2]))
-
-
-# --- matching with the truth -----------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class LedgerRow:
-    """One transition of the truth, of a solver, or of both. `event` counts from 1 in the truth's sequence for matched
-    and missed ones, in the solver's own for spurious ones; times in s, NaN where there is none."""
-
-    event: int
-    before: Mode
-    after: Mode
-    time: float
-    reference_time: float
-    error: float
-    verdict: str
-
-
-def match(truth: Sequence[Transition], found: Sequence[Transition]) -> tuple[LedgerRow, ...]:
-    """Pair transitions by kind (before, after) and order: as many as can be, and of these pairings the one with the
-    least sum of time errors. The rest of the truth is missed, the rest of the found spurious."""
-    pairs = _pairing(truth, found)
-    rows = []
-    for i, j in pairs:
-        error = found[j].time - truth[i].time
-        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, found[j].time, truth[i].time, error, "matched"))
-    for i in sorted(set(range(len(truth))) - {i for i, _ in pairs}):
-        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, "missed"))
-    for j in sorted(set(range(len(found))) - {j for _, j in pairs}):
-        rows.append(LedgerRow(j + 1, found[j].before, found[j].after, found[j].time, nan, nan, "spurious"))
-    return tuple(sorted(rows, key=lambda row: row.reference_time if isfinite(row.reference_time) else row.time))
-
-
-def _pairing(truth: Sequence[Transition], found: Sequence[Transition]) -> list[tuple[int, int]]:
-    """Longest common subsequence of kinds, ties broken by the smaller total time error."""
-    best: dict[tuple[int, int], tuple[int, float, list[tuple[int, int]]]] = {}
-
-    def score(i: int, j: int):
-        return best.get((i, j), (0, 0.0, []))
-
-    for i in reversed(range(len(truth))):
-        for j in reversed(range(len(found))):
-            choices = [score(i + 1, j), score(i, j + 1)]
-            if (truth[i].before, truth[i].after) == (found[j].before, found[j].after):
-                count, total, rest = score(i + 1, j + 1)
-                choices.append((count + 1, total - abs(found[j].time - truth[i].time), [(i, j), *rest]))
-            best[i, j] = max(choices, key=lambda choice: choice[:2])
-    return score(0, 0)[2]

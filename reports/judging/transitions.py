@@ -1,7 +1,8 @@
 """First mode and transitions of any case's motion, read from a solver's samples: flights, landings, slip, turning.
 
-Samples without a contact (NaN) are flight. Between them each contact is read for itself by `metrics.read`; where it
-rolls under rolling resistance, whether it turns is read by the same laws, since the spin ends and begins as slip does.
+Samples without a contact (NaN) are flight. Between them each contact is read for itself by
+`slip_phases.read_contact`; where it rolls under rolling resistance, whether it turns is read by the same laws, since
+the spin ends and begins as slip does.
 In flight a jump of the velocity that gravity and load do not explain is an impact.
 """
 
@@ -28,7 +29,7 @@ from cases import (
     Transition,
 )
 
-from . import slip_phases as metrics
+from . import slip_phases
 from .slip_phases import Reading
 
 # A flight after an impact is listed if it lasts this part of the case's duration; shorter ones come to rest.
@@ -60,7 +61,7 @@ class _Stretch(NamedTuple):
     stop: int
 
 
-def read(case: Case, trajectory: Trajectory) -> Reading:
+def read_motion(case: Case, trajectory: Trajectory) -> Reading:
     """First mode and transitions of a sampled motion of the case, from its samples alone.
 
     An impact's time is that of a doubled sample, where there is one (its spread is NaN: nothing was extrapolated);
@@ -69,7 +70,8 @@ def read(case: Case, trajectory: Trajectory) -> Reading:
     and the first in contact; else, as any landing without a jump, in the middle. The plate leaves where the normal
     force, extrapolated, vanishes. A contact of no more than 2.5 gaps between two flights is an impact.
 
-    Error on exact samples of the catalogue's bounces, and which of them so many samples resolve: tests/test_reading.py.
+    Error on exact samples of the catalogue's bounces, and which of them so many samples resolve:
+    tests/reports/test_transitions.py.
     """
     return _Motion(case, trajectory).reading()
 
@@ -81,7 +83,7 @@ class _Motion:
         self.case, self.all = case, trajectory
         speed = float(np.max(np.hypot(trajectory.vx, trajectory.vy), initial=0.0))
         # A contact may be slower than the whole motion, the rounding of its velocities is not smaller.
-        self.resolution = max(trajectory.slip_resolution, metrics.ROUNDING * speed / metrics.SURELY)
+        self.resolution = max(trajectory.slip_resolution, slip_phases.ROUNDING * speed / slip_phases.SURELY)
         self.smallest_jump = _SMALLEST_JUMP * speed
         friction = case.effect(CoulombFriction)
         self.bound = friction.stick if friction else None if case.effect(PerfectlyRough) else 0.0
@@ -133,7 +135,7 @@ class _Motion:
         if not 0 < start < stop < len(t):
             return False
         around = t[start - 1 : stop + 1]
-        return bool(around[-1] - around[0] <= metrics.RESOLVABLE_GAPS * np.max(np.diff(around)))
+        return bool(around[-1] - around[0] <= slip_phases.RESOLVABLE_GAPS * np.max(np.diff(around)))
 
     def _part(self, start: int, stop: int) -> Trajectory:
         last = stop == len(self.all.t)
@@ -150,7 +152,7 @@ class _Motion:
 
     def _contact(self, stretch: _Stretch) -> Reading:
         part = self._part(stretch.start, stretch.stop)
-        reading = metrics.read(part, self.bound)
+        reading = slip_phases.read_contact(part, self.bound)
         return _with_stick(part, reading, self._reach) if self.turns else reading
 
     @cached_property
@@ -165,7 +167,7 @@ class _Motion:
         last, next_ = float(t[stretch.stop - 1]), float(t[stretch.stop])
         pressed = np.arange(stretch.start, stretch.stop)
         pressed = pressed[np.isfinite(force[pressed]) & (np.diff(t[pressed], append=inf) > 0)]
-        found = metrics.branch_zero(t[pressed], np.abs(force[pressed]), next_) if len(pressed) >= _FEWEST else None
+        found = slip_phases.branch_zero(t[pressed], np.abs(force[pressed]), next_) if len(pressed) >= _FEWEST else None
         if found is None or not last <= found[0] <= next_:
             found = 0.5 * (last + next_), 0.5 * (next_ - last)
         return _Change(found[0], before, Mode.FLIGHT, found[1], "the normal force vanishes")
@@ -268,7 +270,7 @@ class _Motion:
         times = np.array([time for time, _ in self._impacts(flight)])
         gap = float(np.max(np.diff(self.all.t[flight.start : flight.stop]), initial=0.0))
         # Two impacts nearer to each other than this share the samples their times are read from.
-        short = np.flatnonzero(np.diff(times) < metrics.RESOLVABLE_GAPS * gap)
+        short = np.flatnonzero(np.diff(times) < slip_phases.RESOLVABLE_GAPS * gap)
         times = times[: short[0] + 1] if len(short) else times
         if len(times) < 3:
             return None
@@ -304,10 +306,10 @@ def _turning(part: Trajectory, inside: np.ndarray, reach: float) -> Reading:
     """Rolls and sticks of a contact that does not slip, samples `inside`."""
     spin = reach * part.omega[inside]
     if len(inside) < _FEWEST:
-        still = len(inside) > 0 and np.all(np.abs(spin) <= metrics.SURELY * part.slip_resolution)
+        still = len(inside) > 0 and np.all(np.abs(spin) <= slip_phases.SURELY * part.slip_resolution)
         return Reading(Mode.STICK if still else Mode.ROLL, (), ())
     values = {name: getattr(part, name)[inside] for name in State._fields} | {"slip": spin}
-    told = metrics.read(replace(part, t=part.t[inside], **values, status="completed"), None)
+    told = slip_phases.read_contact(replace(part, t=part.t[inside], **values, status="completed"), None)
     rows = [
         (replace(event, before=_turns(event.before), after=_turns(event.after), cause=cause), spread)
         for event, spread in zip(told.transitions, told.spreads, strict=True)

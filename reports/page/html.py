@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from math import isfinite
 from pathlib import Path
@@ -11,39 +11,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import Case, entry
+import cases
+from cases import Case
 
-from ..analysis import conclusions as verdicts
-from ..analysis import tables
-from ..analysis import work_precision as precision
+from ..analysis import conclusions, tables, work_precision
 from ..analysis.quantities import UNITS
 from ..analysis.work_precision import Measured
-from ..drawing.style import Drawn
-from ..running.records import TRUTH_RTOL, Experiment
+from ..drawing.files import Drawn
+from ..running.records import TRUTH_RTOL, Experiment, finest, routes
+from .text import error_text, shorten
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..studies import Study
+    from ..analysis.tables import Table
+    from ..studies import Result
 
 _PAGE = Path(__file__).parent / "template"
-_TABLE_WORDS = {
-    "headline": "First-transition error and centre error of each route, defaults and finest setting",
-    "transitions": "Every transition of every run, matched, missed or spurious",
-    "trajectories": "Every run: outcome, distance from the truth, cost",
-    "convergence": "Observed order of every route",
-    "truth": "The certified transitions the runs are judged by",
-    "errata": "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
-    "work_precision": "Error and CPU time of every right run of the timed cases",
-    "work_precision_fits": "Orders in steps and in CPU time, and where and why the error saturates",
-    "time_to_accuracy": "CPU time to each accuracy, and its ratio to the fastest route",
-    "effect_costs": "What each effect costs, and what would be wrong without it",
-    "error_parts": "How much of an error is the step's, how much the model's, and which knob to turn next",
-    "stability": "Hard scenes, solver by solver: outcome, residuals, conditioning",
-    "unstable_steps": "The step at which each engine turns unstable, by bisection",
-    "formulation_study": "Ten coordinates plain, stabilised, projected; independent coordinates: drift and cost",
-    "null_scores": "What motions that know nothing of friction's law would score",
-}
 # Rows of a table that are shown on the page; the files hold the rest.
 _SHOWN_ROWS = 150
 
@@ -51,26 +35,28 @@ _SHOWN_ROWS = 150
 def render(
     experiment: Experiment,
     measured: Measured,
-    frames: dict[str, pd.DataFrame],
+    frames: Mapping[str, pd.DataFrame],
+    words: Mapping[str, Table],
     drawn: Sequence[Drawn],
-    studied: tuple[Sequence[Study], dict[str, list[Drawn]]],
+    studied: Sequence[Result],
+    of_studies: Mapping[str, Sequence[Drawn]],
     figures: Path,
     manifest: dict[str, Any],
 ) -> str:
-    """The page as text. `studied` are the studies and their pictures by name; `figures` is the folder with the drawn
-    SVG files; `manifest` as written beside the page."""
+    """The page as text. `words` are said of each table, `of_studies` are the studies' pictures by name; `figures` is
+    the folder with the drawn SVG files; `manifest` as written beside the page."""
     command = manifest["command"]
     parts = {
         "style": (_PAGE / "style.css").read_text(encoding="utf-8"),
         "summary": escape(_summary(experiment)),
-        "contents": _contents(experiment, studied[0]),
+        "contents": _contents(experiment, studied),
         "warnings": _warnings(experiment),
         "headline": _headline(frames["headline"], drawn, figures, command),
         "precision": _precision(measured, frames, drawn, figures, command),
         "cases": "\n".join(_case(experiment, case, frames, drawn, figures, manifest) for case in experiment.cases),
-        "studies": "\n".join(_study(study, studied[1][study.name], figures) for study in studied[0]),
+        "studies": "\n".join(_study(result, of_studies[result.name], figures) for result in studied),
         "failures": _failures(frames["trajectories"]),
-        "tables": "\n".join(_whole_table(name, frame, command) for name, frame in frames.items()),
+        "tables": "\n".join(_whole_table(name, frame, words[name], command) for name, frame in frames.items()),
         "manifest": _manifest(manifest),
         "truth_rtol": f"{TRUTH_RTOL:g}",
         "limit": f"{manifest['limit_seconds']:g}",
@@ -84,13 +70,13 @@ def _summary(experiment: Experiment) -> str:
         f"{solver}: " + ", ".join(f"{count[o]} {o}" for o in tables.OUTCOMES if count[o])
         for solver, count in counts.items()
     )
-    cases = len(experiment.cases)
-    return f"{cases} case{'s' * (cases != 1)}, {len(experiment.runs)} runs. {told}."
+    count = len(experiment.cases)
+    return f"{count} case{'s' * (count != 1)}, {len(experiment.runs)} runs. {told}."
 
 
-def _contents(experiment: Experiment, studies: Sequence[Study]) -> str:
+def _contents(experiment: Experiment, studied: Sequence[Result]) -> str:
     links = [("headline", "First transition"), ("precision", "What accuracy costs in time")]
-    links += [(study.name, study.title) for study in studies]
+    links += [(result.name, result.study.TITLE) for result in studied]
     links += [(_anchor(case.label), case.label) for case in experiment.cases]
     links += [
         ("failures", "What did not work"),
@@ -141,20 +127,19 @@ def _headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, comman
 def _headline_cell(row: dict[str, Any] | None) -> str:
     if row is None:
         return ""
-    finest, own = (tables.error_text(row, column) for column in ("finest_error", "default_error"))
+    finest, own = (error_text(row, column) for column in ("finest_error", "default_error"))
     return escape(finest) + (f"<br><small>{escape(own)}</small>" if own else "")
 
 
-def _study(study: Study, drawn: Sequence[Drawn], figures: Path) -> str:
+def _study(result: Result, drawn: Sequence[Drawn], figures: Path) -> str:
     """A study's question, pictures and links to its tables, or why it failed."""
-    pictures = "".join(_figure(d, figures, study.command) for d in drawn)
-    links = ", ".join(f'<a href="tables/{name}.csv">{name}.csv</a>' for name in study.frames)
-    told = f"<p>{escape(study.question)}</p>" + (f"<p>Tables: {links}.</p>" if links else "")
-    if study.failure:
-        told += f'<div class="warning">This study failed: {escape(study.failure)}</div>'
-    return (
-        f'<section id="{study.name}"><h2>{escape(study.title)}</h2>{told}{pictures}{_remake(study.command)}</section>'
-    )
+    pictures = "".join(_figure(d, figures, result.command) for d in drawn)
+    links = ", ".join(f'<a href="tables/{name}.csv">{name}.csv</a>' for name in result.frames)
+    told = f"<p>{escape(result.study.QUESTION)}</p>" + (f"<p>Tables: {links}.</p>" if links else "")
+    if result.failure:
+        told += f'<div class="warning">This study failed: {escape(result.failure)}</div>'
+    title = escape(result.study.TITLE)
+    return f'<section id="{result.name}"><h2>{title}</h2>{told}{pictures}{_remake(result.command)}</section>'
 
 
 def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
@@ -162,13 +147,13 @@ def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path
     if not measured.cases:
         return "<p>Not measured: a quick report takes no timings. Leave out <code>--quick</code>.</p>"
     told, points = _records(frames["time_to_accuracy"]), _records(frames["work_precision"])
-    first, _, rest = verdicts.headline(told).partition(". ")
+    first, _, rest = conclusions.headline(told).partition(". ")
     picture = "".join(_figure(d, figures, command) for d in drawn if d.name == "work_precision")
     failed = "".join(
         f"<p>{escape(case)} could not be timed: {escape(why)}</p>" for case, why in measured.failures.items()
     )
     fits = frames["work_precision_fits"]
-    main = verdicts.main_quantity(told)
+    main = conclusions.main_quantity(told)
     fits = fits[[main.get(row["case"]) == row["quantity"] for row in _records(fits)]] if len(fits) else fits
     hidden = ("settings_used", "settings")
     links = ", ".join(
@@ -176,7 +161,7 @@ def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path
         for name in ("time_to_accuracy", "work_precision", "work_precision_fits", "null_scores")
     )
     return (
-        f"<p><strong>{escape(first)}.</strong> {escape(rest)} {escape(verdicts.set_up(points))}</p>{failed}{picture}"
+        f"<p><strong>{escape(first)}.</strong> {escape(rest)} {escape(conclusions.set_up(points))}</p>{failed}{picture}"
         f"<h3>CPU time to an accuracy, and its ratio to the fastest</h3>{_accuracies(told, main)}"
         "<details><summary>Orders, and where the error saturates and why</summary>"
         f"{_table(fits, {c: c.replace('_', ' ') for c in fits.columns if c not in hidden})}</details>"
@@ -188,11 +173,11 @@ def _precision(measured: Measured, frames, drawn: Sequence[Drawn], figures: Path
 
 def _accuracies(told: Sequence[dict[str, Any]], main: dict[str, str]) -> str:
     """Cases and routes against accuracies, in each case's main quantity."""
-    head = "".join(f"<th>{accuracy:g}</th>" for accuracy in precision.ACCURACIES)
+    head = "".join(f"<th>{accuracy:g}</th>" for accuracy in work_precision.ACCURACIES)
     body = ""
-    for (case,), rows in precision.groups([r for r in told if main[r["case"]] == r["quantity"]], "case").items():
+    for (case,), rows in work_precision.groups([r for r in told if main[r["case"]] == r["quantity"]], "case").items():
         unit = f"{escape(case)}<br><small>{main[case].replace('_', ' ')} / {UNITS[main[case]]}</small>"
-        routes = precision.groups(rows, "solver", "route")
+        routes = work_precision.groups(rows, "solver", "route")
         for place, ((solver, route), levels) in enumerate(routes.items()):
             cells = "".join(f"<td>{_accuracy_cell(level)}</td>" for level in levels)
             first = f'<th rowspan="{len(routes)}">{unit}</th>' if place == 0 else ""
@@ -219,19 +204,24 @@ def _case(experiment, case: Case, frames, drawn: Sequence[Drawn], figures: Path,
     pictures = "".join(_figure(d, figures, command) for d in drawn if d.case == label and d.name != "headline")
     body = "" if truth.failure else _case_tables(experiment, label, frames, command)
     return (
-        f'<section id="{_anchor(label)}">\n<h2>{escape(label)}</h2>\n<p>{escape(entry(case.name).summary)}</p>\n'
+        f'<section id="{_anchor(label)}">\n<h2>{escape(label)}</h2>\n<p>{escape(_said_of(case))}</p>\n'
         f"{pictures}{body}</section>"
     )
 
 
+def _said_of(case: Case) -> str:
+    """The first line of a case function's docstring; of a case made by hand nothing is said."""
+    return cases.entry(case.name).summary if case.name in cases.names() else ""
+
+
 def _case_tables(experiment: Experiment, label: str, frames, command: str) -> str:
-    groups = tables.routes(run for run in experiment.runs if run.case == label).values()
-    finest = {(r.solver, r.route, r.setting) for r in map(tables.finest, groups) if r}
+    groups = routes(run for run in experiment.runs if run.case == label).values()
+    shown = {(r.solver, r.route, str(r.setting)) for r in map(finest, groups) if r}
     events, orders = frames["transitions"], frames["convergence"]
     told = ""
     if len(events):
         keep = [
-            row["case"] == label and (row["solver"], row["route"], row["setting"]) in finest for row in _records(events)
+            row["case"] == label and (row["solver"], row["route"], row["setting"]) in shown for row in _records(events)
         ]
         chosen = events[keep]
         if len(chosen):
@@ -255,14 +245,14 @@ def _failures(frame: pd.DataFrame) -> str:
     return "\n".join(parts)
 
 
-def _whole_table(name: str, frame: pd.DataFrame, command: str) -> str:
+def _whole_table(name: str, frame: pd.DataFrame, words: Table, command: str) -> str:
     columns = {c: c for c in frame.columns}
     more = f'<p class="note">The first {_SHOWN_ROWS} of {len(frame)} rows.</p>' if len(frame) > _SHOWN_ROWS else ""
     links = f'<a href="tables/{name}.csv">{name}.csv</a>, <a href="tables/{name}.md">{name}.md</a>'
     return (
-        f"<p>{links} — {escape(_TABLE_WORDS[name])} ({len(frame)} rows)</p>\n"
-        f"<details><summary>Show {name}</summary>{more}{_table(frame.head(_SHOWN_ROWS), columns)}{_remake(command)}"
-        "</details>"
+        f"<p>{links} — {escape(words.holds)} ({len(frame)} rows)</p>\n"
+        f"<details><summary>Show {name}</summary>{more}{_table(frame.head(_SHOWN_ROWS), columns, words.columns)}"
+        f"{_remake(command)}</details>"
     )
 
 
@@ -316,11 +306,13 @@ def _remake(command: str) -> str:
     return f'<p class="remake">Make it again: <code>{escape(command)}</code></p>'
 
 
-def _table(frame: pd.DataFrame, columns: dict[str, str]) -> str:
-    """Some columns of a table as HTML; a line above each new case."""
+def _table(frame: pd.DataFrame, columns: dict[str, str], words: Mapping[str, str] | None = None) -> str:
+    """Some columns of a table as HTML; a line above each new case, and what a column means as its tip."""
     numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
+    tips = {column: f' title="{escape(text)}"' for column, text in (words or {}).items()}
     head = "".join(
-        f"<th{_class('number' if c in numeric else '')}>{escape(title)}</th>" for c, title in columns.items()
+        f"<th{_class('number' if c in numeric else '')}{tips.get(c, '')}>{escape(title)}</th>"
+        for c, title in columns.items()
     )
     rows, before = [], None
     for row in _records(frame):
@@ -336,7 +328,7 @@ def _class(name: str) -> str:
 
 
 def _cell(value: Any, column: str, numeric: set[str]) -> str:
-    text = tables.shorten(value, column)
+    text = shorten(value, column)
     if column in numeric:
         kind = "number"
     elif text in (*tables.OUTCOMES, "matched", "missed", "spurious"):

@@ -22,10 +22,10 @@ from math import ceil, isnan, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from adapters import Setting
 from cases import Case
 
-from .records import CaseKey
-from .tasks import load, solver
+from .solvers import solver
 
 # The median is known well enough when its standard error, as a part of it, is below this.
 BOUND = 0.02
@@ -57,11 +57,12 @@ _CHEAP_SECONDS = 0.025
 
 
 class Contestant(NamedTuple):
-    """A setting of a route of a solver, and roughly how long one repeat takes (s, set-up included)."""
+    """A setting of a route of a solver on a case, and roughly how long one repeat takes (s, set-up included)."""
 
+    case: Case
     solver: str
     route: str
-    setting: str
+    setting: Setting
     expected_s: float
 
 
@@ -87,6 +88,9 @@ class Timing:
     repeats: int
     disturbed_repeats: int
     disturbed: bool
+
+
+UNTIMED = Timing(*7 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
 
 
 class Repeat(NamedTuple):
@@ -150,30 +154,23 @@ def disturbed(repeat: Repeat, loop: float) -> bool:
     return waited or repeat.beside_others or repeat.loop > _DISTURBED * loop
 
 
-Who = tuple[str, str, str]  # solver, route, setting
+def time_all(contestants: Sequence[Contestant], budget: float) -> list[tuple[Timing | None, str]]:
+    """Of each contestant its timing, or None and why it failed, in a sentence.
 
-
-def time_case(
-    key: CaseKey, contestants: Sequence[Contestant], budget: float
-) -> tuple[dict[Who, Timing], dict[Who, str]]:
-    """Timings of a case, the cheapest first; and the failures, in a sentence each.
-
-    All that within about `budget` wall seconds beyond imports: who does not fit in it even once is in neither.
+    All take their turns together, the cheapest first, within about `budget` wall seconds beyond imports: who does not
+    fit in it even once has neither.
     """
-    case = load(key)
-    entries = [_entry(case, one) for one in sorted(contestants, key=lambda c: c.expected_s)]
-    for first in {e.contestant[:2]: e for e in reversed(entries)}.values():
+    entries = [_entry(one) for one in contestants]
+    in_turn = sorted(entries, key=lambda entry: entry.contestant.expected_s)
+    for first in {e.contestant[1:3]: e for e in reversed(in_turn)}.values():
         _import(first)
-    loop = take_turns(entries, time.perf_counter() + budget)
-    timings = {e.contestant[:3]: timing(e, loop) for e in entries if e.repeats}
-    return timings, {e.contestant[:3]: e.failure for e in entries if e.failure}
+    loop = take_turns(in_turn, time.perf_counter() + budget)
+    return [(timing(e, loop) if e.repeats else None, e.failure) for e in entries]
 
 
-def _entry(case: Case, one: Contestant) -> Entry:
+def _entry(one: Contestant) -> Entry:
     module = solver(one.solver)
-    setting = next((s for s in module.ladder(case, one.route) if str(s) == one.setting), None)
-    failure = "" if setting else "it is no longer a setting of the solver"
-    return Entry(one, partial(module.build, case, one.route, setting), module.run, module.read, failure=failure)
+    return Entry(one, partial(module.build, one.case, one.route, one.setting), module.run, module.read)
 
 
 def _import(entry: Entry) -> None:

@@ -1,4 +1,4 @@
-"""Trajectories from elsewhere in the full report: `python -m reports.build --trajectory NAME@CASE=FILE.csv`.
+"""External trajectories in the full report: `python -m reports.build --trajectory NAME@CASE=FILE.csv`.
 
 NAME becomes a solver of its own, its route is "file" and its setting the file's name; several files of one name are
 its rungs, from coarse to fine in the order given. They are read and judged as by `reports.compare`. Nobody saw them
@@ -13,20 +13,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from adapters import Setting
 from cases import BadValue, Case, CaseError, Cost, DoesNotFit, Trajectory
 from cases.errors import unknown
 
-from ..judging import exported as compare
+from ..judging import exported
 from .records import Experiment, Run, Truth
+from .tasks import judge, true_motion
 
 ROUTE = "file"
 FORM = "--trajectory NAME=FILE.csv, or NAME@CASE=FILE.csv in a report of several cases"
 # NAME, then perhaps @CASE, whose brackets may hold the equals signs of its parameters, then =FILE.
-_ASKED = re.compile(r"(?P<name>[^@=]+)(@(?P<case>[^=\[]+(\[[^\]]*\])?))?=(?P<file>.+)", re.DOTALL)
+_FORM = re.compile(r"(?P<name>[^@=]+)(@(?P<case>[^=\[]+(\[[^\]]*\])?))?=(?P<file>.+)", re.DOTALL)
 
 
 @dataclass(frozen=True)
-class Elsewhere:
+class External:
     """One trajectory: its solver's name, its case, where it came from (with a digest of the file), and its motion."""
 
     name: str
@@ -36,13 +38,13 @@ class Elsewhere:
     motion: Trajectory
 
 
-def asked(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[Elsewhere, ...]:
+def from_options(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[External, ...]:
     """The trajectories of the options, read and checked; raises CaseError with one sentence that names the option."""
     return tuple(_read(text, cases, solvers) for text in texts)
 
 
-def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> Elsewhere:
-    parts = _ASKED.fullmatch(text)
+def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
+    parts = _FORM.fullmatch(text)
     if not parts:
         raise BadValue(f"--trajectory is {text!r}; give {FORM}")
     name, file = parts["name"].strip(), Path(parts["file"].strip()).expanduser()
@@ -50,10 +52,10 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> Elsewhere
         raise BadValue(f"--trajectory {text!r} takes the name of the solver {name}; give another name")
     case = _case(text, parts["case"], cases)
     try:
-        motion = compare.trajectory_of(case, compare.read_table(file))
+        motion = exported.trajectory_of(case, exported.read_table(file))
     except CaseError as problem:
         raise type(problem)(f"--trajectory {text!r}: {problem}") from problem
-    return Elsewhere(name, case, file.name, hashlib.sha256(file.read_bytes()).hexdigest()[:12], motion)
+    return External(name, case, file.name, hashlib.sha256(file.read_bytes()).hexdigest()[:12], motion)
 
 
 def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:
@@ -71,7 +73,7 @@ def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:
     return found[0]
 
 
-def joined(experiment: Experiment, trajectories: Sequence[Elsewhere]) -> Experiment:
+def joined(experiment: Experiment, trajectories: Sequence[External]) -> Experiment:
     """The experiment with the trajectories' runs after the solvers' of their case."""
     runs = list(experiment.runs)
     rungs: dict[tuple[str, str], int] = {}
@@ -83,17 +85,24 @@ def joined(experiment: Experiment, trajectories: Sequence[Elsewhere]) -> Experim
     return replace(experiment, runs=tuple(runs))
 
 
-def judged(given: Elsewhere, rung: int, truth: Truth) -> Run:
+def judged(given: External, rung: int, truth: Truth) -> Run:
     """The trajectory's row, judged like any solver's."""
-    row = Run(given.case.label, given.name, ROUTE, given.file, rung, outcome="")
+    row = Run(given.case.label, given.name, ROUTE, Setting.of(file=given.file), rung, outcome="")
     row = replace(row, cost=Cost(steps=len(given.motion.t) - 1), status=given.motion.status)
     try:
-        return compare.judge(row, given.case, given.motion, truth)
+        return judge_external(row, given.case, given.motion, truth)
     except DoesNotFit as problem:
         return replace(row, outcome="refused", reason=str(problem))
 
 
-def sources(trajectories: Sequence[Elsewhere]) -> dict[str, str]:
+def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth) -> Run:
+    """The row with its verdict, ledger and errors; raises DoesNotFit if there is no truth to judge it by."""
+    if truth.failure:
+        raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
+    return judge(row, case, motion, true_motion(case, truth.method), truth)
+
+
+def sources(trajectories: Sequence[External]) -> dict[str, str]:
     """What the manifest tells in place of a version, by solver's name: the files and their digests."""
     told: dict[str, list[str]] = {}
     for given in trajectories:

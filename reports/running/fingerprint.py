@@ -19,61 +19,28 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, entry_points, version
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import sympy as sp
 
-from adapters import Setting
+import adapters
+import cases
+import reference
+import reports
 from adapters.interface import GROUP
 from cases import Case, Curve
+from reference import certification
 
+from . import reference_adapter
 from .packing import pack
 from .records import REFERENCE
 
 Key = dict[str, Any]
 
-_SUITE = ("adapters", "cases", "reference", "reports")
+_SUITE = tuple(room.__name__ for room in (adapters, cases, reference, reports))
 # Whose versions can change a digit of any result: arithmetic, code generation, compilers of expressions.
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "heyoka")
-# Code that only the truth, or the reference as a contestant, depends on.
-_TRUTHS_OWN = ("reference", "reports.running.reference_adapter")
-
-
-class Keys:
-    """Keys of the results of one case. `versions`: what each solver told of itself.
-
-    There is no key, and so nothing is kept, where a solver could not tell its version or the case has something that
-    cannot be compared.
-    """
-
-    def __init__(self, case: Case, versions: Mapping[str, str]):
-        self._versions = versions
-        self._case = {"case": case.label, "content": content(case)}
-
-    def truth(self, kept: bool) -> Key | None:
-        """Of the motion the case's runs are judged by; `kept`: the suite's own certificate will do if it has one."""
-        return self._key({"code": sources("reports.running.tasks"), "kept_truth": _kept_truth() if kept else ""})
-
-    def run(self, solver: str, route: str, setting: Setting, truth: str) -> Key | None:
-        """Of one run and its verdict; `truth` as for `of`."""
-        return self.of("reports.running.tasks", {"route": route, "setting": plain(setting)}, (solver,), truth)
-
-    def timing(self, contestants: Iterable[tuple[str, str, str]], budget: float) -> Key | None:
-        """Of the timings of (solver, route, setting) taken in turns within about so many seconds."""
-        who = sorted(contestants)
-        what = {"contestants": [" ".join(one) for one in who], "budget": budget}
-        return self.of("reports.running.clock", what, sorted({one[0] for one in who}))
-
-    def of(self, module: str, what: Key, solvers: Iterable[str], truth: str = "") -> Key | None:
-        """Of what a module of the suite finds out with these solvers, and `what` else it depends on.
-
-        `truth` is the digest of the record results are compared with: what it says counts, not the code that found it.
-        """
-        return self._key({**what, "code": sources(module, _TRUTHS_OWN), "truth": truth}, solvers)
-
-    def _key(self, what: Key, solvers: Iterable[str] = ()) -> Key | None:
-        engines = made_with(self._versions, solvers)
-        return None if self._case["content"] is None or engines is None else {**self._case, **what, **engines}
 
 
 def made_with(versions: Mapping[str, str], solvers: Iterable[str]) -> Key | None:
@@ -81,7 +48,7 @@ def made_with(versions: Mapping[str, str], solvers: Iterable[str]) -> Key | None
     engines = {name: versions.get(name) for name in solvers}
     if not all(engines.values()):
         return None
-    return {"engines": engines, "adapters": {name: sources(_module(name)) for name in engines}, **_surroundings()}
+    return {"engines": engines, "adapters": {name: adapter_sources(name) for name in engines}, **_surroundings()}
 
 
 @lru_cache(maxsize=1)
@@ -130,6 +97,7 @@ def record_digest(record: Any) -> str:
 # --- a case -----------------------------------------------------------------------------------------------------------
 
 
+@lru_cache(maxsize=256)
 def content(case: Case) -> str | None:
     """Digest of all that a case says: curves as expressions, plate, effects, start, duration, parameters.
 
@@ -161,32 +129,39 @@ def plain(value: Any) -> Any:
 
 
 @lru_cache(maxsize=64)
-def sources(module: str, apart: tuple[str, ...] = ()) -> str:
+def sources(module: ModuleType, apart: tuple[ModuleType, ...] = ()) -> str:
     """Digest of a module's code and of what it imports from the suite or its own package, but for modules `apart`.
 
-    Layout and comments do not count. Imports are read, not made: an engine's package is not woken by asking.
+    Layout and comments do not count. Imports are read, not made.
     """
-    return digest({name: _code(path) for name, path in sorted(_reached(module, apart).items())})
+    return _digest_of(module.__name__, tuple(m.__name__ for m in apart))
 
 
 @lru_cache(maxsize=64)
-def _module(solver: str) -> str:
-    """The module a solver is driven by."""
+def adapter_sources(solver: str) -> str:
+    """The same of the adapter of a solver, found without loading it: an engine is not woken by asking.
+
+    Raises LookupError for a solver without one.
+    """
     if solver == REFERENCE:
-        return "reports.running.reference_adapter"
+        return sources(reference_adapter)
     foreign = {point.name: point.module for point in entry_points(group=GROUP)}
-    return foreign.get(solver, f"adapters.{solver}")
+    return _digest_of(foreign.get(solver, f"{adapters.__name__}.{solver}"), ())
 
 
 @lru_cache(maxsize=1)
-def _kept_truth() -> str:
+def kept_truth() -> str:
     """Digest of the truths kept with the suite."""
-    package = _file("reference")
-    assert package is not None
-    return hashlib.sha256(package.with_name("truth.json").read_bytes()).hexdigest()
+    return hashlib.sha256(certification.TRUTH.read_bytes()).hexdigest()
+
+
+def _digest_of(module: str, apart: tuple[str, ...]) -> str:
+    return digest({name: _code(path) for name, path in sorted(_reached(module, apart).items())})
 
 
 def _reached(module: str, apart: tuple[str, ...]) -> dict[str, Path]:
+    if _file(module) is None:
+        raise LookupError(f"there is no file of the module {module}, so that nothing can be said of its code")
     own = {*_SUITE, module.partition(".")[0]}
     found: dict[str, Path] = {}
     waiting = [module]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from datetime import UTC, datetime
+from math import nan
 
 import numpy as np
 
@@ -11,25 +13,12 @@ from adapters import Setting
 from cases import Case, Cost, Mode, Transition
 
 from ..judging.distances import Distance
-from ..judging.slip_phases import LedgerRow
+from ..judging.ledger import LedgerRow
 
 REFERENCE = "reference"
 # The motion that runs are compared with is the reference's best method at this tolerance; the times of its transitions
 # and their error bars are the certified ones.
 TRUTH_RTOL = 1e-13
-
-
-class CaseKey(NamedTuple):
-    """What names a case across processes: its name and parameters, and the files to be read before."""
-
-    name: str
-    parameters: tuple[tuple[str, Any], ...]
-    files: tuple[str, ...]
-
-    @classmethod
-    def of(cls, case: Case, files: tuple[str, ...] = ()) -> CaseKey:
-        """The key of a case of the catalogue or of `files`."""
-        return cls(case.name, tuple(case.parameters.items()), files)
 
 
 @dataclass(frozen=True)
@@ -76,7 +65,7 @@ class Run:
     case: str
     solver: str
     route: str
-    setting: str
+    setting: Setting
     rung: int
     outcome: str
     reason: str = ""
@@ -111,3 +100,42 @@ def gives_motion(run: Run) -> bool:
 def is_default_setting(setting: Setting | str) -> bool:
     """Whether a setting is the engine as it comes: adapters name that rung `rung=defaults`."""
     return "rung=defaults" in str(setting).split()
+
+
+def is_default(run: Run) -> bool:
+    """Whether the run is the engine as it comes."""
+    return is_default_setting(run.setting)
+
+
+def is_truth(run: Run, truth: Truth) -> bool:
+    """Whether the run is the very one the others are judged by, so that its error is zero by construction."""
+    return run.solver == REFERENCE and run.route == truth.method and run.setting == Setting.of(rtol=TRUTH_RTOL)
+
+
+def routes(runs: Iterable[Run]) -> dict[tuple[str, str, str], list[Run]]:
+    """Runs by (case, solver, route), each from coarse to fine."""
+    groups: dict[tuple[str, str, str], list[Run]] = {}
+    for run in runs:
+        groups.setdefault((run.case, run.solver, run.route), []).append(run)
+    return groups
+
+
+def finest(group: Sequence[Run]) -> Run | None:
+    """The finest rung that gave a motion, or None."""
+    return next((run for run in reversed(group) if gives_motion(run)), None)
+
+
+def default(group: Sequence[Run]) -> Run | None:
+    """The engine's own settings, if the route has such a rung."""
+    return next((run for run in group if is_default(run)), None)
+
+
+def first_error(run: Run | None) -> float:
+    """Error of the time of the truth's first transition, s; NaN if it was missed or there is none."""
+    rows = [row for row in run.ledger if row.event == 1 and row.verdict != "spurious"] if run else []
+    return rows[0].error if rows else nan
+
+
+def now() -> str:
+    """The time, UTC, to the second."""
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -18,7 +18,6 @@ import zipfile
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -26,6 +25,7 @@ import numpy as np
 
 from .fingerprint import Key, digest
 from .packing import pack, unpack
+from .records import now
 
 T = TypeVar("T")
 
@@ -185,11 +185,6 @@ class Store:
 
 def _counted(kinds: Counter[str]) -> str:
     return " and ".join(f"{n} {kind}{'s' * (n != 1)}" for kind, n in sorted(kinds.items())) or "nothing"
-
-
-def now() -> str:
-    """The time, UTC, to the second."""
-    return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def _archive(told: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:

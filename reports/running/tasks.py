@@ -6,23 +6,23 @@ Owns the clock. Whatever a solver does short of ending the process becomes a rec
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from types import ModuleType
 
 import numpy as np
 
-import adapters
 import cases
 import reference
 from adapters import EngineFailure, Setting
-from cases import Case, NotSupported, Trajectory
+from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
-from ..judging import distances
-from ..judging import slip_phases as metrics
-from ..judging import transitions as reading
-from .records import REFERENCE, TRUTH_RTOL, CaseKey, Offer, Run, Truth
+from ..judging import distances, ledger, transitions
+from ..judging.slip_phases import Reading
+from .records import TRUTH_RTOL, Offer, Run, Truth, now
+from .solvers import solver
 
 # What a figure can show; samples beyond are left out at even distances.
 _SHOWN_SAMPLES = 1500
@@ -30,63 +30,48 @@ _SHOWN_SAMPLES = 1500
 _LAST_STEPS = 2.5
 
 
-@lru_cache(maxsize=8)
-def load(key: CaseKey) -> Case:
-    """The case of a key."""
-    for file in key.files:
-        if key.name not in cases.names():
-            cases.load_file(file)
-    return cases.load(key.name, **dict(key.parameters))
-
-
-def solver(name: str) -> ModuleType:
-    """A solver by name, an engine or the reference; raises ImportError if it is not installed."""
-    if name == REFERENCE:
-        from . import reference_adapter
-
-        return reference_adapter
-    return adapters.engine(name)
-
-
-def version(name: str) -> str:
-    """The version of a solver."""
-    try:
-        return str(solver(name).version())
-    except ImportError:
-        return "not installed"
-
-
-def survey(key: CaseKey, name: str) -> tuple[Offer, ...]:
-    """What each route of a solver offers for a case."""
+def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
+    """What each route of a solver offers for a case: the settings of its ladder, or of its grid if it has one."""
     try:
         module = solver(name)
     except ImportError as problem:
         return (Offer("", (), "refused", f"{name} is not installed here ({problem})"),)
-    return tuple(_offer(module, load(key), route) for route in module.routes)
+    if not hasattr(module, knobs):
+        return ()
+    return tuple(_offer(module, case, str(route), knobs) for route in module.routes)
 
 
-def _offer(module: ModuleType, case: Case, route: str) -> Offer:
+def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
     try:
         refusal = module.refuses(case, route)
-        return Offer(route, (), "refused", refusal) if refusal else Offer(route, tuple(module.ladder(case, route)))
+        if refusal:
+            return Offer(route, (), "refused", str(refusal))
+        return Offer(route, tuple(_plain(setting) for setting in getattr(module, knobs)(case, route)))
     except Exception as problem:
-        return Offer(route, (), "crashed", f"its ladder fails: {_sentence(problem)}")
+        return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}")
+
+
+def _plain(setting: Setting) -> Setting:
+    """The setting, if it is one and holds nothing but numbers and words: only such may travel."""
+    if type(setting) is not Setting or any(type(v) not in (int, float, str, bool) for _, v in setting.values):
+        raise TypeError(f"{setting!r} is no Setting of numbers and words")
+    return setting
 
 
 @lru_cache(maxsize=2)
-def _true_motion(key: CaseKey, method: str) -> Trajectory:
-    return reference.simulate(load(key), rtol=TRUTH_RTOL, method=method)
+def true_motion(case: Case, method: str) -> Trajectory:
+    """The motion that runs are compared with."""
+    return reference.simulate(case, rtol=TRUTH_RTOL, method=method)
 
 
-def find_truth(key: CaseKey) -> Truth:
-    """The certified truth of a case: kept with the suite for its catalogue, made anew for a case from a file."""
-    case = load(key)
+def find_truth(case: Case) -> Truth:
+    """The certified truth of a case: kept with the suite for its catalogue, made anew for any other."""
     try:
-        certificate = kept_or_new(case, kept=not key.files)
+        certificate = kept_or_new(case, kept=in_catalogue(case))
     except NotCertified as problem:
         return Truth(failure=str(problem))
     method = reference.METHODS[0]
-    motion = _true_motion(key, method)
+    motion = true_motion(case, method)
     certified = certificate.transitions
     if [(event.before, event.after) for event in motion.transitions] != [row[:2] for row in certified]:
         return Truth(failure="the reference's motion is not the certified one; rebuild the truth: python -m reference")
@@ -103,6 +88,14 @@ def find_truth(key: CaseKey) -> Truth:
         witnesses=certificate.witnesses,
         centre_bar=_centre_bar(certificate, motion),
     )
+
+
+def in_catalogue(case: Case) -> bool:
+    """Whether it is a case of a catalogue; what a script calls by the same name may be another."""
+    try:
+        return cases.load(case.name, **case.parameters) == case
+    except CaseError:
+        return False
 
 
 def _centre_bar(certificate: Certificate, motion: Trajectory) -> float:
@@ -122,15 +115,22 @@ def _evenly(motion: Trajectory) -> Trajectory:
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
 
 
-def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
+def perform(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
     """Run one setting of one route and judge it. Only `run` of the solver is on the clock.
 
     Raises what is the machine's fault and may be mended (ImportError, MemoryError, OSError): it is no result to keep.
     """
-    case = load(key)
-    row = Run(case.label, name, route, str(setting), rung, outcome="")
+    row = Run(case.label, name, route, setting, rung, outcome="", when=now())
+    return attempt(row, case, lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth))
+
+
+def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> Run:
+    """The row of the run it names: refused, crashed, or what `verdict(row, motion)` makes of a sound motion.
+
+    Raises what is the machine's fault: ImportError, MemoryError, OSError.
+    """
     try:
-        trajectory = timed(solver(name), case, route, setting)
+        motion = timed(solver(row.solver), case, row.route, row.setting)
     except NotSupported as refusal:
         return replace(row, outcome="refused", reason=str(refusal))
     except EngineFailure as failure:
@@ -138,11 +138,11 @@ def perform(key: CaseKey, name: str, route: str, setting: Setting, rung: int, tr
     except (ImportError, MemoryError, OSError):
         raise
     except Exception as problem:
-        return replace(row, outcome="crashed", reason=_sentence(problem))
-    row = replace(row, status=trajectory.status, cost=trajectory.cost)
-    if not _sound(trajectory):
+        return replace(row, outcome="crashed", reason=sentence(problem))
+    row = replace(row, status=motion.status, cost=motion.cost)
+    if not sound(motion):
         return replace(row, outcome="crashed", reason="it gave numbers that are not finite, or times that do not grow")
-    return judge(row, case, trajectory, _true_motion(key, truth.method), truth)
+    return verdict(row, motion)
 
 
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
@@ -162,16 +162,16 @@ def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Traje
 
 def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth) -> Run:
     """Compare a sound trajectory with the truth: ledger, distances, right or wrong."""
-    told = read(case, trajectory)
-    ledger = metrics.match(truth.transitions, told.transitions)
+    told = reading_of(case, trajectory)
+    matched = ledger.match(truth.transitions, told.transitions)
     off = distances.differences(trajectory, motion, case)
-    wrong = _faults(told, ledger, trajectory, truth)
+    wrong = _faults(told, matched, trajectory, truth)
     return replace(
         row,
         outcome="wrong" if wrong else "right",
         reason="; ".join(wrong),
         first_mode=str(told.first_mode),
-        ledger=ledger,
+        ledger=matched,
         spreads=told.spreads,
         distance=distances.distance(off),
         samples=_shown(case, trajectory),
@@ -179,21 +179,21 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
     )
 
 
-def read(case: Case, trajectory: Trajectory) -> metrics.Reading:
+def reading_of(case: Case, trajectory: Trajectory) -> Reading:
     """A solver's transitions: its own where it locates them itself (it then names its first mode), else as sampled."""
     if trajectory.first_mode is not None:
         own = tuple(trajectory.transitions)
-        return metrics.Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
-    return reading.read(case, trajectory)
+        return Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
+    return transitions.read_motion(case, trajectory)
 
 
-def _faults(told: metrics.Reading, ledger, trajectory: Trajectory, truth: Truth) -> list[str]:
+def _faults(told: Reading, matched: tuple[ledger.LedgerRow, ...], trajectory: Trajectory, truth: Truth) -> list[str]:
     """Why a run is wrong, in phrases; an empty list means right."""
     faults = []
     if told.first_mode != truth.first_mode:
         faults.append(f"begins with {told.first_mode}, not {truth.first_mode}")
     for verdict in ("missed", "spurious"):
-        kinds = [f"{row.before} to {row.after}" for row in ledger if row.verdict == verdict]
+        kinds = [f"{row.before} to {row.after}" for row in matched if row.verdict == verdict]
         if kinds:
             faults.append(f"{len(kinds)} {verdict} ({', '.join(kinds[:3])}{', …' if len(kinds) > 3 else ''})")
     end, step = float(truth.samples["t"][-1]), float(np.max(np.diff(trajectory.t)))
@@ -202,7 +202,8 @@ def _faults(told: metrics.Reading, ledger, trajectory: Trajectory, truth: Truth)
     return faults
 
 
-def _sound(trajectory: Trajectory) -> bool:
+def sound(trajectory: Trajectory) -> bool:
+    """Whether it is a motion: finite numbers at times that do not go back."""
     names = ("t", "x", "y", "theta", "vx", "vy", "omega")
     finite = all(np.all(np.isfinite(getattr(trajectory, name))) for name in names)
     # In flight there is no slip, and then no place of contact either.
@@ -225,6 +226,7 @@ def _thin(values: np.ndarray) -> np.ndarray:
     return values[np.linspace(0, len(values) - 1, _SHOWN_SAMPLES).round().astype(int)]
 
 
-def _sentence(problem: BaseException) -> str:
+def sentence(problem: BaseException) -> str:
+    """An exception in one line."""
     text = " ".join(str(problem).split())
     return f"{type(problem).__name__}: {text}" if text else type(problem).__name__

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import multiprocessing
 import os
+import pickle
 import shutil
 import signal
 import sys
@@ -18,6 +19,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 # An engine that writes more than this to one file is flooding; the largest honest log of one run is a few megabytes.
@@ -44,39 +46,32 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 class Answer:
     """What came of a call: `outcome` is "done" (then `value` holds), "raised", "died" or "timed_out"; `reason` is one
     sentence for the last three; `output` is the end of what the call printed; `lasting` is whether the call itself
-    brought it about, so that it would come out the same again."""
+    brought it about, so that it would come out the same again; `when` it was made, if that is noted."""
 
     outcome: str
     value: Any = None
     reason: str = ""
     output: str = ""
     lasting: bool = True
+    when: str = ""
 
-
-def run(
-    function: Callable,
-    arguments: Sequence[tuple],
-    jobs: int = 1,
-    limit: float = 60.0,
-    instead: Callable[[int], Answer | None] = lambda index: None,
-) -> Generator[tuple[int, Answer]]:
-    """The calls of `Pool.run` by workers of their own."""
-    with Pool(jobs) as pool:
-        yield from pool.run(function, arguments, limit, instead)
+    @property
+    def failure(self) -> tuple[str, str]:
+        """Outcome and reason of the row that stands for a call that did not return."""
+        outcome = "timed_out" if self.outcome == "timed_out" else "crashed"
+        return outcome, f"{self.reason}; it last printed: {self.output[-200:]}" if self.output else self.reason
 
 
 class Pool:
-    """Workers that make calls, `jobs` at a time. When it is left they are killed and their scratch directories gone."""
+    """Workers that make calls, `jobs` at a time. Closed, they are killed and their scratch directories gone."""
 
     def __init__(self, jobs: int):
         self._jobs = jobs
         self._scratch = Path(tempfile.mkdtemp(prefix="slip-to-roll-"))
         self._workers: list[_Worker] = []
 
-    def __enter__(self) -> Pool:
-        return self
-
-    def __exit__(self, *_) -> None:
+    def close(self) -> None:
+        """End the workers."""
         for worker in self._workers:
             worker.kill()
         shutil.rmtree(self._scratch, ignore_errors=True)
@@ -86,14 +81,15 @@ class Pool:
         function: Callable,
         arguments: Sequence[tuple],
         limit: float = 60.0,
-        instead: Callable[[int], Answer | None] = lambda index: None,
+        skip: Callable[[int], Answer | None] = lambda index: None,
     ) -> Generator[tuple[int, Answer]]:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
         Calls with the same first argument begin in order, by one worker where that leaves nobody idle: what it
-        compiled for a case serves all of the case's runs. Yields (i, answer) as they end; `instead(i)`, asked just
-        before call i would begin, may give an answer in its place. The function and its arguments travel by pickle, so
-        the function lives at the top of a module. Calls that are still running when the iterator ends are killed.
+        compiled for a case serves all of the case's runs. Yields (i, answer) as they end; `skip(i)`, called
+        just before call i would begin, may give an answer in its place. The function and its arguments travel by
+        pickle, so the function lives at the top of a module. Calls that are still running when the iterator
+        ends are killed.
         """
         waiting = dict(enumerate(arguments))
         try:
@@ -102,7 +98,7 @@ class Pool:
                     worker = self._idle()
                     index = worker.next_of(waiting, [other.subject for other in self._busy()])
                     args = waiting.pop(index)
-                    given = instead(index)
+                    given = skip(index)
                     if given is not None:
                         yield index, given
                         continue
@@ -138,11 +134,15 @@ class _Worker:
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self.pipe, far_end = context.Pipe()
         self.process = context.Process(target=_serve, args=(far_end, str(scratch), os.getpid()), daemon=True)
-        before = dict(os.environ)
+        before, main = dict(os.environ), sys.modules["__main__"]
         os.environ.update(_ONE_THREAD)
+        # A fresh process would run the program's file again, to know what is defined there: a script that makes a
+        # report would begin to make another one. Nothing that is called lives there.
+        sys.modules["__main__"] = ModuleType("__main__")
         try:
             self.process.start()
         finally:
+            sys.modules["__main__"] = main
             os.environ.clear()
             os.environ.update(before)
         far_end.close()
@@ -230,7 +230,10 @@ def _serve(pipe: Connection, scratch: str, parent: int) -> None:
         signal.alarm(int(limit) + 10)
         answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
         signal.alarm(0)
-        pipe.send((answer, _resident() - at_first))
+        try:
+            pipe.send((answer, _resident() - at_first))
+        except (TypeError, AttributeError, pickle.PicklingError) as problem:
+            pipe.send((Answer("raised", reason=f"what it returned cannot travel: {problem}"), 0))
 
 
 def _end_with(parent: int) -> None:

@@ -1,119 +1,95 @@
-"""The studies that stand beside the comparison, each with a question, tables and pictures of its own.
+"""Studies: questions that stand beside the comparison. A module or a folder's being here registers a study.
 
-A study that fails is told in its place; it takes nothing else with it.
+A study is a module (of a folder: its `study.py`) with
+
+    TITLE, QUESTION     what the page says first
+    TABLES              by name what each table holds and what its columns mean (`Table`); every column has its words
+    TAKES               which of "case" and "solver" it takes: a study may have scenes or contestants of its own
+    IN_REPORT           whether a report has it
+    run(request, calls)     what it finds out; everything that may fail is called in a worker, and a failure is a row
+    rows(found)             the rows of each table
+    draw(found, folder)     writes its pictures, and yields what was written
+    summary(found)          if it likes: what the terminal is shown in the place of the tables
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import importlib
+import pkgutil
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from cases import Case
+from cases.errors import unknown
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..drawing.style import Drawn
-    from ..options import Plan
-
-Tell = Callable[[str, int, Iterator], Iterator]
-Calls = Callable[..., Iterator]
-Draw = Callable[[Path], Iterator["Drawn"]]
+    from ..analysis.tables import Table
+    from ..drawing.files import Drawn
+    from ..running.calls import Calls
 
 
-class Study(NamedTuple):
-    """What a study found: its anchor, title and question on the page, the command that makes it alone, tables by name,
-    how its pictures are drawn into a folder; or why it failed, in a sentence."""
+class Request(NamedTuple):
+    """What a study is asked: cases named by the user (none: those it chooses itself), solvers, and whether it may take
+    as long as it likes."""
+
+    cases: tuple[Case, ...] = ()
+    solvers: tuple[str, ...] = ()
+    full: bool = False
+
+
+class Result(NamedTuple):
+    """What came of a study: its module, the command that makes it alone, its tables, what it found; or why it failed,
+    in a sentence."""
 
     name: str
-    title: str
-    question: str
+    study: ModuleType
     command: str
-    frames: dict[str, pd.DataFrame]
-    draw: Draw
+    frames: dict[str, pd.DataFrame] = {}
+    found: Any = None
     failure: str = ""
 
+    @property
+    def words(self) -> dict[str, Table]:
+        """What is said of its tables."""
+        return {name: self.study.TABLES[name] for name in self.frames}
 
-def _effects(plan: Plan, tell: Tell, calls: Calls):
-    from .effect_costs import measure as effect_costs
+    def draw(self, folder: Path) -> list[Drawn]:
+        """Its pictures, written into the folder; if they fail, what says so."""
+        from ..drawing.files import Drawn
 
-    rows = effect_costs.measure(plan.solvers, plan.jobs, tell=tell, calls=calls)
-    return {"effect_costs": effect_costs.frame(rows)}, lambda folder: effect_costs.draw(rows, folder)
-
-
-def _parts(plan: Plan, tell: Tell, calls: Calls):
-    from .error_parts import figure as error_parts_figure
-    from .error_parts import measure as error_parts
-
-    engines = [name for name in plan.solvers if name != "reference"]
-    cells = error_parts.measure(error_parts.chosen(plan.cases), engines, plan.files, plan.jobs, tell, calls)
-    return {"error_parts": error_parts.frame(cells)}, lambda folder: error_parts_figure.draw(cells, folder)
-
-
-def _hard(plan: Plan, tell: Tell, calls: Calls):
-    from .stability import measure as stability
-
-    full = plan.effort == "full"
-    found = stability.measure(stability.atlas(full), plan.solvers, full, plan.jobs, tell=tell, calls=calls)
-    return stability.frames(found), lambda folder: stability.draw(found, folder)
+        if self.failure:
+            return []
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            return list(self.study.draw(self.found, folder))
+        except Exception as problem:  # the numbers are there, whatever happens to a picture
+            return [Drawn("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
 
 
-def _formulations(plan: Plan, tell: Tell, calls: Calls):
-    from .formulations import measure as formulations
-
-    tolerances = formulations.TOLERANCES if plan.effort == "full" else formulations.TOLERANCES[::2]
-    (rows,) = tell("formulations", 1, (formulations.rows(tolerances) for _ in range(1)))
-    return {"formulation_study": formulations.frame(rows)}, lambda folder: formulations.draw(rows, folder)
+def names() -> tuple[str, ...]:
+    """Every study's name, in alphabetical order. Imports none of them."""
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
 
 
-# By name: title, question, and what answers it.
-_STUDIES: dict[str, tuple[str, str, Callable]] = {
-    "effect_costs": (
-        "What each effect costs",
-        "One scene with its effects added one at a time: what each costs, and how wrong the answer is without it.",
-        _effects,
-    ),
-    "error_parts": (
-        "The parts of an error",
-        "Step and model parameter are varied against each other: how much of an error is the step's, how much the "
-        "facets', the penalty's or the regularised friction's, and which to turn next.",
-        _parts,
-    ),
-    "stability": (
-        "Hard scenes",
-        "Scenes that break solvers, and what each does there. One variant of each family; a full report has all. "
-        "Chaotic: one unit in the last place of the inputs decides, so nobody is ranked.",
-        _hard,
-    ),
-    "formulations": (
-        "Which coordinates to integrate",
-        "The paper's ten coordinates without stabilisation, with Baumgarte's, with projection, and the two independent "
-        "ones: how far each drifts off its constraints, and what it costs.",
-        _formulations,
-    ),
-}
+def study(name: str) -> ModuleType:
+    """The study of that name; raises UnknownName."""
+    if name not in names():
+        raise unknown("study", name, names())
+    module = importlib.import_module(f"{__name__}.{name}")
+    return importlib.import_module(f"{module.__name__}.study") if hasattr(module, "__path__") else module
 
 
-def run(plan: Plan, tell: Tell, calls: Calls) -> list[Study]:
-    """All studies of a plan: none in a quick report, nor where cases were named, unless it is a full one.
+def run(name: str, request: Request, calls: Calls, command: str) -> Result:
+    """Make a study. What fails is said in its result; it takes nothing else with it."""
+    import pandas as pd
 
-    `calls` makes what each study runs, as `workers.run` does."""
-    if plan.effort == "quick" or (plan.asked and plan.effort != "full"):
-        return []
-    return [_one(name, plan, tell, calls) for name in _STUDIES]
-
-
-def _one(name: str, plan: Plan, tell: Tell, calls: Calls) -> Study:
-    title, question, find = _STUDIES[name]
-    command = f"python -m reports.studies.{name}.measure"
+    made = study(name)
     try:
-        frames, draw = find(plan, tell, calls)
+        found = made.run(request, calls)
+        frames = {table: pd.DataFrame(rows) for table, rows in made.rows(found).items()}
+        return Result(name, made, command, frames, found)
     except Exception as problem:  # whatever it is, the report goes on without this study and says so
-        return Study(
-            name, title, question, command, {}, lambda folder: iter(()), f"{type(problem).__name__}: {problem}"
-        )
-    return Study(name, title, question, command, frames, draw)
-
-
-def drawn(studies: Sequence[Study], folder: Path) -> dict[str, list[Drawn]]:
-    """Every study's pictures, written into the folder, by the study's name."""
-    return {study.name: list(study.draw(folder)) for study in studies}
+        return Result(name, made, command, failure=f"{type(problem).__name__}: {problem}")

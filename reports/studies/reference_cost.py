@@ -1,37 +1,71 @@
-"""`python -m reports.bench`: what the reference costs, against heyoka on the paper's closed form in the same run.
+"""What the reference costs, against heyoka on the paper's closed form in the same run, and from a cold start.
 
-CPU time of the run alone, contestants interleaved, medians of many repeats: ratios hold on a noisy machine, absolute
-times do not.
+All contestants take turns at the one clock: ratios hold on a noisy machine, absolute times do not.
 """
 
 from __future__ import annotations
 
-import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from math import nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import cases
 import reference
+from adapters import Setting
 from reference import solve, taylor
 from reference.closed_form import sliding_disc_in_circle
 from reference.modes import Regime, phase, start_state
 
-REPEATS = 60
+from ..analysis.tables import Table
+from ..running.calls import Calls
+from ..running.clock import UNTIMED, Contestant, Entry, Timing, take_turns, timing
+from ..running.records import REFERENCE
+from . import Request
+
+if TYPE_CHECKING:
+    from ..drawing.files import Drawn
+
+TITLE = "What the reference costs"
+QUESTION = (
+    "The general formulation against a Taylor integrator on the paper's own closed form, and what a cold start takes."
+)
+TAKES = ()
+IN_REPORT = False  # it says how the reference's own code fares, and nothing of engines
+TABLES = {
+    "reference_cost": Table(
+        "CPU time of the reference and of heyoka on the paper's closed form, and cold starts",
+        {
+            "contestant": "what is solved by what, at which tolerance",
+            "cpu_s": "CPU time, s: the median of the undisturbed repeats (of a cold start: wall time of one process)",
+            "cpu_low_s": "where the median of another process is expected to begin, s",
+            "cpu_high_s": "where it is expected to end, s",
+            "ratio": "CPU time over the fastest contestant's",
+            "repeats": "how many repeats the median is of",
+            "disturbed": "whether the machine had other things to do",
+            "error_s": "error of the first transition's time, s",
+            "reason": "why there is no time",
+        },
+    )
+}
+MU, RTOL = 0.2, 1e-9
+# Wall seconds for all turns; a full study waits for better known medians.
+BUDGET, FULL_BUDGET = 5.0, 30.0
+CURVES = ("(s, -0.3 * cos(2 * s))", "(s + 0.1 * sin(s), -0.3 * cos(2 * s) + 0.05 * sin(3 * s))")
+# Beyond its budget: derivations and compilations of all contestants.
+_PATIENCE = 60.0
 
 
-def interleaved(contestants: dict[str, Callable[[], object]], repeats: int = REPEATS) -> dict[str, list[float]]:
-    """CPU seconds of each contestant, run in turn so that the machine's drift hits all alike."""
-    seconds: dict[str, list[float]] = {name: [] for name in contestants}
-    for run in contestants.values():
-        run()
-    for _ in range(repeats):
-        for name, run in contestants.items():
-            began = time.process_time()
-            run()
-            seconds[name].append(time.process_time() - began)
-    return seconds
+def contestants() -> dict[str, Callable[[], float | int]]:
+    """What takes turns, by name; those named "first slip" return the time of the first transition, s."""
+    found: dict[str, Callable[[], float | int]] = {"dop853, first slip": first_slip(MU, "dop853", RTOL)}
+    if taylor.AVAILABLE:
+        found["heyoka on (35), first slip"] = closed_form_by_heyoka(MU, RTOL)
+        found["taylor, first slip"] = first_slip(MU, "taylor", RTOL)
+    return found | {f"{method}, 5 s with all transitions": whole_motion(method, RTOL) for method in reference.METHODS}
 
 
 def closed_form_by_heyoka(mu: float, tolerance: float) -> Callable[[], float]:
@@ -78,6 +112,19 @@ def whole_motion(method: str, rtol: float) -> Callable[[], int]:
     return lambda: len(solve.run(case, regime, start, rtol, integrate)[1])
 
 
+def timings(budget: float) -> dict[str, tuple[Timing, float]]:
+    """Timing and error (s, NaN for whole motions) of every contestant, within about `budget` wall seconds."""
+    exact = float(sliding_disc_in_circle("1", "0.1", str(MU), "9.81").time)
+    case, programs = cases.load("disc_in_circle", mu=MU), contestants()
+    entries = []
+    for name, program in programs.items():
+        who = Contestant(case, REFERENCE, name, Setting.of(rtol=RTOL), 1e-3)
+        entries.append(Entry(who, lambda: None, lambda model, program=program: program()))  # type: ignore[misc]
+    errors = {name: program() - exact if "first slip" in name else nan for name, program in programs.items()}
+    loop = take_turns(entries, time.perf_counter() + budget)
+    return {e.contestant.route: (timing(e, loop), errors[e.contestant.route]) for e in entries if e.repeats}
+
+
 def cold_start(curve: str) -> float:
     """Wall seconds of a new process that imports, derives, compiles and solves a case with that track."""
     program = (
@@ -93,30 +140,35 @@ def cold_start(curve: str) -> float:
     return time.perf_counter() - began
 
 
-def main() -> None:
-    """Print the table."""
-    mu = 0.2
-    exact = float(sliding_disc_in_circle("1", "0.1", str(mu), "9.81").time)
-    contestants: dict[str, Callable[[], object]] = {"scipy, first slip, 1e-9": first_slip(mu, "dop853", 1e-9)}
-    errors = {"scipy, first slip, 1e-9": first_slip(mu, "dop853", 1e-9)() - exact}
-    if taylor.AVAILABLE:
-        for name, run in {
-            "heyoka on (35), first slip, 1e-9": closed_form_by_heyoka(mu, 1e-9),
-            "taylor, first slip, 1e-9": first_slip(mu, "taylor", 1e-9),
-        }.items():
-            contestants[name], errors[name] = run, run() - exact
-    for method in reference.METHODS:
-        contestants[f"{method}, 5 s with all transitions, 1e-9"] = whole_motion(method, 1e-9)
-    seconds = interleaved(contestants)
-    fastest = min(statistics.median(times) for times in seconds.values())
-    print(f"{'contestant':44s} {'median':>10s} {'spread':>10s} {'ratio':>8s} {'error of t':>11s}")
-    for name, times in seconds.items():
-        low, middle, high = statistics.quantiles(times, n=4)
-        error = f"{errors[name]:+.1e}" if name in errors else ""
-        print(f"{name:44s} {middle * 1e6:7.1f} µs {(high - low) * 1e6:7.1f} µs {middle / fastest:8.1f} {error:>11s}")
-    for curve in ("(s, -0.3 * cos(2 * s))", "(s + 0.1 * sin(s), -0.3 * cos(2 * s) + 0.05 * sin(3 * s))"):
-        print(f"cold start of y(s) = {curve}: {cold_start(curve):.2f} s")
+def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
+    """The rows, the fastest contestant's ratio being one."""
+    budget = FULL_BUDGET if request.full else BUDGET
+    with calls.alone() as alone:
+        (answer,) = alone.all("timings", timings, [(budget,)], limit=budget + _PATIENCE)
+        cold = alone.all("cold starts", cold_start, [(curve,) for curve in CURVES])
+    if answer.outcome == "done":
+        fastest = min(t.cpu_s for t, _ in answer.value.values())
+        found = [_row(name, t, t.cpu_s / fastest, error) for name, (t, error) in answer.value.items()]
+    else:
+        found = [_row("all", UNTIMED, reason=answer.failure[1])]
+    for curve, start in zip(CURVES, cold, strict=True):
+        done = start.outcome == "done"
+        row = _row(f"cold start of {curve}", UNTIMED, reason="" if done else start.failure[1])
+        found.append(row | {"cpu_s": start.value if done else nan})
+    return found
 
 
-if __name__ == "__main__":
-    main()
+def _row(name: str, t: Timing, ratio: float = nan, error: float = nan, reason: str = "") -> dict[str, Any]:
+    times = {"cpu_s": t.cpu_s, "cpu_low_s": t.cpu_low_s, "cpu_high_s": t.cpu_high_s}
+    counts = {"repeats": t.repeats, "disturbed": t.disturbed}
+    return {"contestant": name, **times, "ratio": ratio, **counts, "error_s": error, "reason": reason}
+
+
+def rows(found: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """The one table."""
+    return {"reference_cost": found}
+
+
+def draw(found: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
+    """No picture: five numbers need none."""
+    return iter(())

@@ -13,9 +13,9 @@ import pytest
 
 import cases
 from adapters import Setting
-from reports import build
-from reports import options as plan
+from reports import build, options
 from reports.analysis import tables
+from reports.page import folder, text
 
 from .. import fake_adapter
 
@@ -98,7 +98,7 @@ def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogu
     few, fewer = (settings[0], settings[1], settings[3], settings[5]), (settings[0], settings[5])
 
     def kept(effort, asked, case, solver="pymunk"):
-        return plan.Plan(Path("x"), (), (), (), effort, 1, (), asked).thin(case, solver, settings)
+        return options.Plan(Path("x"), (), (), (), effort, 1, (), asked).select_rungs(case, solver, settings)
 
     assert kept("quick", True, "disc_in_circle") == few
     assert kept("default", False, "disc_in_circle") == settings
@@ -139,7 +139,7 @@ def test_report_has_every_promised_file_and_no_other(report):
 
 def test_manifest_tells_how_it_was_made(report):
     manifest = json.loads((report / "manifest.json").read_text())
-    assert manifest["made_by"] == plan.MADE_BY and "--quick" in manifest["command"]
+    assert manifest["made_by"] == folder.MADE_BY and "--quick" in manifest["command"]
     assert {"numpy", "scipy"} <= manifest["packages"].keys() and manifest["python"].startswith("3.")
     assert set(manifest["solvers"]) == {"reference", "pymunk"}
 
@@ -184,8 +184,8 @@ def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
     assert len(figures) == 7 and len(texts) == len(tables.TABLES)
     for figure in figures:
         assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
-    for text in texts:
-        assert "Make it again: `python -m reports.build" in text.read_text(), text
+    for file in texts:
+        assert "Make it again: `python -m reports.build" in file.read_text(), file
 
 
 def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkeypatch, capsys):
@@ -194,7 +194,7 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
     def full(*_):
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(tables, "write", full)
+    monkeypatch.setattr(text, "write", full)
     argv = ["--out", str(report), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
     assert build.main(argv) == 1
     assert "no space left" in capsys.readouterr().err
@@ -204,10 +204,10 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
 
 def test_what_a_killed_build_left_is_removed_and_what_another_writes_now_is_not(tmp_path):
     old, young = tmp_path / ".report.killed.partial", tmp_path / ".report.now.partial"
-    for folder in (old, young):
-        (folder / "figures").mkdir(parents=True)
+    for left in (old, young):
+        (left / "figures").mkdir(parents=True)
     os.utime(old, (1e9, 1e9))
-    build._sweep(tmp_path / "report")
+    folder.sweep(tmp_path / "report")
     assert not old.exists() and young.exists()
 
 
@@ -228,18 +228,18 @@ def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):
 @pytest.fixture(scope="module")
 def failing(tmp_path_factory):
     """A report of an engine that fails in every way, one run killed from outside, and of one that is not installed."""
-    folder = tmp_path_factory.mktemp("packages")
-    out = folder / "report"
+    packages = tmp_path_factory.mktemp("packages")
+    out = packages / "report"
     settings = ["wait 1", "nan", "never rolls", "gives up", "segfault", "until killed", "hang", "wait 2"]
-    fake_adapter.install(folder, settings)
-    fake_adapter.install(folder, settings, name="ghost", works=False)
-    killer = threading.Thread(target=kill_when_told, args=(folder / "pid",))
+    fake_adapter.install(packages, settings)
+    fake_adapter.install(packages, settings, name="ghost", works=False)
+    killer = threading.Thread(target=kill_when_told, args=(packages / "pid",))
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(folder)
-        patch.setattr(plan, "_LIMITS", {"default": 5.0})
+        patch.syspath_prepend(packages)
+        patch.setattr(options, "_LIMITS", {"default": 5.0})
         killer.start()
         argv = ["--out", str(out), "--case", fake_adapter.CASE, "--solver", "fake", "ghost", "--jobs", "1"]
-        assert build.main([*argv, "--store", str(folder / "store")]) == 0
+        assert build.main([*argv, "--store", str(packages / "store")]) == 0
         killer.join()
     return out
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import cases
-from reports.running.calls import Recall
-from reports.running.records import CaseKey
+from cases import Case
+from reports.running.calls import Calls, Keep
 from reports.running.store import Store
 
-LINE = CaseKey.of(cases.load("disc_on_line"))
+LINE = cases.load("disc_on_line")
 
 
-def work(log: str, key: CaseKey, solver: str, numbers: np.ndarray, how: str) -> tuple[str, dict[str, np.ndarray]]:
+def work(log: str, key: Case, solver: str, numbers: np.ndarray, how: str) -> tuple[str, dict[str, np.ndarray]]:
     """Note that it was called; double the numbers, or fail."""
     with open(log, "a") as file:
         file.write(f"{how}\n")
@@ -28,15 +28,16 @@ def answers(tmp_path):
     log = tmp_path / "log"
 
     def run(*calls, versions=None):
-        recall = Recall(Store(tmp_path / "store"), {"s": "1"} if versions is None else versions)
         asked = [(str(log), *call) for call in calls]
-        return [answer for _, answer in sorted(recall.run(work, asked), key=lambda pair: pair[0])]
+        versions = {"reference": "1"} if versions is None else versions
+        with Calls(1, store=Store(tmp_path / "store"), versions=versions) as maker:
+            return maker.all("work", work, asked, keep=Keep())
 
     run.log = lambda: log.read_text().split() if Path(log).exists() else []
     return run
 
 
-def call(how="a", key=LINE, solver="s", numbers=(1 / 3, float("nan"))):
+def call(how="a", key=LINE, solver="reference", numbers=(1 / 3, float("nan"))):
     return key, solver, np.array(numbers), how
 
 
@@ -50,16 +51,16 @@ def test_an_answer_is_kept_and_a_failure_is_made_again(answers):
 
 
 def test_other_numbers_another_case_and_another_version_are_other_calls(answers):
-    other = CaseKey.of(cases.load("disc_on_line", mu=0.2))
+    other = cases.load("disc_on_line", mu=0.2)
     answers(call())
     answers(call(numbers=(1 / 3, 0.0)), call(key=other))
-    answers(call(), versions={"s": "2"})
+    answers(call(), versions={"reference": "2"})
     assert len(answers.log()) == 4
     answers(call(), call(numbers=(1 / 3, 0.0)), call(key=other))
     assert len(answers.log()) == 4
 
 
 def test_of_a_solver_that_cannot_tell_its_version_nothing_is_kept(answers):
-    answers(call(), versions={"s": ""})
-    answers(call(), versions={"s": ""})
+    answers(call(), versions={"reference": ""})
+    answers(call(), versions={"reference": ""})
     assert len(answers.log()) == 2

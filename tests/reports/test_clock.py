@@ -12,11 +12,11 @@ import pytest
 
 import adapters
 import cases
-from reports.running import clock
-from reports.running import tasks as trial
+from reports.running import clock, solvers
+from reports.running.calls import Calls
 from reports.running.clock import Contestant, Entry, Repeat
-from reports.running.records import CaseKey
 
+LINE = cases.load("disc_on_line", mu=0.1)
 LOOP = 1e-3  # s, of an undisturbed calibration
 
 
@@ -52,7 +52,7 @@ def watch(monkeypatch) -> Watch:
 
 
 def entry(name: str, build=lambda: None, run=lambda model: None, **more) -> Entry:
-    return Entry(Contestant(name, "r", "s", 0.01), build, run, **more)
+    return Entry(Contestant(LINE, name, "r", adapters.Setting.of(s=1), 0.01), build, run, **more)
 
 
 def repeated(*repeats: Repeat, setup=(0.0,)) -> Entry:
@@ -136,9 +136,8 @@ def test_imports_are_off_the_budget(watch, monkeypatch):
         ladder=lambda case, route: (setting,), build=build, run=watch.work(1e-3), read=lambda model: None
     )
     monkeypatch.setattr(clock, "solver", lambda name: module)
-    asked = [Contestant("late", "native", str(setting), 0.01)]
-    found, failed = clock.time_case(CaseKey.of(cases.load("disc_on_line")), asked, 0.2)
-    assert not failed and found["late", "native", str(setting)].repeats >= clock.LEAST_REPEATS
+    ((timing, failure),) = clock.time_all([Contestant(LINE, "late", "native", setting, 0.01)], 0.2)
+    assert not failure and timing.repeats >= clock.LEAST_REPEATS
 
 
 def test_short_runs_are_warmed_up_and_run_in_a_row_of_models_of_their_own(watch):
@@ -164,7 +163,10 @@ def test_long_runs_are_run_once_a_repeat(watch, seconds, thrown_away):
 
 
 def test_what_does_not_fit_in_the_budget_is_left_out(watch):
-    dear, cheap = (Entry(Contestant("s", "r", "x", s), lambda: None, lambda model: None) for s in (100.0, 0.001))
+    dear, cheap = (
+        Entry(Contestant(LINE, "s", "r", adapters.Setting.of(x=s), s), lambda: None, lambda model: None)
+        for s in (100.0, 0.001)
+    )
     clock.take_turns([cheap, dear], watch.now + 0.3)
     assert cheap.repeats and not dear.repeats
 
@@ -242,7 +244,7 @@ def test_a_neighbour_is_seen():
 
 def test_reference_is_timed_without_its_sampling():
     case = cases.load("disc_on_line", mu=0.1)
-    module = trial.solver("reference")
+    module = solvers.solver("reference")
     route = module.routes[0]
     model = module.build(case, route, module.ladder(case, route)[3])
     module.run(model)
@@ -250,15 +252,14 @@ def test_reference_is_timed_without_its_sampling():
     assert module.read(model).transitions[0].time == pytest.approx(1.0 / (3 * 0.1 * 9.81), abs=1e-12)
 
 
-def test_a_case_is_timed_by_solver_route_and_setting():
-    key = CaseKey.of(cases.load("disc_on_line", mu=0.1))
-    module = trial.solver("reference")
+def test_contestants_are_timed_in_the_order_given():
+    module = solvers.solver("reference")
     route = module.routes[-1]
-    setting = str(module.ladder(trial.load(key), route)[0])
-    timings, failures = clock.time_case(key, [Contestant("reference", route, setting, 0.01)], 1.0)
-    assert timings.keys() == {("reference", route, setting)} and not failures
-    assert 0.0 < timings["reference", route, setting].cpu_s < 1.0
-    assert timings["reference", route, setting].read_s > 0.0
+    settings = module.ladder(LINE, route)[1::-1]
+    answers = clock.time_all([Contestant(LINE, "reference", route, setting, 0.01) for setting in settings], 1.0)
+    assert [failure for _, failure in answers] == ["", ""]
+    for timing, _ in answers:
+        assert 0.0 < timing.cpu_s < 1.0 and timing.read_s > 0.0
 
 
 def ratios(timings) -> dict[tuple, tuple[float, float, float]]:
@@ -275,17 +276,16 @@ def ratios(timings) -> dict[tuple, tuple[float, float, float]]:
 @pytest.mark.slow
 def test_two_passes_rank_alike_and_agree_within_their_intervals():
     """Each pass in a process of its own, as in two builds. A test of the machine as well: it must be quiet."""
-    from reports.running import workers
-
-    case = cases.load("disc_on_line", mu=0.1)
-    key = CaseKey.of(case)
     who = []
     for name in ("reference", "pymunk"):
-        module = trial.solver(name)
+        module = solvers.solver(name)
         for route in module.routes:
-            who += [Contestant(name, route, str(s), 0.05) for s in module.ladder(case, route)[:3]]
-    call = (key, who, 20.0)
-    passes = [answer.value[0] for _ in range(2) for _, answer in workers.run(clock.time_case, [call], limit=60.0)]
+            who += [Contestant(LINE, name, route, s, 0.05) for s in module.ladder(LINE, route)[:3]]
+    passes = []
+    for _ in range(2):
+        with Calls(1) as calls:
+            (answer,) = calls.all("timings", clock.time_all, [(who, 20.0)])
+        passes.append({(*one[1:3], str(one[3])): timing for one, (timing, _) in zip(who, answer.value, strict=True)})
     if any(timing.disturbed or isnan(timing.cpu_low_s) for timings in passes for timing in timings.values()):
         pytest.skip("the machine was disturbed")
     first, second = (ratios(timings) for timings in passes)

@@ -7,7 +7,8 @@ import pytest
 import cases
 import reference
 from cases import registry
-from reports.judging import exported as compare
+from reports import compare
+from reports.judging import exported, residuals
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
@@ -164,13 +165,13 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
     motion = reference.simulate(case, rtol=1e-12)
     frame = table(columns, motion, samples=3001)
     frame.to_csv(tmp_path / "bounces.csv", index=False)
-    told = compare.trajectory_of(case, compare.read_table(tmp_path / "bounces.csv"))
+    told = exported.trajectory_of(case, exported.read_table(tmp_path / "bounces.csv"))
     assert told.status == "completed" and len(told.t) == 3001
     flying = np.isnan(motion(told.t).slip)
     # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
     assert np.mean(np.isnan(told.slip) != flying) < 0.02
     gap = np.where(flying, 1.0, 0.0)
-    assert compare.laws_broken(case, told, gap) == []
+    assert residuals.laws_broken(case, told, gap) == []
 
 
 def test_landing_without_impact_ends_the_motion(tmp_path):
@@ -180,7 +181,7 @@ def test_landing_without_impact_ends_the_motion(tmp_path):
     t = np.linspace(0.0, 0.5, 501)
     y = np.maximum(0.4 - 4.905 * t**2, 0.1)
     pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
-    told = compare.trajectory_of(case, compare.read_table(tmp_path / "fall.csv"))
+    told = exported.trajectory_of(case, exported.read_table(tmp_path / "fall.csv"))
     assert told.status == "landing"
     assert told.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
 

@@ -7,6 +7,10 @@ import pytest
 
 import cases
 from adapters import Setting
+from reports import study
+from reports.running.calls import Calls
+from reports.running.tasks import find_truth, survey
+from reports.running.workers import Answer
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.error_parts.measure import Cell, Grid
 
@@ -93,19 +97,18 @@ def test_refused_route_is_one_row_with_its_reason():
 def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
     case = cases.load("disc_sliding_off_hill")
 
-    def calls(function, arguments, jobs, limit):
-        for index in range(len(arguments)):
-            broken = function is asked
-            value = None if broken else function(*arguments[index])
-            yield (
-                index,
-                error_parts.workers.Answer("timed_out" if broken else "done", value, "too slow" if broken else ""),
-            )
+    class Broken(Calls):
+        """Where a call of `broken` runs out of time, and all others are made here."""
 
-    cases_of = ((error_parts.trial.find_truth, "refused"), (error_parts.grids, "timed_out"))
-    for asked, outcome in cases_of:  # noqa: B007 - `calls` looks at it
-        cells = error_parts.measure([case], ["pymunk"], calls=calls)
-        assert {(cell.outcome, cell.reason) for cell in cells} == {(outcome, "too slow")}
+        def each(self, step, function, arguments, **how):
+            for index, call in enumerate(arguments):
+                late = Answer("timed_out", reason="too slow")
+                yield index, late if function is broken else Answer("done", value=function(*call))
+
+    fates = ((find_truth, "refused", ""), (survey, "timed_out", "asking for its grid: "))
+    for broken, outcome, reason in fates:  # noqa: B007 - `each` looks at it
+        cells = error_parts.measure([case], ["pymunk"], Broken())
+        assert {(cell.outcome, cell.reason) for cell in cells} == {(outcome, f"{reason}too slow")}
 
 
 # --- real engines ----------------------------------------------------------------------------------------------------
@@ -114,10 +117,9 @@ def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
 def cells_of(case, name: str, route: str, keep) -> list[Cell]:
     """Cells of the settings of an adapter's grid that `keep` keeps, run here."""
     adapter = pytest.importorskip(f"adapters.{name}")
-    key = error_parts.CaseKey.of(case)
-    truth = error_parts.trial.find_truth(key)
+    truth = find_truth(case)
     settings = [setting for setting in adapter.grid(case, route) if keep(setting)]
-    return [Cell(case.label, name, route, s, *error_parts.errors(key, name, route, s, truth)) for s in settings]
+    return [Cell(case.label, name, route, s, *error_parts.errors(case, name, route, s, truth)) for s in settings]
 
 
 def test_finer_polygon_at_a_coarse_step_loses_more_energy_and_is_warned_of():
@@ -179,16 +181,17 @@ def test_grid_is_every_combination_from_coarse_to_fine(name):
 
 def test_command_writes_a_row_for_every_setting_and_a_picture(tmp_path, capsys):
     pytest.importorskip("adapters.pymunk")
-    out = tmp_path / "error_parts.csv"
-    status = error_parts.main(["--case", "disc_sliding_off_hill", "--solver", "pymunk", "--out", str(out)])
-    assert status == 0 and str(out) in capsys.readouterr().out
-    lines = out.read_text(encoding="utf-8").splitlines()
+    out = tmp_path / "parts"
+    argv = ["error_parts", "--case", "disc_sliding_off_hill", "--solver", "pymunk", "--out", str(out)]
+    assert study.main([*argv, "--store", str(tmp_path / "store")]) == 0
+    assert str(out / "error_parts.csv") in capsys.readouterr().out
+    lines = (out / "error_parts.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + 2 * 16 * len(error_parts.QUANTITIES)
-    assert (tmp_path / "error_parts_disc_sliding_off_hill.svg").stat().st_size > 1000
+    assert (out / "error_parts_disc_sliding_off_hill.svg").stat().st_size > 1000
 
 
 def test_command_tells_an_unknown_name_before_anything_runs(capsys):
-    assert error_parts.main(["--solver", "pymonk"]) == 2
+    assert study.main(["error_parts", "--solver", "pymonk"]) == 2
     assert "pymunk" in capsys.readouterr().err
-    assert error_parts.main(["--case", "disc_in_circel"]) == 2
+    assert study.main(["error_parts", "--case", "disc_in_circel"]) == 2
     assert "disc_in_circle" in capsys.readouterr().err

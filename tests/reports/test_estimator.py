@@ -17,7 +17,7 @@ import reference
 from adapters import Setting
 from cases import Case, CoulombFriction, State, Trajectory
 from cases.contact import slip_velocity
-from reports.judging import slip_phases as metrics
+from reports.judging import ledger, slip_phases
 
 SCENES = ("disc_in_circle[mu=0.1]", "disc_in_circle[mu=0.2]", "disc_in_parabola", "disc_in_ellipse")
 
@@ -82,7 +82,7 @@ RUNGS = {("exudyn", "native"): (3, 5), ("exudyn", "assisted"): (3, 5), ("pymunk"
 
 def errors(exact: Trajectory, moved: Trajectory, mu: float) -> np.ndarray:
     """Errors of the transitions' times; fails unless each is found and none invented."""
-    rows = metrics.match(exact.transitions, metrics.read_transitions(moved, mu))
+    rows = ledger.match(exact.transitions, slip_phases.read_transitions(moved, mu))
     assert [row.verdict for row in rows] == ["matched"] * len(exact.transitions)
     return np.array([row.error for row in rows])
 

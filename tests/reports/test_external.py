@@ -11,11 +11,11 @@ import pytest
 
 import cases
 import reference
+from adapters import Setting
 from reports import build
-from reports.analysis import tables
-from reports.running import external as elsewhere
-from reports.running import tasks as trial
-from reports.running.records import CaseKey, Experiment, Run, Truth
+from reports.analysis.convergence import convergence_rows
+from reports.running import external, tasks
+from reports.running.records import Experiment, Run, Truth
 
 LABEL = "disc_on_line[mu=0.1]"
 CASE = cases.load(LABEL)
@@ -39,7 +39,7 @@ def file(tmp_path, motion):
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory, motion):
-    """The folder of a report of one case with two trajectories from elsewhere."""
+    """The folder of a report of one case with two trajectories from external."""
     folder = tmp_path_factory.mktemp("elsewhere")
     motion.to_csv(folder / "mine.csv", index=False)
     motion[["t", "x", "y", "theta"]].to_csv(folder / "poses.csv", index=False)
@@ -51,7 +51,7 @@ def report(tmp_path_factory, motion):
 
 def test_trajectory_gets_rows_figures_and_a_verdict_of_its_own(report):
     rows = pd.read_csv(report / "tables" / "trajectories.csv")
-    for name, setting in (("mine", "mine.csv"), ("theirs", "poses.csv")):
+    for name, setting in (("mine", "file=mine.csv"), ("theirs", "file=poses.csv")):
         (row,) = rows[rows.solver == name].itertuples()
         assert (row.route, row.setting, row.outcome) == ("file", setting, "right")
         assert np.isnan(row.cpu_s)
@@ -74,13 +74,13 @@ def test_trajectory_is_ranked_nowhere_in_time(report, table):
 @pytest.fixture(scope="module")
 def nothing_yet() -> Experiment:
     """An experiment that knows the truth of CASE and has no run."""
-    return Experiment((CASE,), {LABEL: trial.find_truth(CaseKey.of(CASE))}, (), 0.0)
+    return Experiment((CASE,), {LABEL: tasks.find_truth(CASE)}, (), 0.0)
 
 
 def test_wrong_trajectory_is_told_as_wrong(tmp_path, motion, nothing_yet):
     short = tmp_path / "short.csv"
     motion.iloc[:300].to_csv(short, index=False)
-    joined = elsewhere.joined(nothing_yet, elsewhere.asked([f"mine={short}"], [CASE], ()))
+    joined = external.joined(nothing_yet, external.from_options([f"mine={short}"], [CASE], ()))
     (run,) = joined.runs
     assert run.outcome == "wrong"
     assert "missed" in run.reason and "ends at" in run.reason
@@ -93,19 +93,19 @@ def test_several_files_of_a_name_are_its_rungs_and_give_an_order(tmp_path, motio
         late = motion.assign(slip=np.interp(motion.t - 0.1 * step * 1e-3, motion.t, motion.slip))
         late.iloc[::step].to_csv(tmp_path / f"h{step}.csv", index=False)
         files.append(f"mine={tmp_path / f'h{step}.csv'}")
-    joined = elsewhere.joined(nothing_yet, elsewhere.asked(files, [CASE], ()))
-    assert [(run.rung, run.setting) for run in joined.runs] == [
-        (1, "h16.csv"), (2, "h8.csv"), (3, "h4.csv"), (4, "h2.csv"),
+    joined = external.joined(nothing_yet, external.from_options(files, [CASE], ()))
+    assert [(run.rung, str(run.setting)) for run in joined.runs] == [
+        (1, "file=h16.csv"), (2, "file=h8.csv"), (3, "file=h4.csv"), (4, "file=h2.csv"),
     ]  # fmt: skip
-    (row,) = [r for r in tables.convergence_rows(joined) if r["quantity"] == "first_transition_time"]
+    (row,) = [r for r in convergence_rows(joined) if r["quantity"] == "first_transition_time"]
     assert row["order"] == pytest.approx(1.0, abs=0.1)
 
 
 def test_runs_stand_after_those_of_their_case(file, nothing_yet):
     other = cases.load("disc_on_line", mu=0.3)
-    runs = tuple(Run(case.label, "pymunk", "native", "", 1, "crashed") for case in (CASE, other))
+    runs = tuple(Run(case.label, "pymunk", "native", Setting.of(), 1, "crashed") for case in (CASE, other))
     found = replace(nothing_yet, cases=(CASE, other), runs=runs)
-    joined = elsewhere.joined(found, elsewhere.asked([f"mine@{LABEL}={file}"], [CASE, other], ()))
+    joined = external.joined(found, external.from_options([f"mine@{LABEL}={file}"], [CASE, other], ()))
     assert [(run.case, run.solver) for run in joined.runs] == [
         (LABEL, "pymunk"), (LABEL, "mine"), (other.label, "pymunk"),
     ]  # fmt: skip
@@ -113,7 +113,7 @@ def test_runs_stand_after_those_of_their_case(file, nothing_yet):
 
 def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
     unknown = replace(nothing_yet, truths={LABEL: Truth(failure="the witnesses disagree")})
-    (run,) = elsewhere.joined(unknown, elsewhere.asked([f"mine={file}"], [CASE], ())).runs
+    (run,) = external.joined(unknown, external.from_options([f"mine={file}"], [CASE], ())).runs
     assert (run.outcome, run.reason) == ("refused", "there is no truth to judge it by: the witnesses disagree")
 
 

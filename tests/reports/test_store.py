@@ -10,6 +10,7 @@ import sys
 import time
 import zipfile
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
@@ -19,12 +20,11 @@ import pytest
 import cases
 from adapters import Setting
 from cases import Cost, Mode, Transition
-from reports.analysis import work_precision as precision
 from reports.judging.distances import Distance
-from reports.judging.slip_phases import LedgerRow
-from reports.running import experiment, fingerprint, workers
-from reports.running.clock import Timing
-from reports.running.fingerprint import Keys
+from reports.judging.ledger import LedgerRow
+from reports.running import experiment, fingerprint, tasks, timings, workers
+from reports.running.calls import Calls
+from reports.running.clock import Contestant, Timing
 from reports.running.records import Run, Truth
 from reports.running.store import Store
 
@@ -34,7 +34,7 @@ ROOT = Path(__file__).parents[2]
 KEY = {"case": "c", "setting": ["h", "0.1"]}
 ROW = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 1 / 3, 1 / 7, 1 / 3 - 1 / 7, "matched")
 RUN = Run(
-    "c", "s", "r", "h=0.1", 2, "right", "", "completed", "slip_forward", (ROW,), (float("nan"),),
+    "c", "s", "r", Setting.of(h=0.1), 2, "right", "", "completed", "slip_forward", (ROW,), (float("nan"),),
     Distance(1e-300, 2.0, 3.0, 4.0, 5.0, float("inf")), Cost(cpu_s=1 / 9, steps=7),
     {"t": np.linspace(0.0, 1.0, 50), "slip": np.full(50, np.nan)}, {"centre": np.geomspace(1e-17, 1.0, 50)}, "today",
 )  # fmt: skip
@@ -89,6 +89,14 @@ def read_record(file: Path) -> dict:
         return json.loads(archive.read("record.json"))["record"]
 
 
+def setting_of(file: Path) -> str:
+    """How the fake engine was to run, by the key of what is kept."""
+    with zipfile.ZipFile(file) as archive:
+        said = json.loads(archive.read("record.json"))["key"]["arguments"]
+    ((_, (_, text)),) = said[3][1]["values"]
+    return text.strip("'")
+
+
 def with_object_array(path: Path) -> None:
     with zipfile.ZipFile(path) as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
@@ -120,7 +128,7 @@ def with_record(path: Path, change) -> None:
 
 def flipped(path: Path) -> None:
     content = bytearray(path.read_bytes())
-    content[len(content) // 2] ^= 0xFF
+    content[60] ^= 0xFF  # of the compressed record; what stands between members may change without harm
     path.write_bytes(content)
 
 
@@ -262,10 +270,9 @@ def written(tmp_path, monkeypatch, **changes) -> cases.Case:
     return cases.load("bowled_in_a_file")
 
 
-def run_key(case, solver="pymunk", route="native", versions=None, truth="t", **knobs):
-    return Keys(case, VERSIONS if versions is None else versions).run(
-        solver, route, Setting.of(**(knobs or {"h": 0.1})), truth
-    )
+def run_key(case, solver="pymunk", route="native", versions=None, truth=TRUTH, rung=1, **knobs):
+    call = (case, solver, route, Setting.of(**(knobs or {"h": 0.1})), rung, truth)
+    return Calls(versions=VERSIONS if versions is None else versions).key(tasks.perform, call, experiment._KEEP_RUN)
 
 
 @pytest.mark.parametrize(
@@ -306,12 +313,12 @@ def test_a_key_tells_solver_route_setting_versions_and_truth():
         run_key(case, n=0.1),
         run_key(case, solver="reference"),
         run_key(case, versions={"pymunk": "7.3.0"}),
-        run_key(case, truth="u"),
+        run_key(case, truth=Truth(failure="none")),
         run_key(cases.load("disc_on_line", mu=0.2)),
         run_key(cases.load("disc_on_line", mu=0.1)),
     ]
     assert len({fingerprint.digest(key) for key in keys}) == len(keys)
-    assert run_key(case) == run_key(cases.load("disc_on_line"))
+    assert run_key(case) == run_key(cases.load("disc_on_line")) == run_key(case, rung=2)
 
 
 @pytest.mark.parametrize(
@@ -341,7 +348,7 @@ def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engin
     ours = fingerprint._reached("adapters.pymunk", ()).keys()
     assert {"adapters.pymunk", "adapters._pymunk_native", "adapters.interface", "cases.contact"} <= ours
     assert not any("exudyn" in name or name.startswith("reference") for name in ours)
-    judge = fingerprint._reached("reports.running.tasks", fingerprint._TRUTHS_OWN).keys()
+    judge = fingerprint._reached("reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)).keys()
     assert {"reports.running.tasks", "reports.judging.slip_phases", "cases.trajectory"} <= judge
     assert not any(name.startswith("reference") for name in judge)
     truth = fingerprint._reached("reports.running.tasks", ()).keys()
@@ -355,11 +362,13 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     (package / "__init__.py").write_text("raise RuntimeError('asking must not wake it')\n")
     (package / "adapter.py").write_text("from ._knobs import h\n")
     (package / "_knobs.py").write_text("h = 0.1\n")
+    point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", fingerprint.GROUP)
+    monkeypatch.setattr(fingerprint, "entry_points", lambda group: [point])
 
     def told() -> str:
-        for cached in (fingerprint.sources, fingerprint._code, fingerprint._tree, fingerprint._imported):
+        for cached in (fingerprint.adapter_sources, fingerprint._code, fingerprint._tree, fingerprint._imported):
             cached.cache_clear()
-        return fingerprint.sources("an_engine_of_tests.adapter")
+        return fingerprint.adapter_sources("an_engine_of_tests")
 
     before = told()
     (package / "_knobs.py").write_text("# ten centimetres\nh   =   0.1\n")
@@ -382,8 +391,9 @@ def fake(tmp_path, monkeypatch):
 
     def run(settings, limit=30.0, fresh=False):
         fake_adapter.ladder_is(folder, settings)
-        found = experiment.run((case,), ("fake",), limit=limit, jobs=1, store=Store(tmp_path / "s", fresh))
-        return {row.setting.partition("=")[2]: row for row in found.runs}
+        with Calls(1, limit, Store(tmp_path / "s", fresh)) as calls:
+            found = experiment.run((case,), ("fake",), calls)
+        return {row.setting["how"]: row for row in found.runs}
 
     run.folder, run.store = folder, tmp_path / "s"
     return run
@@ -430,8 +440,8 @@ def test_a_crash_is_kept_and_what_the_machine_lacked_is_not(fake):
     told = {setting: (run.outcome, run.reason) for setting, run in fake(settings).items()}
     assert all(outcome == "crashed" for outcome, _ in told.values())
     assert "SIGSEGV" in told["segfault"][1] and "libfake.so" in told["no library"][1]
-    kept = [read_record(path)["setting"] for path in fake.store.glob("run-*")]
-    assert sorted(kept) == ["how=gives up", "how=segfault"]
+    kept = [setting_of(path) for path in fake.store.glob("run-*")]
+    assert sorted(kept) == ["gives up", "segfault"]
 
 
 def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
@@ -440,28 +450,41 @@ def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
     assert own.lasting and workers._death(7).lasting and workers._death(-40).reason.endswith("40, from outside")
 
 
-@pytest.mark.parametrize("disturbed, calls", [(False, 1), (True, 2)])
-def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, calls, tmp_path):
+@pytest.mark.parametrize("disturbed, times", [(False, 1), (True, 2)])
+def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp_path):
     timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 5, 0, disturbed)
-    told = ({("pymunk", "native", "h=0.1"): timing}, {("pymunk", "native", "h=0.2"): "it fell over"})
+    who = contestants("a", "b")
     made = []
 
-    class Pool(workers.Pool):
-        def run(self, function, arguments, *_, **__):
+    class Pool:
+        def run(self, function, arguments, *_):
             made.append(arguments)
-            yield 0, workers.Answer("done", value=told)
+            yield 0, workers.Answer("done", value=[(timing, ""), (None, "it fell over")])
 
-    key = Keys(cases.load("disc_on_line"), VERSIONS).timing(told[0], budget=10.0)
-    with Pool(1) as pool:
-        answers = [precision._timed(pool, Store(tmp_path), key, ("call",), 60.0) for _ in range(2)]
-    assert [answer.value for answer in answers] == [told, told] and len(made) == calls
+    calls = Calls(store=Store(tmp_path), versions=VERSIONS)
+    calls._pool = Pool()
+    for _ in range(2):
+        assert timings.time_together(who, 7.0, 10.0, calls) == ([(who[0], timing)], [(who[1], "it fell over")])
+    assert len(made) == times
 
 
-def test_timings_made_within_another_budget_or_beside_others_are_not_taken():
-    keys, one, two = Keys(cases.load("disc_on_line"), VERSIONS), ("pymunk", "native", "a"), ("pymunk", "native", "b")
-    assert keys.timing([one, two], 10.0) == keys.timing([two, one], 10.0)
-    assert keys.timing([one], 10.0) != keys.timing([one, two], 10.0)
-    assert keys.timing([one], 10.0) != keys.timing([one], 60.0)
+def contestants(*settings: str) -> list[Contestant]:
+    return [Contestant(cases.load("disc_on_line"), "pymunk", "native", Setting.of(s=s), 0.1) for s in settings]
+
+
+def test_timings_made_within_another_budget_or_beside_others_are_not_taken(tmp_path):
+    made = []
+
+    class Pool:
+        def run(self, function, arguments, *_):
+            made.append(arguments)
+            yield 0, workers.Answer("done", value=[(None, "it fell over")] * len(arguments[0][0]))
+
+    calls = Calls(store=Store(tmp_path), versions=VERSIONS)
+    calls._pool = Pool()
+    for who, share, new in (("ab", 10.0, 1), ("ba", 10.0, 1), ("a", 10.0, 2), ("a", 60.0, 3), ("ab", 10.0, 3)):
+        timings.time_together(contestants(*who), 7.0, share, calls)
+        assert len(made) == new, (who, share)
 
 
 # --- a build that is stopped ------------------------------------------------------------------------------------------
@@ -501,7 +524,7 @@ class Builds:
 
     def kept(self) -> list[str]:
         """Settings in the store."""
-        return [read_record(path)["setting"] for path in (self.folder / ".slip-to-roll").glob("run-*.npz")]
+        return [setting_of(path) for path in (self.folder / ".slip-to-roll").glob("run-*.npz")]
 
     def table(self, out: str, name: str) -> pd.DataFrame:
         return pd.read_csv(self.folder / out / "tables" / f"{name}.csv", dtype=str).drop(
@@ -521,7 +544,7 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path):
     assert set(after_kill) < set(after_stop) and len(after_stop) < 4
     assert not (tmp_path / "report").exists() and list(tmp_path.glob("*.partial")) == []
     damaged = next((tmp_path / ".slip-to-roll").glob("run-*.npz"))
-    spoilt = read_record(damaged)["setting"]
+    spoilt = setting_of(damaged)
     damaged.write_bytes(b"garbage")
     (tmp_path / ".slip-to-roll" / "thesis.tex").write_text("precious")
 
@@ -532,7 +555,7 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path):
     assert f"store: could not be read, and made again: 1, such as {damaged.name}" in out
     assert "store: not its own, and left alone: 1, such as thesis.tex" in out
     ran = fake_adapter.runs_in(tmp_path)
-    counts = {setting: ran.count(setting.partition("=")[2]) for setting in after_stop}
+    counts = {setting: ran.count(setting) for setting in after_stop}
     assert counts == {setting: 2 if setting == spoilt else 1 for setting in after_stop}
     manifest = json.loads((tmp_path / "report" / "manifest.json").read_text())
     assert manifest["store"]["taken"] == {"run": len(after_stop) - 1, "truth": 1}

@@ -9,9 +9,9 @@ import pytest
 import cases
 from adapters import EngineFailure, Setting
 from cases import Mode, NotSupported, State, Trajectory, Transition
-from reports.analysis import tables
-from reports.running import tasks as trial
-from reports.running.records import CaseKey, Run
+from reports.page.text import error_text
+from reports.running import tasks
+from reports.running.records import Run, first_error
 
 # --- one run and its verdict ------------------------------------------------------------------------------------------
 
@@ -49,14 +49,13 @@ def bowling(case, delay=0.0, samples=300, last=1.0) -> Trajectory:
 @pytest.fixture(scope="module")
 def line():
     case = cases.load("disc_on_line", mu=0.1)
-    key = CaseKey.of(case)
-    return key, trial.find_truth(key)
+    return case, tasks.find_truth(case)
 
 
 def performed(monkeypatch, line, read, **more) -> Run:
-    key, truth = line
-    monkeypatch.setattr(trial, "solver", lambda name: fake_engine(read, **more))
-    return trial.perform(key, "fake", "native", Setting.of(h=0.01), 1, truth)
+    case, truth = line
+    monkeypatch.setattr(tasks, "solver", lambda name: fake_engine(read, **more))
+    return tasks.perform(case, "fake", "native", Setting.of(h=0.01), 1, truth)
 
 
 def test_truth_of_bowling_is_the_textbook_time(line):
@@ -69,14 +68,14 @@ def test_truth_of_bowling_is_the_textbook_time(line):
 def test_exact_motion_is_right_to_rounding(monkeypatch, line):
     run = performed(monkeypatch, line, bowling)
     assert (run.outcome, run.reason) == ("right", "")
-    assert abs(tables.first_error(run)) < 1e-13
+    assert abs(first_error(run)) < 1e-13
     assert max(run.distance) < 1e-13
 
 
 def test_late_transition_is_right_with_its_error_told(monkeypatch, line):
     run = performed(monkeypatch, line, lambda case: bowling(case, delay=2e-3))
     assert run.outcome == "right"
-    assert tables.first_error(run) == pytest.approx(2e-3, abs=1e-9)
+    assert first_error(run) == pytest.approx(2e-3, abs=1e-9)
 
 
 def slipping_for_ever(case) -> Trajectory:
@@ -134,24 +133,25 @@ def test_clock_is_around_run_alone(monkeypatch, line):
 
 def test_transitions_of_a_solver_that_locates_them_are_taken_as_they_are(line):
     own = (Transition(0.25, Mode.SLIP_FORWARD, Mode.ROLL),)
-    case = trial.load(line[0])
+    case = line[0]
     motion = bowling(case)
     located = Trajectory(
         **{n: getattr(motion, n) for n in ("t", *State._fields)}, transitions=own, first_mode=Mode.ROLL
     )
-    assert trial.read(case, located).transitions == own and trial.read(case, located).first_mode is Mode.ROLL
+    reading = tasks.reading_of(case, located)
+    assert reading.transitions == own and reading.first_mode is Mode.ROLL
 
 
 def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, line):
-    monkeypatch.setattr(trial, "solver", lambda name: fake_engine(bowling, routes=("native", "shy")))
-    native, shy = trial.survey(line[0], "fake")
+    monkeypatch.setattr(tasks, "solver", lambda name: fake_engine(bowling, routes=("native", "shy")))
+    native, shy = tasks.survey(line[0], "fake")
     assert native.settings and (shy.outcome, shy.reason) == ("refused", "it cannot")
 
     def missing(name):
         raise ImportError("No module named 'fake'")
 
-    monkeypatch.setattr(trial, "solver", missing)
-    (offer,) = trial.survey(line[0], "fake")
+    monkeypatch.setattr(tasks, "solver", missing)
+    (offer,) = tasks.survey(line[0], "fake")
     assert offer.outcome == "refused" and "not installed" in offer.reason
 
 
@@ -160,6 +160,6 @@ def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, li
 
 def test_no_more_is_claimed_than_the_truth_allows():
     row = dict(is_truth=False, finest_error=3e-15, finest_outcome="right", transitions=1, truth_error_bar=1e-12)
-    assert tables.error_text(row, "finest_error") == "< 1.0e-12"
-    assert tables.error_text({**row, "finest_error": -3e-5}, "finest_error") == "-3.0e-05"
-    assert tables.error_text({**row, "finest_error": float("nan")}, "finest_error") == "missed"
+    assert error_text(row, "finest_error") == "< 1.0e-12"
+    assert error_text({**row, "finest_error": -3e-5}, "finest_error") == "-3.0e-05"
+    assert error_text({**row, "finest_error": float("nan")}, "finest_error") == "missed"

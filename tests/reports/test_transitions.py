@@ -24,9 +24,8 @@ from cases import (
     disc,
 )
 from cases.library import line
-from reports.judging import slip_phases as metrics
-from reports.judging import transitions as reading
-from reports.running import tasks as trial
+from reports.judging import ledger, slip_phases, transitions
+from reports.running import tasks
 from tests.motions import motion_of
 
 FORWARD, ROLL, STICK, FLIGHT = Mode.SLIP_FORWARD, Mode.ROLL, Mode.STICK, Mode.FLIGHT
@@ -34,11 +33,11 @@ G, R = 9.81, 0.1
 FALL = np.array([0.0, -G])
 
 
-def kinds(told: metrics.Reading) -> list[tuple[Mode, Mode]]:
+def kinds(told: slip_phases.Reading) -> list[tuple[Mode, Mode]]:
     return [(event.before, event.after) for event in told.transitions]
 
 
-def times(told: metrics.Reading) -> list[float]:
+def times(told: slip_phases.Reading) -> list[float]:
     return [event.time for event in told.transitions]
 
 
@@ -74,7 +73,7 @@ EXACT = {
 def test_exact_motion_is_read_back(name, count, accuracy):
     case = cases.load(name)
     exact, bounds = motion_of(case), EXACT[name, count]
-    told = reading.read(case, sampled(exact, count))
+    told = transitions.read_motion(case, sampled(exact, count))
     assert told.first_mode is exact.first_mode
     assert kinds(told) == [(event.before, event.after) for event in exact.transitions]
     gap = float(exact.t[-1]) / (count - 1)
@@ -89,7 +88,7 @@ def test_exact_motion_is_read_back(name, count, accuracy):
 
 def test_rough_contact_rolls():
     case = cases.load("rough_disc_in_circle")
-    told = reading.read(case, sampled(motion_of(case), 501))
+    told = transitions.read_motion(case, sampled(motion_of(case), 501))
     assert told.first_mode is ROLL and told.transitions == ()
 
 
@@ -123,7 +122,7 @@ def bounce(t, at: float, down: float, up: float, pull: float = G) -> tuple[np.nd
 @pytest.mark.parametrize("at", [0.31, 0.3141592, 0.319999])
 def test_impact_between_samples_is_where_two_parabolas_meet(at):
     t = np.linspace(0.0, 0.6, 61)
-    told = reading.read(thrown(), motion(t, *bounce(t, at, 3.0, 1.5)))
+    told = transitions.read_motion(thrown(), motion(t, *bounce(t, at, 3.0, 1.5)))
     assert told.first_mode is FLIGHT and kinds(told) == [(FLIGHT, FLIGHT)]
     assert times(told) == pytest.approx([at], abs=1e-14)
 
@@ -133,14 +132,14 @@ def test_impact_on_a_doubled_sample_is_there():
     y, v = bounce(t, 0.30, 3.0, 1.5)
     v[np.flatnonzero(np.diff(t) == 0.0)[0]] = -3.0
     # An engine's positions are off its parabola; the doubled time is its own landing all the same.
-    told = reading.read(thrown(), motion(t, y + 1e-3 * np.sin(50 * t), v))
+    told = transitions.read_motion(thrown(), motion(t, y + 1e-3 * np.sin(50 * t), v))
     assert kinds(told) == [(FLIGHT, FLIGHT)] and times(told) == [t[np.flatnonzero(np.diff(t) == 0.0)[0]]]
 
 
 def test_one_contact_sample_between_two_flights_is_an_impact():
     t = np.linspace(0.0, 0.6, 61)
     y, v = bounce(t, 0.302, 3.0, 1.5)
-    told = reading.read(thrown(), motion(t, y, v, contact=np.arange(61) == 31))
+    told = transitions.read_motion(thrown(), motion(t, y, v, contact=np.arange(61) == 31))
     assert kinds(told) == [(FLIGHT, FLIGHT)]
     assert times(told) == pytest.approx([0.302], abs=1e-14)
 
@@ -150,7 +149,7 @@ def test_flight_without_jump_has_no_impact_even_under_a_strong_load():
     case = thrown(Gravity(G), Load(fy="-2*vy"), Impact(0.5), duration=3.0)
     t = np.linspace(0.0, 3.0, 31)
     end, decay = G / 2.0, np.exp(-2.0 * t)
-    told = reading.read(case, motion(t, 50.0 - end * t + end / 2.0 * (1.0 - decay), -end * (1.0 - decay)))
+    told = transitions.read_motion(case, motion(t, 50.0 - end * t + end / 2.0 * (1.0 - decay), -end * (1.0 - decay)))
     assert told.first_mode is FLIGHT and told.transitions == ()
 
 
@@ -159,7 +158,7 @@ def test_impact_without_gravity_is_seen_and_rounding_is_none():
     t = np.linspace(0.0, 0.6, 61)
     y, v = bounce(t, 0.3141, 3.0, 1.5, pull=0.0)
     rounding = 1e-7 * np.random.default_rng(1).standard_normal(61)
-    told = reading.read(case, motion(t, y, v + rounding))
+    told = transitions.read_motion(case, motion(t, y, v + rounding))
     assert kinds(told) == [(FLIGHT, FLIGHT)]
     assert times(told) == pytest.approx([0.3141], abs=1e-7)
 
@@ -171,10 +170,10 @@ def test_flight_too_short_for_the_listing_is_not_listed():
     y, v = bounce(t, 0.3, 3.0, up)
     again = t >= 0.3 + 8e-4
     y[again], v[again] = R, 0.0
-    told = reading.read(thrown(), motion(t, y, v, contact=again))
+    told = transitions.read_motion(thrown(), motion(t, y, v, contact=again))
     assert kinds(told) == [(FLIGHT, ROLL)]
     assert times(told) == pytest.approx([0.3 + 8e-4], abs=1e-4)
-    longer = reading.read(thrown(duration=0.7), motion(t, y, v, contact=again))
+    longer = transitions.read_motion(thrown(duration=0.7), motion(t, y, v, contact=again))
     assert kinds(longer) == [(FLIGHT, FLIGHT), (FLIGHT, ROLL)]
 
 
@@ -183,7 +182,7 @@ def test_landing_without_rebound_is_where_the_fall_meets_the_floor():
     y, v = bounce(t, 0.3141592, 3.0, 0.0)
     down = t > 0.3141592
     y[down], v[down] = R, 0.0
-    told = reading.read(thrown(), motion(t, y, v, contact=down))
+    told = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
     assert kinds(told) == [(FLIGHT, ROLL)]
     assert times(told) == pytest.approx([0.3141592], abs=1e-14)
 
@@ -196,7 +195,7 @@ def test_contacts_between_flights_are_read_each_for_itself():
     slip = np.where(np.arange(len(t)) < second, np.maximum(0.2 - t, 0.0), np.maximum(0.7 - t, 0.0))
     made = motion(t, R, np.where(contact, 0.0, -G * (t - 0.4)), contact=contact, slip=slip)
     made = replace(made, normal_force=np.where(contact & (t < 0.45), 40.0 * (0.4 - t), made.normal_force))
-    told = reading.read(thrown(), made)
+    told = transitions.read_motion(thrown(), made)
     assert told.first_mode is FORWARD
     assert kinds(told) == [(FORWARD, ROLL), (ROLL, FLIGHT), (FLIGHT, FORWARD), (FORWARD, ROLL)]
     assert times(told) == pytest.approx([0.2, 0.4, 0.5, 0.7], abs=1e-12)
@@ -206,7 +205,7 @@ def test_landing_that_ends_the_motion_is_no_contact():
     case = Case(line(), disc(R, 1.0), (Gravity(G), Unilateral(), Flight()), Start(0.0, gap=1.0), 1.0)
     t = np.append(np.linspace(0.0, 0.3, 31), 0.3)
     y, v = bounce(t, 0.3, 3.0, 0.0)
-    told = reading.read(case, motion(t, y, v, contact=np.arange(32) == 31, status="landing"))
+    told = transitions.read_motion(case, motion(t, y, v, contact=np.arange(32) == 31, status="landing"))
     assert told.first_mode is FLIGHT and told.transitions == ()
 
 
@@ -225,38 +224,38 @@ def turning(omega, slip=0.0, count: int = 201, **how) -> Trajectory:
 
 @pytest.mark.parametrize("friction", [CoulombFriction(0.3), PerfectlyRough()])
 def test_roll_that_stops_sticks(friction):
-    told = reading.read(resisted(friction), turning(lambda t: np.minimum(0.4 * (t - 1.234), 0.0)))
+    told = transitions.read_motion(resisted(friction), turning(lambda t: np.minimum(0.4 * (t - 1.234), 0.0)))
     assert told.first_mode is ROLL and kinds(told) == [(ROLL, STICK)]
     assert times(told) == pytest.approx([1.234], abs=1e-13)
 
 
 def test_stick_that_gives_way_rolls():
-    told = reading.read(resisted(), turning(lambda t: 3.0 * np.maximum(t - 0.777, 0.0) ** 2))
+    told = transitions.read_motion(resisted(), turning(lambda t: 3.0 * np.maximum(t - 0.777, 0.0) ** 2))
     assert told.first_mode is STICK and kinds(told) == [(STICK, ROLL)]
     assert times(told) == pytest.approx([0.777], abs=1e-12)
 
 
 def test_roll_that_turns_around_is_a_roll():
-    told = reading.read(resisted(), turning(lambda t: t - 1.0))
+    told = transitions.read_motion(resisted(), turning(lambda t: t - 1.0))
     assert told.first_mode is ROLL and told.transitions == ()
 
 
 def test_slip_of_a_plate_that_does_not_turn_ends_in_stick():
     t = np.linspace(0.0, 2.0, 201)
-    told = reading.read(resisted(), turning(np.zeros_like, slip=np.maximum(0.7 - t, 0.0)))
+    told = transitions.read_motion(resisted(), turning(np.zeros_like, slip=np.maximum(0.7 - t, 0.0)))
     assert told.first_mode is FORWARD and kinds(told) == [(FORWARD, STICK)]
     assert times(told) == pytest.approx([0.7], abs=1e-13)
 
 
 def test_creep_and_spin_below_the_resolution_are_stick():
     noise = np.random.default_rng(1).uniform(-1.0, 1.0, 201)
-    told = reading.read(resisted(), turning(lambda t: 1e-3 * noise, slip=1e-4 * noise, slip_resolution=1e-4))
+    told = transitions.read_motion(resisted(), turning(lambda t: 1e-3 * noise, slip=1e-4 * noise, slip_resolution=1e-4))
     assert told.first_mode is STICK and told.transitions == ()
 
 
 def test_without_rolling_resistance_nothing_sticks():
     case = replace(resisted(), effects=(Gravity(G), CoulombFriction(0.3), Unilateral()))
-    told = reading.read(case, turning(np.zeros_like))
+    told = transitions.read_motion(case, turning(np.zeros_like))
     assert told.first_mode is ROLL and told.transitions == ()
 
 
@@ -271,8 +270,8 @@ def test_bounces_of_an_engine_are_read(name):
     if refusal:
         pytest.skip(refusal)
     setting = adapter.ladder(case, "native")[3]
-    told = reading.read(case, trial.timed(adapter, case, "native", setting))
-    rows = metrics.match(motion_of(case).transitions, told.transitions)
+    told = transitions.read_motion(case, tasks.timed(adapter, case, "native", setting))
+    rows = ledger.match(motion_of(case).transitions, told.transitions)
     assert told.first_mode is FLIGHT
     # The first five flights last more than ten of the engines' steps; what they make of the last ones is theirs.
     assert [row.verdict for row in rows if row.reference_time < 0.9] == ["matched"] * 4

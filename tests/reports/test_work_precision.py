@@ -10,19 +10,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cases
+from adapters import Setting
 from cases import Cost, Mode, Transition
-from reports.analysis import baselines as null_motions
-from reports.analysis import conclusions as verdicts
-from reports.analysis import quantities, tables
-from reports.analysis import work_precision as precision
+from reports.analysis import baselines, conclusions, quantities, tables, work_precision
 from reports.analysis.work_precision import Measured
-from reports.drawing import style as drawing
+from reports.drawing import files
+from reports.drawing.style import looks_of
 from reports.judging.distances import Distance
-from reports.judging.slip_phases import LedgerRow
-from reports.running import tasks as trial
-from reports.running import workers
+from reports.judging.ledger import LedgerRow
+from reports.running import solvers, tasks, timings
+from reports.running.calls import Calls
 from reports.running.clock import Timing
-from reports.running.records import CaseKey, Experiment, Run, Truth
+from reports.running.records import Experiment, Run, Truth
 
 BAR = 1e-14
 
@@ -31,22 +30,26 @@ def timing(cpu: float, disturbed=False) -> Timing:
     return Timing(cpu, 0.9 * cpu, 1.1 * cpu, cpu, 0.0, 0.0, 0.0, 5, 0, disturbed)
 
 
+def rung(name: str) -> Setting:
+    return Setting.of(s=name)
+
+
 def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Measured]:
     """An experiment of one case from (solver, setting, error, CPU seconds or None for not timed)."""
     case = cases.load("disc_on_line", mu=0.1)
     event = Transition(0.3, Mode.SLIP_FORWARD, Mode.ROLL)
     truth = Truth("taylor", (event,), (BAR,), Mode.SLIP_FORWARD, "completed", centre_bar=BAR)
-    runs, timings = [], {}
+    runs, times = [], {}
     for place, (solver, setting, error, cpu) in enumerate(points):
         row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "matched")
         distance = Distance(*9 * (abs(error),))
         told = dict(outcome="right", ledger=(row,), cost=Cost(steps=10 * 4**place), distance=distance)
-        runs.append(Run(case.label, solver, "r", setting, 1, **told))
+        runs.append(Run(case.label, solver, "r", rung(setting), 1, **told))
         if cpu is not None:
-            timings[case.label, solver, "r", setting] = timing(cpu)
+            times[case.label, solver, "r", rung(setting)] = timing(cpu)
     null = {"motion": "never moves", **dict.fromkeys(quantities.UNITS, 3e-3)}
-    nulls = {case.label: null_motions.Told((null,), dict.fromkeys(quantities.UNITS, BAR))}
-    return Experiment((case,), {case.label: truth}, tuple(runs), 0.0), Measured((case.label,), timings, nulls)
+    nulls = {case.label: baselines.Baseline((null,), dict.fromkeys(quantities.UNITS, BAR))}
+    return Experiment((case,), {case.label: truth}, tuple(runs), 0.0), Measured((case.label,), times, nulls)
 
 
 def disturb(measured: Measured, *solvers: str) -> Measured:
@@ -60,7 +63,9 @@ def first(rows, accuracy: float) -> dict[str, dict]:
 
 def accuracy_rows(*points, disturbed: tuple[str, ...] = ()):
     experiment, measured = made(*points)
-    return precision.time_to_accuracy_rows(precision.work_precision_rows(experiment, disturb(measured, *disturbed)))
+    return work_precision.time_to_accuracy_rows(
+        work_precision.work_precision_rows(experiment, disturb(measured, *disturbed))
+    )
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
@@ -68,11 +73,11 @@ def accuracy_rows(*points, disturbed: tuple[str, ...] = ()):
 
 def test_cheapest_setting_that_is_accurate_enough_counts():
     rows = accuracy_rows(("a", "coarse", 1e-3, 1.0), ("a", "fine", -1e-9, 4.0), ("b", "only", 1e-5, 2.0))
-    assert first(rows, 1e-2)["a"]["setting"] == "coarse" and first(rows, 1e-4)["a"]["setting"] == "fine"
+    assert first(rows, 1e-2)["a"]["setting"] == "s=coarse" and first(rows, 1e-4)["a"]["setting"] == "s=fine"
     assert first(rows, 1e-4)["a"]["ratio"] == 2.0 and first(rows, 1e-4)["b"]["ratio"] == 1.0
     told = first(rows, 1e-4)["a"]
     assert told["ratio_low"] < told["ratio"] < told["ratio_high"]
-    assert first(rows, 1e-6)["b"]["cpu_s"] == precision.NEVER
+    assert first(rows, 1e-6)["b"]["cpu_s"] == work_precision.NEVER
 
 
 def test_accuracies_of_the_table_are_the_promised_ones():
@@ -82,31 +87,33 @@ def test_accuracies_of_the_table_are_the_promised_ones():
 
 def test_an_accurate_setting_without_a_timing_is_not_called_never():
     rows = accuracy_rows(("a", "fine", 1e-9, None), ("b", "only", 1e-5, 2.0))
-    assert first(rows, 1e-8)["a"]["cpu_s"] == precision.NOT_TIMED
+    assert first(rows, 1e-8)["a"]["cpu_s"] == work_precision.NOT_TIMED
 
 
 def test_times_taken_beside_other_runs_rank_nothing():
     experiment, measured = made(("a", "s", 1e-9, None), ("b", "s", 1e-9, 2.0))
     hasty = replace(experiment.runs[0], cost=Cost(cpu_s=1e-6, wall_s=1e-6, setup_s=0.0, steps=10))
-    points = precision.work_precision_rows(replace(experiment, runs=(hasty, *experiment.runs[1:])), measured)
-    rows = first(precision.time_to_accuracy_rows(points), 1e-2)
-    assert rows["a"]["cpu_s"] == precision.NOT_TIMED and rows["b"]["ratio"] == 1.0
+    points = work_precision.work_precision_rows(replace(experiment, runs=(hasty, *experiment.runs[1:])), measured)
+    rows = first(work_precision.time_to_accuracy_rows(points), 1e-2)
+    assert rows["a"]["cpu_s"] == work_precision.NOT_TIMED and rows["b"]["ratio"] == 1.0
 
 
 def test_no_accuracy_is_told_below_ten_bars_of_the_truth():
     experiment, measured = made(("a", "s", 0.0, 1.0))
-    rows = precision.work_precision_rows(experiment, measured)
+    rows = work_precision.work_precision_rows(experiment, measured)
     assert all(row["below_floor"] for row in rows if row["quantity"] == "first_transition_time")
     label = experiment.cases[0].label
     unsure = {label: replace(experiment.truths[label], error_bars=(1e-6,))}
-    rows = precision.time_to_accuracy_rows(precision.work_precision_rows(replace(experiment, truths=unsure), measured))
-    assert first(rows, 1e-4)["a"]["cpu_s"] == 1.0 and first(rows, 1e-6)["a"]["cpu_s"] == precision.NOT_KNOWN
+    rows = work_precision.time_to_accuracy_rows(
+        work_precision.work_precision_rows(replace(experiment, truths=unsure), measured)
+    )
+    assert first(rows, 1e-4)["a"]["cpu_s"] == 1.0 and first(rows, 1e-6)["a"]["cpu_s"] == work_precision.NOT_KNOWN
 
 
 def test_disturbed_timings_rank_nothing():
     points = ("a", "s", 1e-9, 1.0), ("b", "s", 1e-9, 2.0), ("c", "s", 1e-9, 3.0)
     rows = first(accuracy_rows(*points, disturbed=("b",)), 1e-2)
-    assert rows["b"]["cpu_s"] == precision.DISTURBED and isnan(rows["b"]["rank"]) and isnan(rows["b"]["ratio"])
+    assert rows["b"]["cpu_s"] == work_precision.DISTURBED and isnan(rows["b"]["rank"]) and isnan(rows["b"]["ratio"])
     # The other two are compared with each other alone.
     assert (rows["a"]["rank"], rows["c"]["rank"], rows["c"]["ratio"]) == (1.0, 2.0, 3.0)
 
@@ -118,10 +125,10 @@ def test_nothing_is_told_relative_to_a_fastest_that_may_be_a_disturbed_one():
 
 def test_a_route_is_not_judged_by_a_dearer_setting_because_the_cheaper_was_disturbed():
     experiment, measured = made(("a", "cheap", 1e-5, 1.0), ("a", "dear", 1e-9, 5.0))
-    who = (experiment.cases[0].label, "a", "r", "cheap")
+    who = (experiment.cases[0].label, "a", "r", rung("cheap"))
     measured = measured._replace(timings={**measured.timings, who: timing(1.0, disturbed=True)})
-    rows = precision.time_to_accuracy_rows(precision.work_precision_rows(experiment, measured))
-    assert first(rows, 1e-4)["a"]["cpu_s"] == precision.DISTURBED and first(rows, 1e-6)["a"]["cpu_s"] == 5.0
+    rows = work_precision.time_to_accuracy_rows(work_precision.work_precision_rows(experiment, measured))
+    assert first(rows, 1e-4)["a"]["cpu_s"] == work_precision.DISTURBED and first(rows, 1e-6)["a"]["cpu_s"] == 5.0
 
 
 def test_routes_whose_intervals_meet_share_a_rank():
@@ -132,22 +139,24 @@ def test_routes_whose_intervals_meet_share_a_rank():
 def test_wrong_runs_are_praised_for_nothing():
     experiment, measured = made(("a", "s", 1e-9, 1.0))
     wrong = replace(experiment, runs=(replace(experiment.runs[0], outcome="wrong"),))
-    assert precision.work_precision_rows(wrong, measured) == [] and precision.fit_rows(wrong, measured) == []
+    assert work_precision.work_precision_rows(wrong, measured) == [] and work_precision.fit_rows(wrong, measured) == []
 
 
 def test_every_quantity_has_rows_and_an_engine_without_a_normal_force_none_of_that():
     experiment, measured = made(("a", "s", 1e-9, 1.0))
-    assert {row["quantity"] for row in precision.work_precision_rows(experiment, measured)} == set(quantities.UNITS)
+    assert {row["quantity"] for row in work_precision.work_precision_rows(experiment, measured)} == set(
+        quantities.UNITS
+    )
     mute = replace(experiment.runs[0], distance=experiment.runs[0].distance._replace(normal_force_mean=nan))
-    rows = precision.work_precision_rows(replace(experiment, runs=(mute,)), measured)
+    rows = work_precision.work_precision_rows(replace(experiment, runs=(mute,)), measured)
     assert {row["quantity"] for row in rows} == set(quantities.UNITS) - {"normal_force_mean"}
 
 
 def test_null_score_stands_beside_each_error_and_marks_accuracies_it_reaches():
     experiment, measured = made(("a", "s", 1e-3, 1.0))
-    rows = precision.work_precision_rows(experiment, measured)
+    rows = work_precision.work_precision_rows(experiment, measured)
     assert {(row["null_error"], row["null_motion"]) for row in rows} == {(3e-3, "never moves")}
-    rows = precision.time_to_accuracy_rows(rows)
+    rows = work_precision.time_to_accuracy_rows(rows)
     assert first(rows, 1e-2)["a"]["null_reaches"] and not first(rows, 1e-4)["a"]["null_reaches"]
 
 
@@ -173,51 +182,50 @@ def test_orders_in_steps_and_in_time_are_fitted():
     # Four times the steps and twice the time a rung; second order in steps is fourth order in time.
     ladder = [("a", f"h={i}", 1e-2 * 16.0**-i, 2.0**i) for i in range(4)]
     experiment, measured = made(*ladder)
-    rows = {row["quantity"]: row for row in precision.fit_rows(experiment, measured)}
+    rows = {row["quantity"]: row for row in work_precision.fit_rows(experiment, measured)}
     assert rows.keys() == quantities.UNITS.keys()
     for row in rows.values():
         assert (row["order"], row["order_in_time"]) == pytest.approx((2.0, 4.0))
         assert row["saturation"] == "" and row["settings"] == 4
-    rows = precision.fit_rows(experiment, disturb(measured, "a"))
+    rows = work_precision.fit_rows(experiment, disturb(measured, "a"))
     assert all(isnan(row["order_in_time"]) and isfinite(row["order"]) for row in rows)
 
 
 def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
-    experiment, _ = made(*[("a", f"h={i}", 1e-3, None) for i in range(precision.LEAST_SETTINGS)])
-    assert precision.chosen(experiment, full=False) == list(experiment.cases)
+    experiment, _ = made(*[("a", f"h={i}", 1e-3, None) for i in range(timings.LEAST_SETTINGS)])
+    assert timings.chosen(experiment, full=False) == list(experiment.cases)
     thin = replace(experiment, runs=experiment.runs[1:])
-    assert precision.chosen(thin, full=False) == [] and precision.chosen(thin, full=True) == list(experiment.cases)
+    assert timings.chosen(thin, full=False) == [] and timings.chosen(thin, full=True) == list(experiment.cases)
 
 
 def test_a_default_report_runs_whole_ladders_of_as_many_families_as_it_times():
     from reports.options import WHOLE
 
-    assert len(WHOLE) == precision.MOST_CASES and set(WHOLE) <= set(cases.names())
+    assert len(WHOLE) == timings.MOST_CASES and set(WHOLE) <= set(cases.names())
 
 
 def test_reference_and_engines_offer_enough_settings_for_a_curve():
     case = cases.load("disc_in_circle", mu=0.2)
     for name in ("reference", "exudyn", "pymunk"):
-        module = trial.solver(name)
+        module = solvers.solver(name)
         for route in module.routes:
-            assert len(module.ladder(case, route)) >= precision.LEAST_SETTINGS, (name, route)
+            assert len(module.ladder(case, route)) >= timings.LEAST_SETTINGS, (name, route)
 
 
 def test_two_builds_give_the_same_accuracies_to_the_last_digit():
     case = cases.load("disc_on_line", mu=0.1)
-    key = CaseKey.of(case)
-    truth = trial.find_truth(key)
-    calls = []
+    truth = tasks.find_truth(case)
+    asked = []
     for name in ("reference", "pymunk"):
-        module = trial.solver(name)
-        calls += [(key, name, route, module.ladder(case, route)[2], 3, truth) for route in module.routes]
+        module = solvers.solver(name)
+        asked += [(case, name, route, module.ladder(case, route)[2], 3, truth) for route in module.routes]
     builds = []
     for _ in range(2):
-        answers = dict(workers.run(trial.perform, calls, jobs=1))
-        runs = tuple(answers[index].value for index in range(len(calls)))
+        with Calls(1) as calls:
+            runs = tuple(answer.value for answer in calls.all("runs", tasks.perform, asked))
         experiment = Experiment((case,), {case.label: truth}, runs, 0.0)
         frames = tables.frames(experiment)
-        frames["trajectories"] = frames["trajectories"].drop(columns=["cpu_s", "setup_s"])
+        frames["trajectories"] = frames["trajectories"].drop(columns=["cpu_s", "setup_s", "run_at"])
         builds.append({name: frame.to_csv() for name, frame in frames.items()})
     assert len(runs) == 4 and builds[0] == builds[1]
 
@@ -227,7 +235,7 @@ def test_two_builds_give_the_same_accuracies_to_the_last_digit():
 
 def test_null_scores_of_bowling_are_the_textbook_ones():
     v0, mu, g = 1.0, 0.1, 9.81
-    told = null_motions.told(CaseKey.of(cases.load("disc_on_line", mu=mu)))
+    told = baselines.baseline(cases.load("disc_on_line", mu=mu))
     scores = {row["motion"]: row for row in told.rows}
     turn = v0 / (3 * mu * g)
     # It lasts twice as long: it slows down to 2/3 v0 and takes up spin, evenly, and then rolls.
@@ -247,14 +255,14 @@ def test_null_scores_of_bowling_are_the_textbook_ones():
 
 
 def test_a_null_motion_that_makes_no_sense_is_told():
-    told = null_motions.told(CaseKey.of(cases.load("frictionless_pendulum")))
+    told = baselines.baseline(cases.load("frictionless_pendulum"))
     rows = {row["motion"]: row for row in told.rows}
     assert isnan(rows["no friction"]["final_pose"]) and rows["no friction"]["note"]
     assert isfinite(rows["never moves"]["final_pose"])
 
 
 def test_second_method_witnesses_what_is_not_certified():
-    told = null_motions.told(CaseKey.of(cases.load("frictionless_pendulum")))
+    told = baselines.baseline(cases.load("frictionless_pendulum"))
     assert told.witnessed.keys() == quantities.UNITS.keys() - set(quantities.TIMES)
     # Two integrators at rtol 1e-13 over a second and a half of a pendulum.
     assert all(0.0 <= far < 1e-11 for far in told.witnessed.values())
@@ -264,24 +272,24 @@ def test_second_method_witnesses_what_is_not_certified():
 
 
 def test_sentence_says_plainly_where_the_reference_is_dearer():
-    cheap = verdicts.headline(accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0)))
+    cheap = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0)))
     assert "3e+02 times r's" in cheap and "at 3 of the 3 levels" in cheap and "not on" not in cheap
-    dear = verdicts.headline(accuracy_rows(("reference", "s", 1e-13, 2.0), ("a", "s", 1e-7, 0.5)))
+    dear = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 2.0), ("a", "s", 1e-7, 0.5)))
     assert "at 0 of the 3 levels" in dear and "not on disc_on_line[mu=0.1] at 0.01 to 1e-06 s (a r: 0.25)" in dear
 
 
 def test_sentence_says_where_the_reference_is_cheaper_by_little():
-    told = verdicts.headline(accuracy_rows(("reference", "s", 1e-13, 1.0), ("a", "s", 1e-7, 3.0)))
+    told = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 1.0), ("a", "s", 1e-7, 3.0)))
     assert "less than 100 times r's on disc_on_line[mu=0.1] at 1e-06 s (a r: 3)" in told
 
 
 def test_sentence_does_not_decide_what_intervals_leave_open():
-    told = verdicts.headline(accuracy_rows(("reference", "s", 1e-13, 1.05), ("a", "s", 1e-7, 1.0)))
+    told = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 1.05), ("a", "s", 1e-7, 1.0)))
     assert "(a r: 0.95, not for sure)" in told
 
 
 def test_sentence_tells_of_a_disturbed_machine_and_ranks_nothing_by_it():
-    told = verdicts.headline(
+    told = conclusions.headline(
         accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0), disturbed=("a", "reference"))
     )
     assert "No case has timings" in told and "disturbed during 100%" in told and "times" not in told
@@ -290,16 +298,17 @@ def test_sentence_tells_of_a_disturbed_machine_and_ranks_nothing_by_it():
 def test_set_up_and_compilation_are_told_beside_the_times():
     experiment, measured = made(("reference", "s", 1e-13, 0.01), ("reference", "t", 1e-13, 0.01), ("a", "s", 1e-7, 3.0))
     slow = {who: replace(t, setup_s=0.1, compile_s=0.4) for who, t in measured.timings.items() if who[1] == "reference"}
-    points = precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
-    assert "reference 1 s, a 0 s." in verdicts.set_up(points)
-    assert verdicts.set_up([]) == ""
+    points = work_precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
+    assert "reference 1 s, a 0 s." in conclusions.set_up(points)
+    assert conclusions.set_up([]) == ""
 
 
 def test_figures_that_fail_are_told_in_their_place(tmp_path):
     from reports.drawing import figures
 
     experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
-    (told,) = figures.draw(experiment, tmp_path)
+    with Calls(1) as calls:
+        (told,) = figures.draw(experiment, tmp_path, calls)
     assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
 
 
@@ -311,8 +320,8 @@ def test_figures_draw_nothing_below_ten_bars_of_the_truth(tmp_path):
     from reports.drawing import work_precision as precision_figures
 
     experiment, measured = made(("reference", "s", 1e-15, 0.01), ("a", "s", 1e-7, 3.0))
-    points = precision.work_precision_rows(experiment, measured)
-    figure = precision_figures.work_precision(experiment, experiment.cases[0].label, points, drawing.Looks(experiment))
+    points = work_precision.work_precision_rows(experiment, measured)
+    figure = precision_figures.case_figure(experiment, experiment.cases[0].label, points, looks_of(experiment))
     heights = drawn_heights(figure)
     assert min(heights) >= 10 * BAR and 1e-7 in heights
     drawn = list(precision_figures.draw(experiment, measured, tmp_path))
@@ -340,7 +349,7 @@ def points_of(path: str) -> list[tuple[float, float]]:
 @given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)), min_size=2, max_size=100))
 def test_small_paths_go_through_the_same_points(points):
     text = "M " + " \nL ".join(f"{x:.6f} {y:.6f}" for x, y in points) + " \nz\n"
-    told = drawing._path(text)
+    told = files._path(text)
     assert np.abs(np.array(points_of(told)) - points).max() <= 0.01 and told.endswith("z")
 
 
@@ -351,7 +360,7 @@ def test_small_files_keep_their_picture():
         '  <path d="M 0.125 3 \nC 1 2 3 4.56789 5 6" style="fill: none"/>\n  <use xlink:href="#m7f" x="1.239"/>\n'
         "  <text style=\"font: 9px 'DejaVu Sans', sans-serif; text-anchor: end\">0.123456</text>\n </g>\n</svg>\n"
     )
-    told = drawing.small(svg)
+    told = files.minify(svg)
     assert 'd="M1.23 0l1.27 0 0.5-1"' in told and 'd="M0.12 3C1 2 3 4.57 5 6"' in told
     assert '<use xlink:href="#i0" x="1.24"/>' in told and 'id="i0"' in told
     assert ">0.123456<" in told and "line2d_1" not in told and "<?xml" not in told
@@ -361,10 +370,5 @@ def test_small_files_keep_their_picture():
 def test_a_solver_has_the_same_colour_whoever_else_takes_part():
     few, _ = made(("pymunk", "s", 1e-9, None))
     many, _ = made(("reference", "s", 1e-9, None), ("exudyn", "s", 1e-9, None), ("pymunk", "s", 1e-9, None))
-    assert drawing.Looks(few).colour(few.runs[0]) == drawing.Looks(many).colour(many.runs[2])
-    assert len({drawing.Looks(many).colour(run) for run in many.runs}) == 3
-
-
-@pytest.mark.parametrize("value, text", [(1e-12, "10⁻¹²"), (1.0, "1"), (10.0, "10"), (0.1, "0.1"), (2e-3, "0.002")])
-def test_marks_of_logarithmic_axes_are_plain(value, text):
-    assert drawing._power(value) == text
+    assert looks_of(few).colour("pymunk") == looks_of(many).colour("pymunk")
+    assert len({looks_of(many).colour(run.solver) for run in many.runs}) == 3

@@ -40,11 +40,20 @@ def misbehave(how: str):
 WAYS = ("work", "raise", "exit", "vanish", "segfault", "hang", "flood", "last")
 
 
+def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.Answer]]:
+    """What the workers of a pool answer."""
+    pool = workers.Pool(jobs)
+    try:
+        return list(pool.run(function, calls, limit, **how))
+    finally:
+        pool.close()
+
+
 @pytest.fixture(scope="module")
 def answers() -> dict[str, workers.Answer]:
     # Three seconds are long for every way that ends by itself, and short to wait for the one that does not.
     calls = [(way,) for way in WAYS]
-    return {WAYS[index]: answer for index, answer in workers.run(misbehave, calls, jobs=2, limit=3.0)}
+    return {WAYS[index]: answer for index, answer in run(misbehave, calls, jobs=2, limit=3.0)}
 
 
 def test_every_call_is_answered_whatever_the_others_do(answers):
@@ -79,8 +88,8 @@ def test_output_is_captured_with_the_answer(answers):
 
 def test_an_answer_may_be_given_instead_of_a_call():
     given = workers.Answer("done", value="given")
-    calls = workers.run(misbehave, [("exit",), ("exit",)], instead=lambda index: given)
-    assert list(calls) == [(0, given), (1, given)]
+    calls = run(misbehave, [("exit",), ("exit",)], skip=lambda index: given)
+    assert calls == [(0, given), (1, given)]
 
 
 def linger(folder: Path) -> None:
@@ -91,7 +100,7 @@ def linger(folder: Path) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker ends with its own time")
 def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
-    asking = f"from tests.reports.test_workers import *; list(workers.run(linger, [(Path({str(tmp_path)!r}),)]))"
+    asking = f"from tests.reports.test_workers import *; list(run(linger, [(Path({str(tmp_path)!r}),)]))"
     parent = subprocess.Popen([sys.executable, "-c", asking], cwd=Path(__file__).parents[2])
     wait_until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
     worker = Path("/proc") / (tmp_path / "pid").read_text()
@@ -125,16 +134,16 @@ kept: list[bytes] = []
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory")
 def test_a_worker_that_has_grown_is_replaced():
-    first, second, third = (answer.value for _, answer in workers.run(grow, [(1,), (300,), (2,)]))
+    first, second, third = (answer.value for _, answer in run(grow, [(1,), (300,), (2,)]))
     assert first == second != third
 
 
 def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle():
     calls = [("a", 1), ("a", 2), ("b", 1), ("a", 3), ("b", 2), ("b", 3)]
-    told = {calls[i]: answer.value for i, answer in workers.run(whose, calls, jobs=2)}
+    told = {calls[i]: answer.value for i, answer in run(whose, calls, jobs=2)}
     assert len({told["a", n] for n in (1, 2, 3)} | {told["b", n] for n in (1, 2, 3)}) == 2
     assert len({told["a", n] for n in (1, 2)}) == len({told["b", n] for n in (1, 2)}) == 1
-    alone = [answer.value for _, answer in workers.run(whose, [("a", n) for n in range(6)], jobs=2)]
+    alone = [answer.value for _, answer in run(whose, [("a", n) for n in range(6)], jobs=2)]
     assert len(set(alone)) == 2
 
 

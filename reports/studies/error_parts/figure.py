@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ...drawing.style import STYLE, Drawn, file_name, save
+from ...drawing.files import Drawn, file_name, save
+from ...drawing.style import STYLE
 from .measure import QUANTITIES, Cell, Grid, advice, by_route
 
 _WORDS = (

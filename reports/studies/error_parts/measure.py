@@ -12,31 +12,23 @@ Errors are relative to the reference: first transition in s, energy lost in J, f
 
 from __future__ import annotations
 
-import argparse
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from math import nan
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-import adapters
-import cases
-import reference
 from adapters import Setting
-from cases import Case, CaseError, Trajectory
+from cases import Case, Trajectory
 
-from ...judging import distances
-from ...judging import slip_phases as metrics
-from ...running import tasks as trial
-from ...running import workers
-from ...running.records import TRUTH_RTOL, CaseKey, Truth
-
-if TYPE_CHECKING:
-    import pandas as pd
+from ...judging import distances, ledger
+from ...running.calls import Calls, Keep
+from ...running.experiment import find_truths, offers
+from ...running.records import Offer, Truth
+from ...running.solvers import solver
+from ...running.tasks import reading_of, timed, true_motion
+from ...running.workers import Answer
 
 QUANTITIES = {"first_transition_time": "s", "energy_lost": "J", "final_centre": "m"}
 # The cases of a default report: the paper's application, where facets, stiffness and regularisation all show, and a
@@ -48,8 +40,6 @@ LIMIT_SECONDS = 60.0
 _MATTERS = 0.01
 # A motion that ends this many of its own steps before the truth's has no final centre to compare.
 _LAST_STEPS = 2.5
-
-Tell = Callable[[str, int, Iterator], Iterator]
 
 
 @dataclass(frozen=True)
@@ -68,96 +58,51 @@ class Cell:
     errors: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def chosen(asked: Sequence[Case]) -> list[Case]:
-    """The cases of a report whose errors are taken apart: CASES if they are among them, else the first."""
-    usual = [case for case in asked if case.label in CASES]
-    return usual or list(asked[:1])
-
-
 # --- measuring --------------------------------------------------------------------------------------------------------
 
 
-def measure(
-    asked: Sequence[Case],
-    solvers: Sequence[str],
-    files: tuple[str, ...] = (),
-    jobs: int = 2,
-    tell: Tell = lambda step, total, answers: answers,
-    calls: Callable = workers.run,
-) -> list[Cell]:
-    """Run every grid of every route of the solvers on every case, each run in a process of its own.
-
-    `calls` makes them: `workers.run`, or what stands in for it."""
-    keys = [CaseKey.of(case, files) for case in asked]
-
-    def step(name: str, function: Callable, arguments: list[tuple]) -> list[workers.Answer]:
-        coming = calls(function, arguments, jobs, LIMIT_SECONDS)
-        return [answer for _, answer in sorted(tell(name, len(arguments), coming), key=lambda pair: pair[0])]
-
-    found = step("truth", trial.find_truth, [(key,) for key in keys])
-    truths = [a.value if a.outcome == "done" else Truth(failure=a.reason) for a in found]
-    pairs = [(key, truth, name) for key, truth in zip(keys, truths, strict=True) for name in solvers]
+def measure(cases: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[Cell]:
+    """Run every grid of every route of the solvers on every case."""
+    truths = find_truths(cases, calls)
+    by_label = {case.label: case for case in cases}
     cells: list[Cell] = []
-    todo: list[tuple[CaseKey, str, str, Setting, Truth]] = []
-    offers = step("grids", grids, [(key, name) for key, _, name in pairs])
-    for (key, truth, name), answer in zip(pairs, offers, strict=True):
-        label = trial.load(key).label
-        if answer.outcome != "done":
-            cells.append(_cell(Cell(label, name, "", Setting.of(), ""), answer))
-            continue
-        for route, settings, refusal in answer.value:
-            excuse = refusal or truth.failure
-            if excuse:
-                cells.append(Cell(label, name, route, Setting.of(), "refused", excuse))
-            else:
-                todo += [(key, name, route, setting, truth) for setting in settings]
-    for task, answer in zip(todo, step("error parts", errors, todo), strict=True):
-        key, name, route, setting, _ = task
-        cells.append(_cell(Cell(trial.load(key).label, name, route, setting, ""), answer))
-    return cells
+    todo: list[tuple[Case, str, str, Setting, Truth]] = []
+    for (label, name), of_routes in offers(cases, solvers, calls, "grid").items():
+        for offer in of_routes:
+            outcome, reason = _excuse(offer, truths[label])
+            if outcome:
+                cells.append(Cell(label, name, offer.route, Setting.of(), outcome, reason))
+            todo += [
+                (by_label[label], name, offer.route, setting, truths[label])
+                for setting in (() if outcome else offer.settings)
+            ]
+    answers = calls.all("error parts", errors, todo, limit=LIMIT_SECONDS, keep=Keep())
+    return cells + [_cell(call, answer) for call, answer in zip(todo, answers, strict=True)]
 
 
-def _cell(empty: Cell, answer: workers.Answer) -> Cell:
-    if answer.outcome == "done":
-        outcome, reason, found = answer.value
-        return Cell(empty.case, empty.solver, empty.route, empty.setting, outcome, reason, found)
-    outcome = "timed_out" if answer.outcome == "timed_out" else "crashed"
-    return Cell(empty.case, empty.solver, empty.route, empty.setting, outcome, answer.reason)
+def _excuse(offer: Offer, truth: Truth) -> tuple[str, str]:
+    """Outcome and reason where there is nothing to run; empty where there is."""
+    if offer.outcome:
+        return offer.outcome, offer.reason
+    if truth.failure:
+        return "refused", truth.failure
+    return ("", "") if offer.settings else ("refused", "its model has no knob but the step")
 
 
-def grids(key: CaseKey, name: str) -> list[tuple[str, tuple[Setting, ...], str]]:
-    """Each route's grid, or the reason why it has none; no row for an adapter without grids."""
-    try:
-        module = trial.solver(name)
-    except ImportError as problem:
-        return [("", (), f"{name} is not installed here ({problem})")]
-    if not hasattr(module, "grid"):
-        return []
-    case, found = trial.load(key), []
-    for route in module.routes:
-        refusal = module.refuses(case, route) or ""
-        settings = () if refusal else tuple(module.grid(case, route))
-        found.append((route, settings, refusal if settings or refusal else "its model has no knob but the step"))
-    return found
+def _cell(call: tuple, answer: Answer) -> Cell:
+    case, name, route, setting, _ = call
+    return Cell(case.label, name, route, setting, *(answer.value if answer.outcome == "done" else answer.failure))
 
 
-def errors(
-    key: CaseKey, name: str, route: str, setting: Setting, truth: Truth
-) -> tuple[str, str, dict[str, np.ndarray]]:
+def errors(case: Case, name: str, route: str, setting: Setting, truth: Truth) -> tuple[str, str, dict[str, np.ndarray]]:
     """One run of the grid, in a worker: outcome, reason, and its signed errors by quantity."""
-    case = trial.load(key)
-    motion = trial.timed(trial.solver(name), case, route, setting)
-    ledger = metrics.match(truth.transitions, trial.read(case, motion).transitions)
-    first = next((row.error for row in ledger if row.event == 1 and row.verdict != "spurious"), nan)
-    wrong = [row.verdict for row in ledger if row.verdict != "matched"]
-    found = {"first_transition_time": np.array([first]), **_final(case, motion, _true_motion(key, truth.method))}
+    motion = timed(solver(name), case, route, setting)
+    matched = ledger.match(truth.transitions, reading_of(case, motion).transitions)
+    first = next((row.error for row in matched if row.event == 1 and row.verdict != "spurious"), nan)
+    wrong = [row.verdict for row in matched if row.verdict != "matched"]
+    found = {"first_transition_time": np.array([first]), **_final(case, motion, true_motion(case, truth.method))}
     reason = ", ".join(f"{wrong.count(kind)} {kind}" for kind in dict.fromkeys(wrong))
     return ("wrong" if wrong else "right"), reason, found
-
-
-@lru_cache(maxsize=2)
-def _true_motion(key: CaseKey, method: str) -> Trajectory:
-    return reference.simulate(trial.load(key), rtol=TRUTH_RTOL, method=method)
 
 
 def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.ndarray]:
@@ -262,8 +207,8 @@ def advice(grid: Grid, place: Sequence[int], quantity: str) -> tuple[str, str]:
 def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
     """One row per case, route, quantity and setting; one per route that was refused."""
     found = []
-    for (case, solver, route), group in by_route(cells).items():
-        common = {"case": case, "solver": solver, "route": route}
+    for who, group in by_route(cells).items():
+        common = dict(zip(("case", "solver", "route"), who, strict=True))
         grid = Grid(group)
         for quantity in QUANTITIES if grid.knobs else ("",):
             for cell in group:
@@ -296,53 +241,3 @@ def by_route(cells: Sequence[Cell]) -> dict[tuple[str, str, str], list[Cell]]:
     for cell in cells:
         groups.setdefault((cell.case, cell.solver, cell.route), []).append(cell)
     return groups
-
-
-def frame(cells: Sequence[Cell]) -> pd.DataFrame:
-    """The table `error_parts`."""
-    import pandas as pd
-
-    return pd.DataFrame(rows(cells))
-
-
-# --- the command ------------------------------------------------------------------------------------------------------
-
-
-def main(argv: Sequence[str] | None = None) -> int:
-    """Measure and print, or write, the table; returns 0, or 2 if what was asked for makes no sense."""
-    parser = argparse.ArgumentParser(prog="python -m reports.error_parts", description=__doc__.splitlines()[0])
-    add = parser.add_argument
-    add("--case", metavar="NAME", nargs="+", default=list(CASES), help=f"cases (default: {' '.join(CASES)})")
-    add("--solver", metavar="NAME", nargs="+", default=list(adapters.engines()), help="engines (default: all)")
-    add("--out", metavar="FILE", type=Path, help="write the table as CSV, and a picture of each case beside it")
-    options = parser.parse_args(argv)
-    try:
-        asked = [case for text in options.case for case in cases.select(text)]
-        for name in options.solver:
-            if name not in adapters.engines():
-                raise cases.errors.unknown("engine", name, adapters.engines())
-    except CaseError as problem:
-        print(f"reports.error_parts: {problem}", file=sys.stderr)
-        return 2
-    cells = measure(asked, options.solver, tell=_progress)
-    if options.out is None:
-        print(frame(cells).to_string(index=False))
-        return 0
-    from . import figure as error_parts_figure
-
-    written = frame(cells)
-    written.to_csv(options.out, index=False)
-    for drawn in error_parts_figure.draw(cells, options.out.parent):
-        print(options.out.parent / f"{drawn.name}.svg")
-    print(options.out)
-    return 0
-
-
-def _progress(step: str, total: int, answers: Iterator) -> Iterator:
-    from tqdm import tqdm
-
-    return iter(tqdm(answers, desc=step, total=total, mininterval=0.2, dynamic_ncols=True))
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

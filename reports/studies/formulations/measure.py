@@ -1,6 +1,4 @@
-"""Which coordinates to integrate: the paper's ten, plain, with Baumgarte's terms or projected, or the independent ones.
-
-    python -m reports.formulations [--out DIR]
+"""The paper's ten coordinates, plain, with Baumgarte's terms or projected, and the independent ones, integrated alike.
 
 The formulations solve the same matrix (27) with the same integrator (SciPy's DOP853), so that what differs is what is
 carried along: X₀, Y₀, θ, ξ₁, ξ₂ and their rates, of which (5), (6), (8), (9) leave only (ξ₁, ξ₂, ξ̇₁, ξ̇₂) free. The last
@@ -10,13 +8,11 @@ run on this machine, beside whatever else ran.
 
 from __future__ import annotations
 
-import argparse
-import sys
 import time
-from collections.abc import Callable, Iterator
-from math import pi
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from math import nan, pi
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -31,10 +27,7 @@ from reference.dop853 import prepare
 from reference.kinematics import Kinematics, U, kinematics
 from reference.modes import Regime, phase
 
-from ...drawing.style import Drawn
-
-if TYPE_CHECKING:
-    import pandas as pd
+from ...running.calls import Calls, Keep
 
 FORMULATIONS = (
     "ten coordinates",
@@ -63,13 +56,20 @@ class Answer(NamedTuple):
 # --- the scenes -------------------------------------------------------------------------------------------------------
 
 
-def scenes() -> dict[str, tuple[Case, Mode]]:
-    """An unbalanced ellipse in an ellipse: slipping with friction until its first transition, and sliding for long."""
-    rough = _ellipse_in_ellipse(CoulombFriction(0.03), slip=3.0, duration=2.0)
-    first = reference.simulate(rough, rtol=1e-12).transitions[0].time
-    slipping = _ellipse_in_ellipse(CoulombFriction(0.03), slip=3.0, duration=first)
-    sliding = _ellipse_in_ellipse(None, slip=0.0, duration=5.0)
-    return {"slipping, to the first transition": (slipping, Mode.SLIP_FORWARD), "sliding, 5 s": (sliding, Mode.SLIDE)}
+# An unbalanced ellipse in an ellipse: slipping with friction until its first transition, and sliding for long.
+SCENES = ("slipping, to the first transition", "sliding, 5 s")
+
+
+@lru_cache
+def scene(name: str) -> tuple[Case, Mode, Trajectory]:
+    """A scene of `SCENES`, the one mode it stays in, and its true motion."""
+    if name == SCENES[0]:
+        rough = _ellipse_in_ellipse(CoulombFriction(0.03), slip=3.0, duration=2.0)
+        first = reference.simulate(rough, rtol=1e-12).transitions[0].time
+        case, mode = _ellipse_in_ellipse(CoulombFriction(0.03), slip=3.0, duration=first), Mode.SLIP_FORWARD
+    else:
+        case, mode = _ellipse_in_ellipse(None, slip=0.0, duration=5.0), Mode.SLIDE
+    return case, mode, reference.simulate(case, rtol=1e-13)
 
 
 def _ellipse_in_ellipse(friction: CoulombFriction | None, slip: float, duration: float) -> Case:
@@ -194,21 +194,24 @@ def _projected(case: Case, y: np.ndarray) -> np.ndarray:
 # --- rows -------------------------------------------------------------------------------------------------------------
 
 
-def rows(tolerances: tuple[float, ...] = TOLERANCES) -> list[dict[str, Any]]:
+def measure(tolerances: Sequence[float], calls: Calls) -> list[dict[str, Any]]:
     """One row per scene, formulation and tolerance."""
-    told = []
-    for name, (case, mode) in scenes().items():
-        truth = reference.simulate(case, rtol=1e-13)
-        for formulation in FORMULATIONS:
-            for rtol in tolerances:
-                told.append(
-                    {"scene": name, "formulation": formulation, "rtol": rtol}
-                    | _row(case, mode, truth, formulation, rtol)
-                )
-    return told
+    asked = [(name, formulation, rtol) for name in SCENES for formulation in FORMULATIONS for rtol in tolerances]
+    answers = calls.all("formulations", drift, asked, keep=Keep())
+    return [
+        dict(zip(("scene", "formulation", "rtol"), call, strict=True))
+        | (answer.value | {"outcome": "done", "reason": ""} if answer.outcome == "done" else _nothing(*answer.failure))
+        for call, answer in zip(asked, answers, strict=True)
+    ]
 
 
-def _row(case: Case, mode: Mode, truth: Trajectory, formulation: str, rtol: float) -> dict[str, Any]:
+def _nothing(outcome: str, reason: str) -> dict[str, Any]:
+    return dict.fromkeys(NUMBERS, nan) | {"outcome": outcome, "reason": reason}
+
+
+def drift(name: str, formulation: str, rtol: float) -> dict[str, float | int]:
+    """How far a formulation drifts off its constraints and off the truth on a scene, and what that costs."""
+    case, mode, truth = scene(name)
     answer = solve(case, mode, formulation, rtol)
     ks = [kinematics_of_ten(case, y) for y in answer.ten.T]
     residuals = np.array([contact_residual(k) for k in ks])
@@ -228,78 +231,4 @@ def _row(case: Case, mode: Mode, truth: Trajectory, formulation: str, rtol: floa
     }
 
 
-def frame(told: list[dict[str, Any]] | None = None) -> pd.DataFrame:
-    """The table `formulation_study`."""
-    import pandas as pd
-
-    return pd.DataFrame(rows() if told is None else told)
-
-
-# --- the picture ------------------------------------------------------------------------------------------------------
-
-_WORDS = (
-    "Which coordinates to integrate",
-    "The paper's ten coordinates without stabilisation, with Baumgarte's terms and with projection after each step, "
-    "and the two independent ones with their rates; one integrator, one matrix. Left: the gap that opens. Middle: the "
-    "error of the centre. Right: error against evaluations of (27). An unbalanced ellipse in an ellipse; above it "
-    "slips with friction until its first transition, below it slides without friction for five seconds.",
-)
-
-
-def draw(told: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
-    """Write the picture into the folder; yields what was written."""
-    import matplotlib
-    from matplotlib import pyplot as plt
-
-    from ...drawing.style import PALETTE, STYLE, logarithmic, save
-
-    folder.mkdir(parents=True, exist_ok=True)
-    names = list(dict.fromkeys(row["scene"] for row in told))
-    with matplotlib.rc_context(STYLE):
-        figure, axes = plt.subplots(len(names), 3, figsize=(9.6, 3.1 * len(names)), layout="constrained", squeeze=False)
-        for line, name in zip(axes, names, strict=True):
-            for i, formulation in enumerate(FORMULATIONS):
-                own = [row for row in told if (row["scene"], row["formulation"]) == (name, formulation)]
-                look: dict[str, Any] = dict(color=PALETTE[i], marker="os^Dv"[i], markersize=4)
-                for ax, (x, y) in zip(line, _AXES, strict=True):
-                    # Nothing is smaller than a double's rounding of lengths of a metre.
-                    ax.plot([r[x] for r in own], [max(r[y], 1e-16) for r in own], **look, label=formulation)
-            for ax, (x, y) in zip(line, _AXES, strict=True):
-                logarithmic(ax, "xy")
-                ax.set_xlabel(_LABELS[x])
-                ax.set_ylabel(_LABELS[y])
-            line[1].set_title(name)
-        handles, labels = axes[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=5)
-        yield save(figure, folder, "formulation_study", "", *_WORDS)
-
-
-_AXES = (("rtol", "gap"), ("rtol", "centre_error"), ("evaluations", "centre_error"))
-_LABELS = {
-    "rtol": "relative tolerance",
-    "gap": "largest gap / m",
-    "centre_error": "largest error of the centre / m",
-    "evaluations": "evaluations of (27)",
-}
-
-
-def main(argv: list[str] | None = None) -> int:
-    """The command: writes table and picture."""
-    from ...analysis import tables
-
-    parser = argparse.ArgumentParser(prog="python -m reports.formulations", description="Coordinates compared.")
-    parser.add_argument("--out", default="formulations", metavar="DIR", help="folder to write (default: formulations)")
-    folder = Path(parser.parse_args(argv).out)
-    told = rows()
-    try:
-        tables.write({"formulation_study": frame(told)}, folder)
-        written = [folder / f"{drawn.name}.svg" for drawn in draw(told, folder)]
-    except OSError as problem:
-        print(f"reports.formulations: cannot write: {problem}", file=sys.stderr)
-        return 1
-    print(f"written: {folder / 'formulation_study.csv'}, {written[0]}")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+NUMBERS = ("gap", "gap_drift", "tangency", "velocity_residual", "centre_error", "steps", "evaluations", "cpu_s")

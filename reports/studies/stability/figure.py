@@ -12,9 +12,10 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from ...drawing.style import PALETTE, STYLE, Drawn, save
+from ...drawing.files import Drawn, save
+from ...drawing.style import STYLE, Looks
 from ...running.records import REFERENCE, is_default_setting
-from . import measure as stability
+from . import measure
 from .measure import Stability
 
 # Blue and vermilion are Okabe and Ito's; the rest are greys, told apart by hatching as well.
@@ -45,7 +46,6 @@ def draw(found: Stability, folder: Path) -> Iterator[Drawn]:
     """Write both pictures into the folder; yields what was written."""
     if not found.cases:
         return
-    folder.mkdir(parents=True, exist_ok=True)
     with matplotlib.rc_context(STYLE):
         yield save(outcomes(found), folder, "stability", "", *_WORDS)
         if found.unstable:
@@ -54,7 +54,7 @@ def draw(found: Stability, folder: Path) -> Iterator[Drawn]:
 
 def outcomes(found: Stability) -> Figure:
     """The chart: a row for each case, a column for each route."""
-    told = stability.rows(found)
+    told = measure.rows(found)
     labels = [case.label for case in found.cases]
     routes = list(dict.fromkeys((r["solver"], r["route"]) for r in told if r["route"]))
     routes.sort(key=lambda who: (who[0] != REFERENCE, who))
@@ -118,9 +118,9 @@ def steps(found: Stability) -> Figure:
     brackets = [b for b in found.unstable if isfinite(b.works) or isfinite(b.fails)]
     durations = {case.label: case.duration for case in found.cases}
     figure, ax = plt.subplots(figsize=(7.4, 0.9 + 0.26 * max(len(brackets), 1)), layout="constrained")
-    solvers = sorted({b.solver for b in brackets})
+    looks = Looks((b.solver, b.route) for b in brackets)
     for y, b in enumerate(brackets):
-        colour, whole = PALETTE[solvers.index(b.solver) % len(PALETTE)], durations[b.case]
+        colour, whole = looks.colour(b.solver), durations[b.case]
         if isfinite(b.works):
             ax.plot([1e-6, b.works / whole], [y, y], color=colour, linewidth=4, solid_capstyle="butt")
         if isfinite(b.fails):

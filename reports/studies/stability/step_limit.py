@@ -10,15 +10,12 @@ from collections.abc import Callable
 from math import isnan, nan, sqrt
 from typing import NamedTuple
 
-import numpy as np
-
 from adapters import EngineFailure, Setting
 from cases import Case, Gravity, Load, Trajectory
 
-from ...judging import distances
-from ...judging import residuals as health
-from ...running import tasks as trial
-from ...running.records import CaseKey, is_default_setting
+from ...judging import distances, residuals
+from ...running.solvers import solver
+from ...running.tasks import sentence, sound, timed
 
 # A scene without load cannot gain energy; a tenth of all that moves is no inaccuracy any more.
 BLOWN_UP = 0.1
@@ -48,24 +45,23 @@ class Bracket(NamedTuple):
     how: str
 
     @classmethod
-    def unknown(cls, key: CaseKey, name: str, route: str, why: str) -> Bracket:
+    def unknown(cls, case: Case, name: str, route: str, why: str) -> Bracket:
         """No bracket, because the search itself failed."""
-        return cls(trial.load(key).label, name, route, "", nan, nan, nan, why)
+        return cls(case.label, name, route, "", nan, nan, nan, why)
 
 
-def bracket(key: CaseKey, name: str, route: str) -> Bracket:
-    """Search the unstable step of a route on a case."""
-    case, module = trial.load(key), trial.solver(name)
-    ladder = [s for s in module.ladder(case, route) if not is_default_setting(s)]
-    middle = ladder[len(ladder) // 2]
-    rest = " ".join(part for part in str(middle).split() if not part.startswith(("h=", "rung=")))
-    if "h" not in dict(middle.values):
+def bracket(case: Case, name: str, route: str, middle: Setting) -> Bracket:
+    """Search the unstable step of a route on a case, all but the step as in a middle rung of its ladder."""
+    knobs = dict(middle.values)
+    rest = str(Setting(tuple((knob, value) for knob, value in middle.values if knob not in ("h", "rung"))))
+    if "h" not in knobs:
         return Bracket(case.label, name, route, rest, nan, nan, nan, "its settings name no step h")
+    module = solver(name)
 
     def failure(h: float) -> str:
         return blow_up(module, case, route, _with_step(middle, h))
 
-    found = search(failure, min(float(middle["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
+    found = search(failure, min(float(knobs["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
     return Bracket(case.label, name, route, rest, found.works, found.fails, case.duration / found.fails, found.how)
 
 
@@ -107,12 +103,12 @@ def _with_step(setting: Setting, h: float) -> Setting:
 def blow_up(module, case: Case, route: str, setting: Setting) -> str:
     """How a run blows up, in a few words, or ""."""
     try:
-        motion = trial.timed(module, case, route, setting)
+        motion = timed(module, case, route, setting)
     except EngineFailure as problem:
         return str(problem)
     except Exception as problem:
-        return trial._sentence(problem)
-    if not trial._sound(motion):
+        return sentence(problem)
+    if not sound(motion):
         return "numbers that are not finite"
     growth = energy_growth(case, motion)
     return f"the energy grows by {growth:.2g} of what moves" if growth > BLOWN_UP else ""
@@ -123,8 +119,7 @@ def energy_growth(case: Case, motion: Trajectory) -> float:
     own size; 0 under a load, which may do any work."""
     if case.effect(Load) is not None:
         return 0.0
-    gravity, total = case.effect(Gravity), distances.energy(case, motion)
-    kinetic = 0.5 * case.plate.mass * (motion.vx[0] ** 2 + motion.vy[0] ** 2)
-    kinetic += 0.5 * case.plate.inertia * motion.omega[0] ** 2
-    scale = float(kinetic) + case.plate.mass * (gravity.g if gravity else 0.0) * health.size(case)
-    return float((total - np.minimum.accumulate(total)).max()) / scale if scale > 0.0 else 0.0
+    gravity = case.effect(Gravity)
+    scale = float(distances.kinetic(case, motion)[0])
+    scale += case.plate.mass * (gravity.g if gravity else 0.0) * residuals.size(case)
+    return residuals.energy_growth(case, motion) / scale if scale > 0.0 else 0.0

@@ -1,0 +1,88 @@
+"""`python -m reports.compare CASE FILE.csv`: judge a trajectory that a solver without Python has written to a file.
+
+The columns: `judging.exported`. The judgement is that of the report. Exit status: 0 if the file could be judged,
+whatever came out; 2, with one sentence, if it could not.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import cases
+from cases import Case
+
+from . import options
+
+if TYPE_CHECKING:
+    from cases import Trajectory
+
+    from .running.records import Run
+
+COMMAND = "reports.compare"
+
+
+def compare(case: Case, path: str | Path) -> str:
+    """The judgement as text. Raises CaseError if the file cannot be judged, or the reference has no truth."""
+    from adapters import Setting
+
+    from .judging.exported import read_table, trajectory_of
+    from .running.external import judge_external
+    from .running.records import Run
+    from .running.tasks import find_truth
+
+    motion = trajectory_of(case, read_table(path))
+    row = Run(case.label, Path(path).name, "", Setting.of(), 0, outcome="")
+    return _text(case, motion, judge_external(row, case, motion, find_truth(case)))
+
+
+def _text(case: Case, motion: Trajectory, run: Run) -> str:
+    from tabulate import tabulate
+
+    from .judging.distances import energy
+    from .judging.exported import NEEDED, followed
+    from .judging.residuals import energy_growth, laws_broken
+
+    gap = followed(case, {name: getattr(motion, name) for name in NEEDED})[2]
+    ledger = [(r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, r.verdict) for r in run.ledger]
+    head = ("event", "before", "after", "time", "reference_time", "error", "verdict")
+    distance = [(name, value) for name, value in run.distance._asdict().items()]
+    total = energy(case, motion)
+    energies = [
+        ("energy at the start (J)", total[0]),
+        ("energy at the end (J)", total[-1]),
+        ("largest growth (J)", energy_growth(case, motion)),
+    ]
+    broken = laws_broken(case, motion, gap)
+    return "\n\n".join(
+        (
+            f"{run.solver} on {case.label}: {run.outcome}{f' ({run.reason})' if run.reason else ''}",
+            "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=".9g") if ledger else "none, as in the truth"),
+            "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
+            "Energy\n" + tabulate(energies, floatfmt=".6g"),
+            "Laws broken\n" + ("\n".join(broken) if broken else "none"),
+            f"Slip is told from stick above {motion.slip_resolution:.2g} m/s.",
+        )
+    )
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """The command; returns its exit status."""
+
+    def work(words: list[str]) -> None:
+        positional = {
+            "CASE": 'a case, such as "disc_in_circle[mu=0.1]"',
+            "FILE": "comma-separated values with the columns t, x, y, theta",
+        }
+        parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", words=positional)
+        given = parser.parse_args(words)
+        options.load_files(given.case_file)
+        print(compare(cases.load(given.CASE), given.FILE))
+
+    return options.status(COMMAND, work, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
