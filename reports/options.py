@@ -93,8 +93,8 @@ def parser(
 ) -> Parser:
     """The parser of a command with some of the options; `defaults` are the command's own.
 
-    `words` are what stands there without an option, and what is said of it: beside them an option takes one value at a
-    time, and may be given again.
+    `words` are what stands there without an option, and what is said of it: beside several of them an option takes one
+    value at a time, and may be given again.
     """
     parser = Parser(
         prog=f"python -m {command}",
@@ -107,7 +107,7 @@ def parser(
         how = dict(_OPTIONS[option])
         if option in defaults:
             how = how | {"default": defaults[option], "help": f"{how['help']} (default: {defaults[option]})"}
-        if words and how.get("nargs") == "+":
+        if words and len(words) > 1 and how.get("nargs") == "+":
             how |= {"nargs": None, "action": "append"}
         (effort if option in ("quick", "full") else parser).add_argument(f"--{option.replace('_', '-')}", **how)
     for name, text in (words or {}).items():

@@ -22,7 +22,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> None:
     parser = options.parser(
         COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "full", "jobs",
-        "store", "fresh", words={"NAME": "the study"}, example=f"python -m {COMMAND} stability --solver reference --solver pymunk --out hard",
+        "store", "fresh", words={"NAME": "the study"},
+        example=f"python -m {COMMAND} stability --solver reference pymunk",
     )  # fmt: skip
     given = parser.parse_args(words)
     study = studies.study(given.NAME)
