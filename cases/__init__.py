@@ -1,6 +1,6 @@
 """The question and the form of the answer: scenes of a plate on a track, and trajectories."""
 
-from .case import Case, Plate, Start, disc
+from .case import Case, Plate, disc
 from .curves import Curve
 from .effects import (
     CoulombFriction,
@@ -15,6 +15,7 @@ from .effects import (
 )
 from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
 from .registry import case, entry, load, load_file, names, select
+from .start import Start
 from .trajectory import Cost, Mode, State, Trajectory, Transition
 
 __all__ = [

@@ -14,16 +14,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 import sympy as sp
-from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
-from . import expressions
+from . import expressions, measured
 from .errors import BadCurve, BadValue, finite
+from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
 T = TypeVar("T")
-
-PARAMETER = sp.Symbol("s", real=True)
 
 # Enough samples to see a cusp or a hole of any curve a person would write; a finer feature is found where it matters,
 # by the solver that meets it.
@@ -77,8 +75,6 @@ class Curve:
 
         A Fourier series of s in (0, 2π) if closed, else a polynomial on (−1, 1). Raises BadValue or BadCurve.
         """
-        from . import measured  # it is written in terms of this module
-
         if not isinstance(closed, bool | np.bool_):
             raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
         found = measured.fit(points, closed)
@@ -87,8 +83,6 @@ class Curve:
     @classmethod
     def from_csv(cls, path, closed: bool) -> Curve:
         """The same from a file of two columns x, y."""
-        from . import measured
-
         return cls.through(measured.read(path), closed)
 
     # --- evaluation -------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import cos, pi, sin
 
 import sympy as sp
 
@@ -29,6 +29,11 @@ class Gravity:
     def __post_init__(self):
         object.__setattr__(self, "g", not_negative("g of Gravity", self.g))
         object.__setattr__(self, "direction", finite("direction of Gravity", self.direction))
+
+    @property
+    def vector(self) -> tuple[float, float]:
+        """Its components in the fixed frame, m/s²."""
+        return self.g * cos(self.direction), self.g * sin(self.direction)
 
 
 @dataclass(frozen=True)

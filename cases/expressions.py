@@ -8,6 +8,9 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
+# Of every curve.
+PARAMETER = sp.Symbol("s", real=True)
+
 # What a formula may call.
 FUNCTIONS = dict(
     acos=acos, asin=asin, atan=atan, cos=cos, cosh=cosh, exp=exp, log=log, pi=pi,

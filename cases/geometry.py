@@ -1,6 +1,7 @@
-"""The geometry every solver is judged by: where a plate touches its track, by how much it misses, how it slips.
+"""Two curves, a track and the outline of a plate: where they touch, by how much they miss, how they slip.
 
-Nothing here knows a solver. Positions in metres, angles in radians; (5), (6), (11), (12) are the paper's equations.
+Nothing here knows a case or a solver; `cases.contact` asks the same of a case. Positions in metres, angles in radians;
+(5), (6), (11), (12) are the paper's equations.
 """
 
 from __future__ import annotations
@@ -10,10 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .case import Case
 from .curves import Curve
-from .effects import Flight, Impact, PerfectlyRough
-from .errors import BadValue, DoesNotFit
+from .errors import DoesNotFit
 
 
 class Contact(NamedTuple):
@@ -40,24 +39,22 @@ class Motion(NamedTuple):
     slip: float
 
 
-def pose(case: Case, xi1, xi2):
+def pose(track: Curve, outline: Curve, xi1, xi2):
     """(x, y, theta) of the plate that touches at (xi1, xi2): (6) gives θ, (5) gives R₀. Numbers or arrays."""
-    track, outline = case.track, case.plate.outline
     theta = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
     c, s = np.cos(theta), np.sin(theta)
     (X, Y), (x, y) = track.point(xi1), outline.point(xi2)
     return X - (c * x - s * y), Y - (s * x + c * y), theta
 
 
-def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
+def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
     """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
-    track, outline = case.track, case.plate.outline
     P, p = float(track.speed(xi1)), float(outline.speed(xi2))
     bend_track, bend_outline = float(track.curvature(xi1)), float(outline.curvature(xi2))
     # The tangents turn together: κ_track ṡ_track = ω + κ_outline ṡ_outline, and slip = ṡ_track − ṡ_outline by (12).
     along_track = (omega - bend_outline * slip) / (bend_track - bend_outline)
     along_outline = along_track - slip
-    x, y, theta = (float(value) for value in pose(case, xi1, xi2))
+    x, y, theta = (float(value) for value in pose(track, outline, xi1, xi2))
     tangent, contact = track.tangent(xi1), track.point(xi1)
     # (11) solved for the velocity of the centre of mass: v = Ṙ₀ + ω U (R − R₀).
     vx = slip * tangent[0] + omega * (contact[1] - y)
@@ -65,34 +62,31 @@ def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> M
     return Motion(x, y, theta, float(vx), float(vy), omega, xi1, xi2, along_track / P, along_outline / p, slip)
 
 
-def start_motion(case: Case) -> Motion:
-    """The case's start as pose, velocities and contact rates."""
-    start = case.start
-    xi2 = level_parameter(case) if start.xi2 is None else start.xi2
-    if start.in_contact:
-        return velocity(case, start.xi1, xi2, start.slip, start.omega)
-    return _off_track(case, xi2)
+def velocity_apart(
+    track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float, gap: float, gap_rate: float
+) -> Motion:
+    """The motion of a plate off its track, or about to hit or leave it.
 
-
-def _off_track(case: Case, xi2: float) -> Motion:
-    """A start apart from the track, or about to hit or leave it: the outline's point moved along the track's normal."""
-    start, normal = case.start, case.track.normal(case.start.xi1)
-    x, y, theta = pose(case, start.xi1, xi2)
-    contact = case.track.point(start.xi1)
-    # The outline's point has the velocity slip·t + lift·n; the centre of mass follows by (11).
-    vx = start.slip * normal[1] + start.lift * normal[0] + start.omega * (contact[1] - y)
-    vy = -start.slip * normal[0] + start.lift * normal[1] - start.omega * (contact[0] - x)
-    x, y = x + start.gap * normal[0], y + start.gap * normal[1]
+    Its outline's point lies `gap` (m) away along the track's normal, tangents parallel, and has the velocity
+    slip·t + gap_rate·n.
+    """
+    normal = track.normal(xi1)
+    x, y, theta = pose(track, outline, xi1, xi2)
+    contact = track.point(xi1)
+    # The centre of mass follows from the point's velocity by (11).
+    vx = slip * normal[1] + gap_rate * normal[0] + omega * (contact[1] - y)
+    vy = -slip * normal[0] + gap_rate * normal[1] - omega * (contact[0] - x)
+    x, y = x + gap * normal[0], y + gap * normal[1]
     x, y, theta, vx, vy = (float(v) for v in (x, y, theta, vx, vy))
-    return Motion(x, y, theta, vx, vy, start.omega, start.xi1, xi2, nan, nan, start.slip)
+    return Motion(x, y, theta, vx, vy, omega, xi1, xi2, nan, nan, slip)
 
 
-def level_parameter(case: Case) -> float:
-    """The outline parameter whose tangent is parallel to the track's at the start while θ = 0.
+def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
+    """The outline parameter whose tangent is parallel to the track's at `xi1` while θ = 0.
 
     Raises DoesNotFit if there is none or more than one (an outline that is not convex), which asks for xi2.
     """
-    outline, direction = case.plate.outline, case.track.tangent_angle(case.start.xi1)
+    direction = track.tangent_angle(xi1)
     low, high = outline.look
     grid = np.linspace(low, high, 721)
     # Whole turns between the two tangents, as a continuous function of the outline's parameter: zero mod 1 is wanted.
@@ -122,7 +116,7 @@ def _root(function, bracket) -> float:
     return b if function(b) == 0.0 else brentq(function, a, b, xtol=1e-15, rtol=8.9e-16)
 
 
-def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
+def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
     """The pair of points where outline and track come closest, starting from the pair `near`.
 
     Newton's method on: the tangents are parallel (6), and the gap vector is normal to the track. Raises DoesNotFit
@@ -131,8 +125,8 @@ def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]
     xi1, xi2 = near
     c, s = cos(theta), sin(theta)
     for _ in range(50):
-        X, Y, Xp, Yp, Xs, Ys, _, _ = case.track.jet(xi1)
-        u, v, up, vp, us, vs, _, _ = case.plate.outline.jet(xi2)
+        X, Y, Xp, Yp, Xs, Ys, _, _ = track.jet(xi1)
+        u, v, up, vp, us, vs, _, _ = outline.jet(xi2)
         dx, dy = x + c * u - s * v - X, y + s * u + c * v - Y
         rpx, rpy = c * up - s * vp, s * up + c * vp
         rsx, rsy = c * us - s * vs, s * us + c * vs
@@ -148,95 +142,45 @@ def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]
         xi1, xi2 = xi1 - shorten * step1, xi2 - shorten * step2
         # Converged where a step moves both points by no more than a few roundings of the parameters.
         if abs(step1) <= 4e-15 * (1 + abs(xi1)) and abs(step2) <= 4e-15 * (1 + abs(xi2)):
-            return Contact(xi1, xi2, _gap(case, x, y, c, s, xi1, xi2))
+            return Contact(xi1, xi2, _gap(track, outline, x, y, c, s, xi1, xi2))
     else:
         # Rounding may keep the steps just above the bound for ever; points that agree to 1e-9 are the contact.
         if abs(step1) <= 1e-9 * (1 + abs(xi1)) and abs(step2) <= 1e-9 * (1 + abs(xi2)):
-            return Contact(xi1, xi2, _gap(case, x, y, c, s, xi1, xi2))
+            return Contact(xi1, xi2, _gap(track, outline, x, y, c, s, xi1, xi2))
     raise DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g} for the pose ({x:.6g}, {y:.6g})")
 
 
-def _gap(case: Case, x, y, c, s, xi1, xi2) -> float:
-    X, Y, Xp, Yp = case.track.jet(xi1)[:4]
-    u, v = case.plate.outline.jet(xi2)[:2]
+def _gap(track: Curve, outline: Curve, x, y, c, s, xi1, xi2) -> float:
+    X, Y, Xp, Yp = track.jet(xi1)[:4]
+    u, v = outline.jet(xi2)[:2]
     return ((y + s * u + c * v - Y) * Xp - (x + c * u - s * v - X) * Yp) / hypot(Xp, Yp)
 
 
-def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(xi1, xi2, gap) along a sequence of poses that begins at the case's start, each found from the one before.
-
-    Raises DoesNotFit where the plate loses its track; the arrays all have the poses' length.
-    """
-    start = start_motion(case)
-    near, rows = (start.xi1, start.xi2), []
-    for x_now, y_now, theta_now in zip(x, y, theta, strict=True):
-        contact = find(case, float(x_now), float(y_now), float(theta_now), near)
-        near = (contact.xi1, contact.xi2)
-        rows.append(contact)
-    xi1, xi2, gap = np.array(rows, dtype=float).reshape(-1, 3).T
-    return xi1, xi2, gap
-
-
-def slip_velocity(case: Case, x, y, vx, vy, omega, xi1):
+def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):
     """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there. Numbers or arrays."""
-    tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
+    tangent, contact = track.tangent(xi1), track.point(xi1)
     return (vx - omega * (contact[1] - y)) * tangent[0] + (vy + omega * (contact[0] - x)) * tangent[1]
 
 
-def clearance(case: Case, xi1, xi2):
+def clearance(track: Curve, outline: Curve, xi1, xi2):
     """Outline's curvature minus track's, 1/m: positive where the plate fits (admissible contact)."""
-    return case.plate.outline.curvature(xi2) - case.track.curvature(xi1)
+    return outline.curvature(xi2) - track.curvature(xi1)
 
 
-def check_start(case: Case) -> None:
-    """Raises DoesNotFit or BadValue if the start is not an admissible contact."""
-    xi1, domain = case.start.xi1, case.track.domain
-    if domain and not case.track.period and not domain[0] <= xi1 <= domain[1]:
-        raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
-    _check_start_effects(case)
-    start = start_motion(case)
-    if case.start.gap == 0.0 and clearance(case, xi1, start.xi2) <= 0.0:
-        raise DoesNotFit(
-            f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
-            f"{float(case.track.curvature(xi1)):.6g} 1/m is not below the outline's "
-            f"{float(case.plate.outline.curvature(start.xi2)):.6g} 1/m; give a smaller plate or a wider track"
-        )
-    place = overlap(case, start.x, start.y, start.theta)
-    if place is not None:
-        raise DoesNotFit(
-            f"the plate overlaps its track at xi1 = {place:.6g} while it touches at xi1 = {xi1:g}; "
-            "give a smaller plate or another start"
-        )
-
-
-def _check_start_effects(case: Case) -> None:
-    """Raises BadValue if the start asks for an effect that the case does not name."""
-    start = case.start
-    if (start.gap > 0.0 or start.lift > 0.0) and case.effect(Flight) is None:
-        raise BadValue("gap and lift of Start begin off the track; add Flight to the effects or leave them at 0")
-    if start.gap == 0.0 and start.lift < 0.0 and case.effect(Impact) is None:
-        raise BadValue(
-            f"lift = {start.lift:g} of Start begins with an impact; add Impact to the effects or give lift=0"
-        )
-    if start.in_contact and start.slip != 0.0 and case.effect(PerfectlyRough) is not None:
-        raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {start.slip:g}")
-
-
-def overlap(case: Case, x: float, y: float, theta: float) -> float | None:
+def overlap(track: Curve, outline: Curve, x: float, y: float, theta: float) -> float | None:
     """A track parameter that lies inside the plate in that pose, or None.
 
     The plate is looked at as the polygon of 720 points of its outline, which lies inside a convex outline: what is
     found overlaps indeed, by more than the polygon's sagitta. An open outline encloses nothing and overlaps nothing.
     """
-    outline = case.plate.outline
     if not outline.period:
         return None
     corners = outline.point(np.linspace(*outline.look, 721)[:-1])
     # The contact point itself may be a corner; a billionth of the size keeps it outside whatever its rounding.
     middle = corners.mean(axis=1, keepdims=True)
     corners = middle + (1 - 1e-9) * (corners - middle)
-    s = _samples(case.track, size=float(np.ptp(corners, axis=1).max()))
-    X, Y = case.track.point(s)
+    s = _samples(track, size=float(np.ptp(corners, axis=1).max()))
+    X, Y = track.point(s)
     c, d = cos(theta), sin(theta)
     inside = _inside(c * (X - x) + d * (Y - y), c * (Y - y) - d * (X - x), corners)
     return float(s[inside][0]) if inside.any() else None

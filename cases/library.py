@@ -13,8 +13,9 @@ from typing import Any
 
 import sympy as sp
 
-from .curves import PARAMETER, Curve, cos, cosh, exp, sin
+from .curves import Curve
 from .errors import BadCurve, BadValue, finite, positive, whole
+from .expressions import PARAMETER, cos, cosh, exp, sin
 
 
 def line(slope: float = 0.0) -> Curve:

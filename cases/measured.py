@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 
-from .curves import PARAMETER, cos, sin
 from .errors import BadCurve, BadValue, UnknownName
+from .expressions import PARAMETER, cos, sin
 
 # More terms than this follow the noise of a measurement before its shape, and make the equations slow.
 MOST_TERMS = 10

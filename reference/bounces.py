@@ -55,7 +55,7 @@ class Bounces:
 
     def __init__(self, case: Case):
         self.case = case
-        self.size = sqrt(case.plate.inertia / case.plate.mass)
+        self.size = case.plate.gyration
         self.last: list[_Bounce] = []
 
     def add(self, since: float, landing: Landing, after: Touch) -> None:

@@ -7,7 +7,6 @@ symbol, no condition), so that no equation asks which effects there are, and non
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
 from typing import ClassVar, NamedTuple
 
 import sympy as sp
@@ -42,7 +41,8 @@ class Weight:
     def values(self, case: Case) -> dict[str, float]:
         gravity = case.effect(Gravity)
         assert gravity is not None
-        return {"gx": gravity.g * cos(gravity.direction), "gy": gravity.g * sin(gravity.direction)}
+        gx, gy = gravity.vector
+        return {"gx": gx, "gy": gy}
 
 
 @dataclass(frozen=True)

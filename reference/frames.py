@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from cases.curves import PARAMETER
+from cases.expressions import PARAMETER
 
 
 class Frame(NamedTuple):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from math import copysign, sqrt
+from math import copysign
 from typing import NamedTuple
 
 from cases import Case, Mode
@@ -96,7 +96,7 @@ def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: flo
 @lru_cache(maxsize=1024)
 def phase(case: Case, regime: Regime) -> Phase:
     """The equations of that regime with the case's parameters."""
-    size = sqrt(case.plate.inertia / case.plate.mass)
+    size = case.plate.gyration
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
         return Phase(regime, equations, parameter_values(case, {}, equations.parameters), size, (size, size, 1.0))

@@ -17,7 +17,7 @@ from scipy.integrate import cumulative_trapezoid, trapezoid
 
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
 from cases.contact import pose, start_motion
-from reports.judging.distances import energy
+from cases.mechanics import energy
 from tests.conformance_runs import G, Refused, Route, Run, hold
 
 # --- scenes ----------------------------------------------------------------------------------------------------------

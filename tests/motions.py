@@ -12,8 +12,8 @@ import reference
 from cases import Case, Curve, Gravity, Load, RollingResistance, Start, Trajectory
 from cases import curves as c
 from cases.contact import start_motion
-from cases.curves import PARAMETER
 from cases.effects import MOTION
+from cases.expressions import PARAMETER
 
 
 @lru_cache(maxsize=256)

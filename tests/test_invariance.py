@@ -12,7 +12,7 @@ import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
 from cases import curves as c
-from cases.curves import PARAMETER
+from cases.expressions import PARAMETER
 from reference import taylor
 from tests.scenes import elliptic_scenes, numbers
 

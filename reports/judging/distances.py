@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import cos, nan, sin, sqrt
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity, State, Trajectory
+from cases import Case, State, Trajectory
+from cases.mechanics import energy, kinetic_energy
 
 
 class Distance(NamedTuple):
@@ -58,10 +59,10 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     turns = np.round(result["angle"][:1] / (2 * np.pi))
     result["angle"] = result["angle"] - 2 * np.pi * (turns[0] if len(turns) else 0.0)
     result["lambda"] = result["normal_force"] / case.track.speed(np.asarray(exact.xi1))
-    result["pose"] = np.hypot(result["centre"], sqrt(case.plate.inertia / case.plate.mass) * result["angle"])
+    result["pose"] = np.hypot(result["centre"], case.plate.gyration * result["angle"])
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
-    fastest = np.max(kinetic(case, exact), initial=0.0)
+    fastest = np.max(kinetic_energy(case, exact), initial=0.0)
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
     off = energy(case, found) - energy(case, exact)
     result["energy_share"] = off / (fastest if fastest > 0.0 else nan)
@@ -97,18 +98,3 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
     told = len(force) >= _TOLD * len(off["t"])
     values += [float(off["pose"][-1]), float(force.mean()) if told else nan, float(np.abs(off["energy_share"]).mean())]
     return Distance(*values)
-
-
-def kinetic(case: Case, motion: Trajectory | State) -> np.ndarray:
-    """Kinetic energy, J."""
-    vx, vy, omega = (np.asarray(v) for v in (motion.vx, motion.vy, motion.omega))
-    return 0.5 * case.plate.mass * (vx**2 + vy**2) + 0.5 * case.plate.inertia * omega**2
-
-
-def energy(case: Case, trajectory: Trajectory | State) -> np.ndarray:
-    """Kinetic energy plus the potential of the case's gravity, J, zero potential at the frame's origin; shape (n,)."""
-    moving, gravity = kinetic(case, trajectory), case.effect(Gravity)
-    if gravity is None:
-        return moving
-    along = np.asarray(trajectory.x) * cos(gravity.direction) + np.asarray(trajectory.y) * sin(gravity.direction)
-    return moving - case.plate.mass * gravity.g * along

@@ -1,0 +1,75 @@
+"""The geometry every solver is judged by, asked of a case: where its plate touches its track, and how it slips.
+
+Nothing here knows a solver. `cases.geometry` has the mathematics, and says what each function gives and raises.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import geometry
+from .case import Case
+from .geometry import Contact, Motion
+
+__all__ = [
+    "Contact",
+    "Motion",
+    "clearance",
+    "find",
+    "follow",
+    "overlap",
+    "pose",
+    "slip_velocity",
+    "start_motion",
+    "velocity",
+]
+
+
+def start_motion(case: Case) -> Motion:
+    """The case's start as pose, velocities and contact rates."""
+    return case.start.motion(case.track, case.plate.outline)
+
+
+def pose(case: Case, xi1, xi2):
+    """(x, y, theta) of the plate that touches at (xi1, xi2): (6) gives θ, (5) gives R₀. Numbers or arrays."""
+    return geometry.pose(case.track, case.plate.outline, xi1, xi2)
+
+
+def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
+    """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
+    return geometry.velocity(case.track, case.plate.outline, xi1, xi2, slip, omega)
+
+
+def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
+    """The pair of points where outline and track come closest, starting from the pair `near`."""
+    return geometry.find(case.track, case.plate.outline, x, y, theta, near)
+
+
+def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(xi1, xi2, gap) along a sequence of poses that begins at the case's start, each found from the one before.
+
+    Raises DoesNotFit where the plate loses its track; the arrays all have the poses' length.
+    """
+    start = start_motion(case)
+    near, rows = (start.xi1, start.xi2), []
+    for x_now, y_now, theta_now in zip(x, y, theta, strict=True):
+        contact = find(case, float(x_now), float(y_now), float(theta_now), near)
+        near = (contact.xi1, contact.xi2)
+        rows.append(contact)
+    xi1, xi2, gap = np.array(rows, dtype=float).reshape(-1, 3).T
+    return xi1, xi2, gap
+
+
+def slip_velocity(case: Case, x, y, vx, vy, omega, xi1):
+    """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there. Numbers or arrays."""
+    return geometry.slip_velocity(case.track, x, y, vx, vy, omega, xi1)
+
+
+def clearance(case: Case, xi1, xi2):
+    """Outline's curvature minus track's, 1/m: positive where the plate fits (admissible contact)."""
+    return geometry.clearance(case.track, case.plate.outline, xi1, xi2)
+
+
+def overlap(case: Case, x: float, y: float, theta: float) -> float | None:
+    """A track parameter that lies inside the plate in that pose, or None."""
+    return geometry.overlap(case.track, case.plate.outline, x, y, theta)

@@ -1,0 +1,39 @@
+"""The mechanics of a plate's motion that follow from the case alone, whoever solved it: gravity and energy.
+
+A motion is anything with x, y, vx, vy, omega in SI units, numbers or arrays: a Trajectory, a State, a start.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+import numpy as np
+
+from .case import Case
+from .effects import Gravity
+
+
+def gravity(case: Case) -> np.ndarray:
+    """Gravity as a vector (2,) in m/s², zero without Gravity."""
+    effect = case.effect(Gravity)
+    return np.array(effect.vector) if effect else np.zeros(2)
+
+
+def kinetic_energy(case: Case, motion):
+    """½ m (vx² + vy²) + ½ J ω², J; a number, or an array of the motion's length."""
+    vx, vy, omega = (np.asarray(v) for v in (motion.vx, motion.vy, motion.omega))
+    return 0.5 * case.plate.mass * (vx**2 + vy**2) + 0.5 * case.plate.inertia * omega**2
+
+
+def energy(case: Case, motion):
+    """Kinetic energy plus the potential of the case's gravity, J, zero potential at the frame's origin."""
+    kinetic, effect = kinetic_energy(case, motion), case.effect(Gravity)
+    if effect is None:
+        return kinetic
+    fallen = np.asarray(motion.x) * cos(effect.direction) + np.asarray(motion.y) * sin(effect.direction)
+    return kinetic - case.plate.mass * effect.g * fallen
+
+
+def energy_growth(total: np.ndarray) -> np.ndarray:
+    """By how much each of a series of energies exceeds the least before it: zero where nothing but friction acts."""
+    return total - np.minimum.accumulate(total)

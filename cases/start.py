@@ -1,0 +1,81 @@
+"""How a motion begins: where and how the plate touches its track, and which beginnings make sense."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from . import geometry
+from .curves import Curve
+from .effects import Effect, Flight, Impact, PerfectlyRough
+from .errors import BadValue, DoesNotFit, finite, not_negative
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where and how the plate touches its track at time zero.
+
+    `xi1`, `xi2`: contact parameters on track and outline (xi2=None: such that θ = 0); `slip`: slip velocity along
+    the track's unit tangent in m/s; `omega`: angular velocity in rad/s. A start off the track (Flight): `gap`, the
+    distance in m of the outline's point from the track's along the track's left normal, their tangents parallel;
+    `lift`, the velocity in m/s of the outline's point along that normal (negative with gap = 0: it begins with an
+    impact).
+    """
+
+    xi1: float
+    xi2: float | None = None
+    slip: float = 0.0
+    omega: float = 0.0
+    gap: float = 0.0
+    lift: float = 0.0
+
+    def __post_init__(self):
+        object.__setattr__(self, "xi1", finite("xi1 of Start", self.xi1))
+        if self.xi2 is not None:
+            object.__setattr__(self, "xi2", finite("xi2 of Start", self.xi2))
+        object.__setattr__(self, "slip", finite("slip of Start", self.slip))
+        object.__setattr__(self, "omega", finite("omega of Start", self.omega))
+        object.__setattr__(self, "gap", not_negative("gap of Start", self.gap))
+        object.__setattr__(self, "lift", finite("lift of Start", self.lift))
+
+    @property
+    def in_contact(self) -> bool:
+        """Whether the plate begins on its track, neither apart from it nor about to hit or leave it."""
+        return self.gap == 0.0 and self.lift == 0.0
+
+    def motion(self, track: Curve, outline: Curve) -> geometry.Motion:
+        """The start as pose, velocities and contact rates. Raises DoesNotFit for an xi2 that cannot be guessed."""
+        xi2 = geometry.level_parameter(track, outline, self.xi1) if self.xi2 is None else self.xi2
+        if self.in_contact:
+            return geometry.velocity(track, outline, self.xi1, xi2, self.slip, self.omega)
+        moves = self.slip, self.omega, self.gap, self.lift
+        return geometry.velocity_apart(track, outline, self.xi1, xi2, *moves)
+
+    def check(self, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> None:
+        """Raises DoesNotFit or BadValue if it is no admissible contact, or asks for an effect that is not there."""
+        xi1, domain = self.xi1, track.domain
+        if domain and not track.period and not domain[0] <= xi1 <= domain[1]:
+            raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
+        self._check_effects(tuple(type(effect) for effect in effects))
+        begun = self.motion(track, outline)
+        if self.gap == 0.0 and geometry.clearance(track, outline, xi1, begun.xi2) <= 0.0:
+            raise DoesNotFit(
+                f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
+                f"{float(track.curvature(xi1)):.6g} 1/m is not below the outline's "
+                f"{float(outline.curvature(begun.xi2)):.6g} 1/m; give a smaller plate or a wider track"
+            )
+        place = geometry.overlap(track, outline, begun.x, begun.y, begun.theta)
+        if place is not None:
+            raise DoesNotFit(
+                f"the plate overlaps its track at xi1 = {place:.6g} while it touches at xi1 = {xi1:g}; "
+                "give a smaller plate or another start"
+            )
+
+    def _check_effects(self, kinds: tuple[type, ...]) -> None:
+        if (self.gap > 0.0 or self.lift > 0.0) and Flight not in kinds:
+            raise BadValue("gap and lift of Start begin off the track; add Flight to the effects or leave them at 0")
+        if self.gap == 0.0 and self.lift < 0.0 and Impact not in kinds:
+            raise BadValue(
+                f"lift = {self.lift:g} of Start begins with an impact; add Impact to the effects or give lift=0"
+            )
+        if self.in_contact and self.slip != 0.0 and PerfectlyRough in kinds:
+            raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {self.slip:g}")
