@@ -1,6 +1,6 @@
 """What an adapter is. Nothing here knows an engine; `engines` finds the adapters by looking into this folder.
 
-An adapter is one module with
+An adapter is one module, or a package, with
 
     NAME: str                                       the engine's name in every table
     routes: tuple[str, ...]                         "native" (the engine's own shapes and contact), "assisted" (our
@@ -33,6 +33,9 @@ from cases.errors import unknown
 
 GROUP = "slip_to_roll.adapters"
 
+# What else lies in this folder.
+NO_ADAPTERS = {"common", "interface"}
+
 
 class EngineFailure(RuntimeError):
     """The engine ran and gave no motion: it stopped with an error, or its numbers are not finite."""
@@ -60,8 +63,7 @@ def engines() -> tuple[str, ...]:
     """The adapters' names, in alphabetical order: this folder's, and those of installed packages."""
     from . import __path__ as folder
 
-    modules = (m.name for m in pkgutil.iter_modules(folder))
-    own = {name for name in modules if name != "interface" and not name.startswith("_")}
+    own = {module.name for module in pkgutil.iter_modules(folder)} - NO_ADAPTERS
     return tuple(sorted(own | _installed().keys()))
 
 

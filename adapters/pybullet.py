@@ -21,8 +21,8 @@ from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
 from cases.errors import DoesNotFit, unknown
 
-from . import _half_steps as half_steps
-from ._facets import pull
+from .common import half_steps
+from .common.facets import pull
 from .interface import Setting
 
 NAME = "pybullet"

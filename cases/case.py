@@ -58,7 +58,7 @@ class Plate:
 
     @property
     def _distances(self) -> np.ndarray:
-        # Half a degree apart: distances are level where they are extreme, so that they are off by some 1e-5 of themselves.
+        # Half a degree apart; distances are level at their extremes, so that these are off by 1e-5 or so.
         return np.hypot(*self.outline.point(np.linspace(*self.outline.look, 721)))
 
     @cached_property

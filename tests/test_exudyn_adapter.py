@@ -393,5 +393,5 @@ def test_long_motion_is_sampled_at_most_so_often():
     motion = solve(cases.load("disc_in_circle", mu=0.1), setting=setting)
     assert motion.cost.steps >= 50_000
     # The engine writes a sample at the first step past each period.
-    assert 15_000 < len(motion.t) <= exudyn.MOST_SAMPLES + 1
+    assert 15_000 < len(motion.t) <= exudyn.adapter.MOST_SAMPLES + 1
     assert motion.t[-1] == pytest.approx(2.5, abs=1e-9)

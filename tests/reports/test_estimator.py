@@ -43,7 +43,7 @@ def regularised(case: Case, exact: Trajectory, played: Trajectory, setting: Sett
 
 def half_stepped(case: Case, exact: Trajectory, played: Trajectory, setting: Setting) -> Trajectory:
     """As pymunk samples: velocities live half a step after the poses, forces are means over the step around a pose."""
-    from adapters._pymunk_reading import rates_at_poses
+    from adapters.pymunk.reading import rates_at_poses
 
     # The last pose has no half step after it within the exact motion.
     played = _cut(played, len(played.t) - 1)

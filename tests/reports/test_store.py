@@ -346,7 +346,7 @@ def test_where_a_version_is_not_known_nothing_is_kept():
 
 def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engine():
     ours = fingerprint._reached("adapters.pymunk", ()).keys()
-    assert {"adapters.pymunk", "adapters._pymunk_native", "adapters.interface", "cases.contact"} <= ours
+    assert {"adapters.pymunk", "adapters.pymunk.native", "adapters.interface", "cases.contact"} <= ours
     assert not any("exudyn" in name or name.startswith("reference") for name in ours)
     judge = fingerprint._reached("reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)).keys()
     assert {"reports.running.tasks", "reports.judging.slip_phases", "cases.trajectory"} <= judge

@@ -17,11 +17,10 @@ import pymunk
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
 
-from . import _pymunk_assisted as assisted
-from . import _pymunk_native as native
-from ._pymunk_load import Drive
-from ._pymunk_reading import Model, read
-from .interface import Setting
+from ..interface import Setting
+from . import assisted, native
+from .load import Drive
+from .reading import Model, read
 
 __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
 

@@ -10,7 +10,7 @@ import pyb2d3
 from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
 from cases.shapes import as_circle
 
-from . import _facets as facets
+from ..common import facets
 
 # A curve of as many facets as one types in.
 MODEST = 64

@@ -43,10 +43,9 @@ from cases import (
 from cases.contact import start_motion
 from cases.errors import unknown
 
-from . import _box2d_scene as scene
-from . import _facets as facets
-from . import _half_steps as half_steps
-from .interface import Setting
+from ..common import facets, half_steps
+from ..interface import Setting
+from . import shapes
 
 NAME = "box2d"
 routes = ("native",)
@@ -102,14 +101,14 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     steps = [h * stretched for h in STEPS]
     knobs = dict(substeps=1, scale=SCALE)
     return (
-        Setting.of(rung="defaults", **DEFAULTS, **scene.corners(case, None)),
-        *(Setting.of(h=h, **knobs, hertz=0.25 / h, **scene.corners(case, h)) for h in steps),
+        Setting.of(rung="defaults", **DEFAULTS, **shapes.corners(case, None)),
+        *(Setting.of(h=h, **knobs, hertz=0.25 / h, **shapes.corners(case, h)) for h in steps),
     )
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
     """Step times model: facets and corners, or where there are none the contact's stiffness."""
-    models = [scene.corners(case, h) for h in GRID_STEPS]
+    models = [shapes.corners(case, h) for h in GRID_STEPS]
     if any(models):
         knobs: list[dict[str, Any]] = [dict(hertz=GRID_HERTZ[-1], **model) for model in models]
     else:
@@ -143,11 +142,11 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     if impact and "hertz" in knobs:
         # Slower than what gravity gives in a step, nothing rebounds that the step could follow.
         world.restitution_threshold = float(np.hypot(*gravity)) * h
-    material = scene.material(case)
-    scene.add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
+    material = shapes.material(case)
+    shapes.add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
     place = scale * start.x, scale * start.y
-    plate = world.create_dynamic_body(position=place, rotation=scene.rotation(start.theta))
-    scene.add_plate(case, plate, material, scale, knobs.get("vertices", 0))
+    plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
+    shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 0))
     mass = pyb2d3.MassData()
     mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), case.plate.inertia * scale**2
     plate.mass_data = mass
@@ -160,14 +159,14 @@ def run(model: Model) -> None:
     h, step, plate, note, substeps = model.h, model.world.step, model.plate, model.rows.append, model.knobs["substeps"]
     rest = half_steps.rest(substeps) * h
     for k in range(model.steps + 1):
-        (x, y), angle = plate.position, scene.angle(plate)
+        (x, y), angle = plate.position, shapes.angle(plate)
         step(h if k else h - rest, substeps)
         (vx, vy), omega = plate.linear_velocity, plate.angular_velocity
         note((x, y, angle, vx, vy, omega))
         if k == 0:
             # The engine accelerates first, then moves: the acceleration is half a substep short, the way is whole.
-            (x, y), angle = plate.position, scene.angle(plate)
-            plate.set_transform((x + rest * vx, y + rest * vy), scene.rotation(angle + rest * omega))
+            (x, y), angle = plate.position, shapes.angle(plate)
+            plate.set_transform((x + rest * vx, y + rest * vy), shapes.rotation(angle + rest * omega))
 
 
 def read(model: Model) -> Trajectory:

@@ -13,8 +13,10 @@ from cases import Case, Gravity, Impact, Load, Unilateral
 from cases.contact import start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
-from . import _exudyn_constrained
-from ._exudyn_system import (
+from ..common.follow import BEYOND, Follower
+from ..interface import Setting
+from . import constrained
+from .system import (
     Contact,
     Stored,
     System,
@@ -25,8 +27,6 @@ from ._exudyn_system import (
     ground,
     node_sensors,
 )
-from ._flight import BEYOND, Follower
-from .interface import Setting
 
 # An impact slower than this (m/s) is damped as if it were as fast: contact that lasts comes to rest.
 SLOWEST_IMPACT = 1e-2
@@ -38,8 +38,8 @@ def refuses(case: Case) -> str | None:
         return "Exudyn has smooth rolling contact for discs alone, and this outline is no circle about its centre."
     if as_line(case.track) is None and as_circle(case.track) is None:
         return "Exudyn has smooth rolling contact on straight lines and circles alone, and this track is neither."
-    if _exudyn_constrained.suits(case):
-        return _exudyn_constrained.refuses(case)
+    if constrained.suits(case):
+        return constrained.refuses(case)
     if case.effect(Unilateral) is None:
         return "Exudyn's contacts with friction only push; a track that also pulls (no Unilateral) is not among them."
     return None

@@ -3,7 +3,7 @@
 `native` takes the engine's own smooth contacts: a disc in or on a circle is ObjectContactSphereSphere, a disc on a
 straight line ObjectContactSphereTriangle. (ObjectConnectorRollingDiscPenalty, made for lines, is exact while it slips;
 where it should roll it chattered about zero slip in half the runs tried, at up to a hundred times its `vreg`.)
-Pure rolling on a line, and a frictionless guide from both sides, are constraints (`_exudyn_constrained`). An impact
+Pure rolling on a line, and a frictionless guide from both sides, are constraints (`constrained`). An impact
 takes some periods of the contact's spring, and its restitution comes out to a thousandth.
 `assisted` hands the same law, at the suite's contact point, to ObjectGenericODE2, for any plate and track.
 
@@ -25,10 +25,10 @@ import exudyn as exu
 from cases import Case, Cost, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.errors import unknown
 
-from . import _exudyn_assisted, _exudyn_constrained, _exudyn_native
-from ._exudyn_reading import Model, read
-from ._exudyn_system import scales
-from .interface import Setting
+from ..interface import Setting
+from . import assisted, constrained, native
+from .reading import Model, read
+from .system import scales
 
 __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
 
@@ -92,7 +92,7 @@ def refuses(case: Case, route: str) -> str | None:
     if friction and friction.stick != friction.mu:
         return "Exudyn's contacts know one friction coefficient; mu_static cannot differ from mu."
     if route == "native":
-        return _exudyn_native.refuses(case)
+        return native.refuses(case)
     if case.effect(Impact):
         return (
             "The law handed to Exudyn has a damper and no restitution: after an impact a seventh of the speed is left."
@@ -114,7 +114,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 
 def _constrained(case: Case, route: str) -> bool:
-    return route == "native" and _exudyn_constrained.suits(case)
+    return route == "native" and constrained.suits(case)
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
@@ -150,8 +150,8 @@ def _rounded(value: float) -> float:
 def build(case: Case, route: str, setting: Setting) -> Model:
     """The engine's system for a case the route does not refuse."""
     if _constrained(case, route):
-        return Model(case, setting, _exudyn_constrained.build(case, setting))
-    maker = _exudyn_native if route == "native" else _exudyn_assisted
+        return Model(case, setting, constrained.build(case, setting))
+    maker = native if route == "native" else assisted
     return Model(case, setting, maker.build(case, setting))
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from cases import Case, Cost, Curve, Flight, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
 
-from ._exudyn_system import Contact, Stored, System, rough_friction, scales
-from ._flight import LANDED, LEFT, flights, lands_for_good
-from .interface import EngineFailure, Setting
+from ..common.follow import LANDED, LEFT, flights, lands_for_good
+from ..interface import EngineFailure, Setting
+from .system import Contact, Stored, System, rough_friction, scales
 
 # Where the normal and the friction force stand in a row of a trajectory; and all that only a contact has.
 _FORCES, _TOUCH = slice(8, 10), slice(7, 12)

@@ -14,7 +14,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Gravity, Load
 from cases.contact import start_motion
 
-from .interface import Setting
+from ..interface import Setting
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from cases import Case, CoulombFriction, Flight, PerfectlyRough, Unilateral
 from cases.contact import follow, slip_velocity
 from cases.shapes import as_circle, as_line
 
-from ._exudyn_system import Contact, Stored, System, applied, disc_body, ground, node_sensors
-from ._flight import BEYOND
-from .interface import Setting
+from ..common.follow import BEYOND
+from ..interface import Setting
+from .system import Contact, Stored, System, applied, disc_body, ground, node_sensors
 
 
 def suits(case: Case) -> bool:

@@ -16,7 +16,7 @@ from cases import Case, CoulombFriction, Gravity, Impact, Load, NotSupported, Pe
 from cases.contact import pose, start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
-from .interface import Setting
+from ..interface import Setting
 
 # What the track's chain is made of differs from rung to rung only in these; everything else is the engine's default.
 KNOBS = ("collision_slop", "collision_bias", "iterations")

@@ -16,10 +16,10 @@ from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 from cases import Case, Curve, Load, Unilateral
 from cases.contact import Contact, Motion, start_motion
 
-from ._flight import BEYOND, Follower
-from ._pymunk_load import Drive, Torsor
-from ._pymunk_native import friction_coefficient, pull
-from .interface import Setting
+from ..common.follow import BEYOND, Follower
+from ..interface import Setting
+from .load import Drive, Torsor
+from .native import friction_coefficient, pull
 
 # Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
 EVERYWHERE = 1e6

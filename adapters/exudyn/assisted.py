@@ -17,7 +17,9 @@ import numpy as np
 from cases import Case, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
 
-from ._exudyn_system import (
+from ..common.follow import BEYOND, Follower
+from ..interface import Setting
+from .system import (
     Contact,
     Stored,
     System,
@@ -27,8 +29,6 @@ from ._exudyn_system import (
     node_sensors,
     rough_friction,
 )
-from ._flight import BEYOND, Follower
-from .interface import Setting
 
 
 class Touch(NamedTuple):

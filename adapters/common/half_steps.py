@@ -16,9 +16,9 @@ import numpy as np
 from cases import Case, Cost, CoulombFriction, Flight, Trajectory
 from cases.contact import Contact, slip_velocity, start_motion
 
-from ._facets import pull, radii
-from ._flight import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
-from .interface import EngineFailure
+from ..interface import EngineFailure
+from .facets import pull, radii
+from .follow import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,10 @@ from cases import Case, CoulombFriction, Flight, Trajectory
 from cases.contact import Contact, slip_velocity, start_motion
 from cases.trajectory import Cost
 
-from . import _pymunk_assisted as assisted
-from . import _pymunk_native as native
-from ._flight import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
-from ._pymunk_load import Drive
-from .interface import EngineFailure
+from ..common.follow import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
+from ..interface import EngineFailure
+from . import assisted, native
+from .load import Drive
 
 
 @dataclass

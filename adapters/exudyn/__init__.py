@@ -1,0 +1,5 @@
+"""Exudyn's adapter; `adapters.exudyn.adapter` says what it does."""
+
+from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version
+
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
