@@ -33,6 +33,9 @@ from cases.errors import unknown
 
 GROUP = "slip_to_roll.adapters"
 
+# What the first rung of a ladder is called: `Setting.of(rung=DEFAULTS, …)`.
+DEFAULTS = "defaults"
+
 # What else lies in this folder.
 NO_ADAPTERS = {"common", "interface"}
 
@@ -43,7 +46,10 @@ class EngineFailure(RuntimeError):
 
 @dataclass(frozen=True)
 class Setting:
-    """One rung of a ladder: the engine's knobs by name. Its text stands in the tables."""
+    """One rung of a ladder: the engine's knobs by name, in an order. Its text is for tables, not to be read back.
+
+    `"h" in setting`, `setting["h"]`, `setting.get("h")` ask for a knob, `dict(setting)` gives all of them.
+    """
 
     values: tuple[tuple[str, float | int | str], ...]
 
@@ -51,6 +57,27 @@ class Setting:
     def of(cls, **values: float | int | str) -> Setting:
         """A setting from keywords, in the order given."""
         return cls(tuple(values.items()))
+
+    def but(self, **values: float | int | str | None) -> Setting:
+        """The setting with some knobs changed or added, in its order; None takes a knob out."""
+        changed = dict(self.values) | values
+        return Setting.of(**{name: value for name, value in changed.items() if value is not None})
+
+    @property
+    def is_default(self) -> bool:
+        """Whether it is the engine as it comes."""
+        return self.get("rung") == DEFAULTS
+
+    def keys(self) -> tuple[str, ...]:
+        """The knobs' names."""
+        return tuple(name for name, _ in self.values)
+
+    def get(self, name: str, default=None):
+        """A knob's value, or the default where the setting has no such knob."""
+        return dict(self.values).get(name, default)
+
+    def __contains__(self, name: object) -> bool:
+        return name in dict(self.values)
 
     def __getitem__(self, name: str):
         return dict(self.values)[name]

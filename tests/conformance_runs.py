@@ -96,8 +96,8 @@ class Run:
     @property
     def corners(self) -> float:
         """The part of `tilt` that facets have, rad."""
-        knobs = dict(self.setting.values)
-        return sum(2 * pi / float(knobs[name]) for name in ("vertices", "facets") if name in knobs)
+        setting = self.setting
+        return sum(2 * pi / float(setting[name]) for name in ("vertices", "facets") if name in setting)
 
     @property
     def tilt(self) -> float:
@@ -112,7 +112,7 @@ def _run(adapter, route: str, case: Case) -> Run:
     if refusal:
         raise Refused(refusal)
     ladder = adapter.ladder(case, route)
-    setting = [rung for rung in ladder if dict(rung.values).get("vertices", 0) <= MOST_VERTICES][RUNG]
+    setting = [rung for rung in ladder if rung.get("vertices", 0) <= MOST_VERTICES][RUNG]
     model = adapter.build(case, route, setting)
     adapter.run(model)
     return Run(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))

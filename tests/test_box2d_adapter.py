@@ -69,8 +69,8 @@ def test_steps_below_the_ladder_read_rounding_for_force():
     case = cases.load("disc_in_circle", mu=0.2, duration=1.0)
     scatter = []
     for h in (2e-4, 5e-5):
-        finest = dict(box2d.ladder(case, "native")[-1].values)
-        motion = play(case, Setting.of(**finest | dict(h=h, hertz=0.25 / h, facets=round(finest["facets"] * 2e-4 / h))))
+        finest = box2d.ladder(case, "native")[-1]
+        motion = play(case, finest.but(h=h, hertz=0.25 / h, facets=round(finest["facets"] * 2e-4 / h)))
         scatter.append(float(np.percentile(np.abs(np.diff(motion.normal_force)), 95)))
     # Measured over 2.5 s: 24 N and 94 N, where the track pushes with 30 N at most, and 30 transitions in place of 4.
     assert scatter[1] > 2 * scatter[0]
@@ -129,7 +129,7 @@ def test_elliptic_plate_is_a_fan_of_polygons_and_converges():
 def test_round_plate_about_another_point_than_its_centre_of_mass_is_a_circle():
     outline = Curve(lambda s: (0.02 + 0.1 * curves.cos(s), 0.1 * curves.sin(s)))
     case = Case(LEVEL, Plate(outline, 1.0, 0.006), (G, CoulombFriction(0.3), PUSH), Start(0.0, -1.0), 0.5)
-    assert "vertices" not in dict(box2d.ladder(case, "native")[-1].values)
+    assert "vertices" not in box2d.ladder(case, "native")[-1]
     exact, motion = reference.simulate(case, rtol=1e-10), solve(case, -1)
     assert motion.x[-1] == pytest.approx(exact.x[-1], abs=1e-3)
 

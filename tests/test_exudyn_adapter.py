@@ -102,7 +102,7 @@ def crossings(motion) -> int:
 def test_wheel_driven_to_and_fro_rolls_in_between_if_steps_are_cut_where_its_slip_ends(rung):
     case = cases.load("driven_disc")
     setting = exudyn.ladder(case, "native")[rung]
-    uncut = Setting(tuple((knob, value) for knob, value in setting.values if knob != "cut"))
+    uncut = setting.but(cut=None)
     exact = [(event.before, event.after) for event in reference.simulate(case).transitions]
     found, without = (
         [(event.before, event.after) for event in slip_phases.read_transitions(solve(case, setting=s), 0.15)]
@@ -116,7 +116,7 @@ def test_slip_that_ends_in_stick_does_not_overshoot_to_the_other_side(rung):
     # In the valley the cone is used up to 0.87 where the slip ends: an overshoot would last for tens of steps.
     case = replace(cases.load("disc_in_cosine"), duration=0.885)
     setting = exudyn.ladder(case, "assisted")[rung]
-    uncut = Setting(tuple((knob, value) for knob, value in setting.values if knob != "cut"))
+    uncut = setting.but(cut=None)
     assert crossings(solve(case, "assisted", setting=uncut)) == 1
     assert crossings(solve(case, "assisted", setting=setting)) == 0
 
@@ -125,7 +125,7 @@ def test_slip_that_ends_in_stick_does_not_overshoot_to_the_other_side(rung):
 def test_slip_that_reverses_leaves_less_error_if_steps_are_cut_there(route):
     case = cases.load("disc_in_circle", mu=0.1)
     setting = exudyn.ladder(case, route)[-2]
-    uncut = Setting(tuple((knob, value) for knob, value in setting.values if knob != "cut"))
+    uncut = setting.but(cut=None)
     truth = reference.simulate(case, rtol=1e-12)
     off = [float(np.hypot(m.x[-1] - truth.x[-1], m.y[-1] - truth.y[-1])) for m in
            (solve(case, route, setting=s) for s in (uncut, setting))]  # fmt: skip

@@ -133,7 +133,7 @@ def test_native_refuses_a_guide_on_both_sides_and_an_outline_that_is_not_convex(
 @pytest.mark.parametrize("route", adapter.routes)
 def test_ladder_goes_from_coarse_to_fine_and_begins_with_the_engine_as_it_comes(case, route):
     settings = adapter.ladder(case, route)
-    knobs = [dict(s.values) for s in settings]
+    knobs = [dict(s) for s in settings]
     assert len(settings) >= 6
     assert all(coarse["h"] > fine["h"] for coarse, fine in pairwise(knobs))
     for count in ("facets", "vertices"):

@@ -76,7 +76,7 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
     assert len(settings) >= 6
     # The tables tell settings by their text.
     assert len({str(setting) for setting in settings}) == len(settings)
-    steps = [dict(setting.values)["h"] for setting in settings[1:]]
+    steps = [setting["h"] for setting in settings[1:]]
     assert all(coarse > fine > 0.0 for coarse, fine in zip(steps[:-1], steps[1:], strict=True))
 
 

@@ -131,7 +131,7 @@ class Model:
 
 def build(case: Case, route: str, setting: Setting) -> Model:
     """A world with the plate at the case's start. The step divides the duration evenly."""
-    steps, knobs = max(2, round(case.duration / setting["h"])), dict[str, Any](setting.values)
+    steps, knobs = max(2, round(case.duration / setting["h"])), dict[str, Any](setting)
     h, scale, start = case.duration / steps, setting["scale"], start_motion(case)
     gravity = scale * facets.pull(case)
     world = pyb2d3.World(gravity=(float(gravity[0]), float(gravity[1])), maximum_linear_speed=SPEED * scale)

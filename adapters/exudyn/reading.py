@@ -62,7 +62,7 @@ def read(model: Model) -> Trajectory:
 
 def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
     """The slip velocity (m/s) of what sticks: none for a constraint, and vreg times friction's share of its scale."""
-    vreg = float(dict(setting.values).get("vreg", 0.0))
+    vreg = float(setting.get("vreg", 0.0))
     if not case.effect(PerfectlyRough):
         return vreg
     return vreg * max(1.0, float(np.abs(friction_force).max()) / rough_friction(case))
@@ -112,7 +112,7 @@ def clear_gap(case: Case, setting: Setting) -> float:
 
 def _flown(case: Case, setting: Setting, contact: Contact) -> list[tuple[int, int]]:
     """The stretches of samples in flight; none for a contact that may pull."""
-    if case.effect(Unilateral) is None or "k" not in dict(setting.values):
+    if case.effect(Unilateral) is None or "k" not in setting:
         return []
     return flights(contact.gap, contact.normal_force > 0.0, clear_gap(case, setting))
 
@@ -121,7 +121,7 @@ def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: Contact) -> E
     """Where the plate, on its way off the track, stops being pressed; None if it stays, or if the track also pulls."""
     if case.effect(Unilateral) is None:
         return None
-    if "k" not in dict(setting.values):
+    if "k" not in setting:
         return _pulled(contact)
     clear = np.flatnonzero(contact.gap > clear_gap(case, setting))
     if not clear.size:

@@ -123,7 +123,7 @@ def cut_steps(case: Case, setting: Setting, system, slip: Callable[[], float]) -
     where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the end of the step
     as `slip()` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks anyway.
     """
-    if "cut" not in dict(setting.values):
+    if "cut" not in setting:
         return
     smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
     begun = ended = case.start.slip

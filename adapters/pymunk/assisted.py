@@ -153,7 +153,7 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.
     gx, gy = pull(case)
     space.gravity = float(gx), float(gy)
     # Slop and bias, which mend overlap, find none in the contact that is told; sweeps are all there is to set.
-    if "iterations" in dict(setting.values):
+    if "iterations" in setting:
         space.iterations = setting["iterations"]
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
     track, plate = pymunk.Circle(space.static_body, EVERYWHERE), pymunk.Circle(body, EVERYWHERE)

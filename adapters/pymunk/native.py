@@ -234,7 +234,7 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     gx, gy = pull(case)
     space.gravity = float(gx), float(gy)
     for knob in KNOBS:
-        if knob in dict(setting.values):
+        if knob in setting:
             setattr(space, knob, setting[knob])
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
     plate = _plate_shape(case, body, setting)
