@@ -41,7 +41,8 @@ def compare(case: Case, path: str | Path) -> str:
 def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from tabulate import tabulate
 
-    from .judging.distances import energy
+    from cases.mechanics import energy
+
     from .judging.exported import NEEDED, followed
     from .judging.residuals import energy_growth, laws_broken
 

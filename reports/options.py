@@ -20,7 +20,7 @@ from cases import BadValue, Case, CaseError
 from cases.errors import unknown
 
 from .page.folder import foreign_file
-from .running.records import REFERENCE, is_default_setting
+from .running.records import REFERENCE
 
 if TYPE_CHECKING:
     from adapters import Setting
@@ -164,11 +164,11 @@ class Plan:
         There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion."""
         if self.effort == "full" or (self.effort == "default" and (self.named or case in WHOLE)):
             return settings
-        ladder = [s for s in settings if not is_default_setting(s)]
+        ladder = [s for s in settings if not s.is_default]
         third = len(ladder) // 3
         one = len(ladder) - 1 if solver == REFERENCE else 2 * third
         places = sorted({0, third, 2 * third} if self.effort == "quick" else {one}) if ladder else []
-        return (*(s for s in settings if is_default_setting(s)), *(ladder[i] for i in places))
+        return (*(s for s in settings if s.is_default), *(ladder[i] for i in places))
 
 
 def solvers() -> tuple[str, ...]:

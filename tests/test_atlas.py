@@ -111,7 +111,7 @@ def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
         assert np.all(np.isfinite(getattr(motion, name))), name
     found = residuals.examine(case, motion)
     # Poses are rounded to the last digit of the coordinates they lie at, over the plate's own size.
-    far = max(float(np.abs([motion.x, motion.y]).max()), float(np.abs(motion.xi1).max())) / residuals.size(case)
+    far = max(float(np.abs([motion.x, motion.y]).max()), float(np.abs(motion.xi1).max())) / case.plate.reach
     rounding = 4 * np.finfo(float).eps * max(far, 1.0)
     assert found.gap <= 1e-12 + rounding
     assert found.tangency <= 1e-12 + rounding * max(1.0, float(np.abs(motion.theta).max()))

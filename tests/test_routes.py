@@ -15,7 +15,6 @@ from cases.contact import start_motion
 from reports.judging import slip_phases
 from reports.running import experiment, tasks
 from reports.running.calls import Calls
-from reports.running.records import is_default_setting
 
 from .authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 
@@ -72,7 +71,7 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
     if refusal:
         pytest.skip(refusal)
     settings = adapter.ladder(case, route)
-    assert [is_default_setting(setting) for setting in settings] == [True] + [False] * (len(settings) - 1)
+    assert [setting.is_default for setting in settings] == [True] + [False] * (len(settings) - 1)
     assert len(settings) >= 6
     # The tables tell settings by their text.
     assert len({str(setting) for setting in settings}) == len(settings)

@@ -74,7 +74,7 @@ def work_precision_rows(experiment: Experiment, measured: Measured) -> list[dict
                     "case": run.case,
                     "solver": run.solver,
                     "route": run.route,
-                    "setting": str(run.setting),
+                    "setting": run.setting,
                     "cpu_s": timing.cpu_s,
                     "cpu_low_s": timing.cpu_low_s,
                     "cpu_high_s": timing.cpu_high_s,

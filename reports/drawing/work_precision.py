@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from ..analysis import conclusions, work_precision
 from ..analysis.quantities import UNITS
 from ..analysis.work_precision import Measured
-from ..running.records import Experiment, is_default_setting
+from ..running.records import Experiment
 from .files import Drawn, file_name, save
 from .style import STYLE, Looks, logarithmic, looks_of
 
@@ -92,7 +92,7 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: Looks) -> None:
     logarithmic(ax, "xy")
     band, null = points[0]["floor_error"], points[0]["null_error"]
     for (solver, route), group in work_precision.groups(points, "solver", "route").items():
-        ladder = [p for p in group if not is_default_setting(p["setting"])]
+        ladder = [p for p in group if not p["setting"].is_default]
         look = looks.line(solver, route)
         # A setting inside the band interrupts the line: where it lies is not known.
         sizes = [nan if p["below_floor"] else p["error"] for p in ladder]
@@ -115,7 +115,7 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: Looks) -> None:
 
 
 def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
-    face = "white" if is_default_setting(p["setting"]) else colour
+    face = "white" if p["setting"].is_default else colour
     bar = [[p["cpu_s"] - p["cpu_low_s"]], [p["cpu_high_s"] - p["cpu_s"]]] if isfinite(p["cpu_low_s"]) else None
     ax.errorbar(
         p["cpu_s"], p["error"], xerr=bar, fmt=marker, markersize=5, color=colour, markerfacecolor=face,

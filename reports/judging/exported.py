@@ -24,7 +24,7 @@ from cases.contact import Contact, find, slip_velocity, start_motion
 from cases.errors import UnknownName
 from cases.nearest import nearest
 
-from .residuals import LOOSE, size
+from .residuals import LOOSE
 
 NEEDED = ("t", "x", "y", "theta")
 OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
@@ -76,7 +76,7 @@ def read_table(path: str | Path) -> pd.DataFrame:
 
 def check_start(case: Case, table: pd.DataFrame) -> None:
     """Raises DoesNotFit if the first row is not the case's start."""
-    start, first, reach = start_motion(case), table.iloc[0], size(case)
+    start, first, reach = start_motion(case), table.iloc[0], case.plate.reach
     if abs(first["t"]) > 1e-9 * case.duration:
         raise DoesNotFit(f"the first time is {first['t']:g} s; the case's motion begins at 0")
     if np.hypot(first["x"] - start.x, first["y"] - start.y) > LOOSE * reach:
@@ -138,7 +138,7 @@ def followed(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     That is beyond the first pose far from its track; where the case has Flight, wherever the plate is off it.
     """
-    start, flies, off = start_motion(case), case.effect(Flight) is not None, LOOSE * size(case)
+    start, flies, off = start_motion(case), case.effect(Flight) is not None, LOOSE * case.plate.reach
     near, found = (start.xi1, start.xi2), np.full((len(columns["t"]), 3), np.nan)
     for place, pose in enumerate(zip(*(columns[name].tolist() for name in ("x", "y", "theta")), strict=True)):
         try:
@@ -164,7 +164,7 @@ def followed(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int, str, str]:
     """How many samples belong to the motion, its status and reason."""
-    touching = np.flatnonzero(gap <= LOOSE * size(case))
+    touching = np.flatnonzero(gap <= LOOSE * case.plate.reach)
     if case.effect(Flight):
         landed = np.flatnonzero(np.isnan(xi1[:-1]) & np.isfinite(xi1[1:]))
         if landed.size and not case.effect(Impact):

@@ -5,7 +5,7 @@ Pure functions of cases and trajectories; SI units, residuals relative to the sc
 
 from __future__ import annotations
 
-from math import cos, nan, sin
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
@@ -22,11 +22,10 @@ from cases import (
     PerfectlyRough,
     Trajectory,
     Unilateral,
+    mechanics,
 )
 from cases.contact import start_motion
 from cases.trajectory import State
-
-from . import distances
 
 # Effects whose energy is known here: a conservative force, what friction takes, and a bound that does no work.
 _BALANCED = (Gravity, CoulombFriction, Unilateral)
@@ -73,9 +72,9 @@ def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
     """E(t) − E(0) − ∫ T v dt at the motion's samples, in parts of the energy that moves; NaN if it cannot be told."""
     if any(not isinstance(effect, _BALANCED) for effect in case.effects):
         return np.full(len(motion.t), nan)
-    total = distances.energy(case, motion)
+    total = mechanics.energy(case, motion)
     off = total - total[0] - (work_of_friction(motion) if case.effect(CoulombFriction) else 0.0)
-    kinetic = distances.kinetic(case, motion)
+    kinetic = mechanics.kinetic_energy(case, motion)
     scale = float(max(kinetic.max(), np.ptp(total - kinetic)))
     return off / scale if scale > 0.0 else off
 
@@ -124,12 +123,7 @@ def _gap(case: Case, motion: Trajectory) -> tuple[float, float]:
     (X, Y), (u, v) = case.track.point(np.asarray(state.xi1)), case.plate.outline.point(np.asarray(state.xi2))
     c, s = np.cos(state.theta), np.sin(state.theta)
     apart = np.hypot(state.x + c * u - s * v - X, state.y + s * u + c * v - Y)
-    return float(apart.max()) / size(case), _slope(times, apart)
-
-
-def size(case: Case) -> float:
-    """The plate's reach from its centre of mass, m."""
-    return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
+    return float(apart.max()) / case.plate.reach, _slope(times, apart)
 
 
 def _tangency(case: Case, motion: Trajectory) -> float:
@@ -145,7 +139,7 @@ def _tangency(case: Case, motion: Trajectory) -> float:
 def motion_extent(case: Case, motion: Trajectory) -> float:
     """How far the centre of mass travels, m, at least a thousandth of the plate's size: what errors are parts of."""
     start = start_motion(case)
-    return max(float(np.hypot(motion.x - start.x, motion.y - start.y).max()), 1e-3 * size(case))
+    return max(float(np.hypot(motion.x - start.x, motion.y - start.y).max()), 1e-3 * case.plate.reach)
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------
@@ -153,14 +147,14 @@ def motion_extent(case: Case, motion: Trajectory) -> float:
 
 def laws_broken(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
     """Facts of mechanics the motion contradicts, one sentence each."""
-    broken, far = [], LOOSE * size(case)
+    broken, far = [], LOOSE * case.plate.reach
     if np.nanmin(gap) < -far:
         at = motion.t[np.nanargmin(gap)]
         broken.append(f"the plate overlaps its track by {-np.nanmin(gap):.3g} m at t = {at:.6g} s")
     if not case.effect(Flight) and gap.max() > far:
         broken.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
     growth = energy_growth(case, motion)
-    if not case.effect(Load) and growth > ENERGY * distances.kinetic(case, motion).max():
+    if not case.effect(Load) and growth > ENERGY * mechanics.kinetic_energy(case, motion).max():
         broken.append(f"the energy grows by {growth:.3g} J without a load")
     if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
         broken += _forces_broken(case, motion)
@@ -190,7 +184,7 @@ def _forces_broken(case: Case, motion: Trajectory) -> list[str]:
 
 def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
     """Names of m vx and m vy, by how much they differ from what the forces sum up to, and what is allowed (kg m/s)."""
-    gravity, load, mass = case.effect(Gravity) or Gravity(0.0), case.effect(Load), case.plate.mass
+    gravity, load, mass = mechanics.gravity(case), case.effect(Load), case.plate.mass
     place = np.where(np.isnan(motion.xi1), case.start.xi1, motion.xi1)  # in flight there are no forces
     normal, tangent = case.track.normal(place), case.track.tangent(place)
     applied = np.zeros((3, len(motion.t)))
@@ -198,9 +192,9 @@ def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
         state = (motion.t, motion.x, motion.y, motion.theta, motion.vx, motion.vy, motion.omega)
         applied = np.array([load.at(*now) for now in zip(*state, strict=True)]).T
     found = []
-    for axis, rate, pull in ((0, motion.vx, cos(gravity.direction)), (1, motion.vy, sin(gravity.direction))):
+    for axis, rate in enumerate((motion.vx, motion.vy)):
         force = motion.normal_force * normal[axis] + motion.friction_force * tangent[axis] + applied[axis]
-        force = force + mass * gravity.g * pull
+        force = force + mass * gravity[axis]
         off = mass * (rate - rate[0]) - cumulative_trapezoid(force, motion.t, initial=0.0)
         found.append((f"m v{'xy'[axis]}", float(np.abs(off).max()), ENERGY * float(trapezoid(np.abs(force), motion.t))))
     return found
@@ -208,8 +202,8 @@ def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
     """The most the energy (J) rises above its least value so far, but for single samples at impacts."""
-    total = distances.energy(case, motion)
+    total = mechanics.energy(case, motion)
     if case.effect(Impact):
         # Differences across an impact are no velocities; it is two samples of any nine that they spoil.
         total = median_filter(total, size=9, mode="nearest")
-    return float((total - np.minimum.accumulate(total)).max())
+    return float(mechanics.energy_growth(total).max())

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
-from math import cos, inf, nan, sin
+from math import inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,6 @@ import numpy as np
 from cases import (
     Case,
     CoulombFriction,
-    Gravity,
     Load,
     Mode,
     PerfectlyRough,
@@ -27,6 +26,7 @@ from cases import (
     State,
     Trajectory,
     Transition,
+    mechanics,
 )
 
 from . import slip_phases
@@ -153,13 +153,7 @@ class _Motion:
     def _contact(self, stretch: _Stretch) -> Reading:
         part = self._part(stretch.start, stretch.stop)
         reading = slip_phases.read_contact(part, self.bound)
-        return _with_stick(part, reading, self._reach) if self.turns else reading
-
-    @cached_property
-    def _reach(self) -> float:
-        """The farthest point of the outline from the centre of mass, m: it turns a spin into a speed."""
-        outline = self.case.plate.outline
-        return float(np.hypot(*outline.point(np.linspace(*outline.look, 65))).max())
+        return _with_stick(part, reading, self.case.plate.reach) if self.turns else reading
 
     def _leaving(self, stretch: _Stretch, before: Mode) -> _Change:
         """Where the contact lets go: the normal force vanishes between its last sample and the first in flight."""
@@ -179,9 +173,9 @@ class _Motion:
         """Acceleration of free flight at the samples (n, 2), m/s²; NaN in contact."""
         motion, case = self.all, self.case
         free = np.full((len(motion.t), 2), nan)
-        gravity, load = case.effect(Gravity), case.effect(Load)
+        load = case.effect(Load)
         aloft = np.isnan(motion.xi1)
-        free[aloft] = gravity.g * np.array([cos(gravity.direction), sin(gravity.direction)]) if gravity else 0.0
+        free[aloft] = mechanics.gravity(case)
         if load:
             names = ("t", "x", "y", "theta", "vx", "vy", "omega")
             moves = np.column_stack([getattr(motion, name) for name in names])

@@ -216,7 +216,7 @@ def _said_of(case: Case) -> str:
 
 def _case_tables(experiment: Experiment, label: str, frames, command: str) -> str:
     groups = routes(run for run in experiment.runs if run.case == label).values()
-    shown = {(r.solver, r.route, str(r.setting)) for r in map(finest, groups) if r}
+    shown = {(r.solver, r.route, r.setting) for r in map(finest, groups) if r}
     events, orders = frames["transitions"], frames["convergence"]
     told = ""
     if len(events):

@@ -94,17 +94,12 @@ class Experiment:
 
 def gives_motion(run: Run) -> bool:
     """Whether a rung of the ladder, not the engine as it comes, gave a motion."""
-    return run.outcome in ("right", "wrong") and not is_default_setting(run.setting)
-
-
-def is_default_setting(setting: Setting | str) -> bool:
-    """Whether a setting is the engine as it comes: adapters name that rung `rung=defaults`."""
-    return "rung=defaults" in str(setting).split()
+    return run.outcome in ("right", "wrong") and not run.setting.is_default
 
 
 def is_default(run: Run) -> bool:
     """Whether the run is the engine as it comes."""
-    return is_default_setting(run.setting)
+    return run.setting.is_default
 
 
 def is_truth(run: Run, truth: Truth) -> bool:

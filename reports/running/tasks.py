@@ -53,7 +53,7 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
 
 def _plain(setting: Setting) -> Setting:
     """The setting, if it is one and holds nothing but numbers and words: only such may travel."""
-    if type(setting) is not Setting or any(type(v) not in (int, float, str, bool) for _, v in setting.values):
+    if type(setting) is not Setting or any(type(v) not in (int, float, str, bool) for v in dict(setting).values()):
         raise TypeError(f"{setting!r} is no Setting of numbers and words")
     return setting
 

@@ -7,7 +7,7 @@ import pytest
 
 import cases
 import reference
-from cases import Case, Gravity, State, Trajectory, Unilateral
+from cases import Case, Gravity, State, Trajectory, Unilateral, mechanics
 from reports.judging import distances
 from tests.motions import sampled
 
@@ -79,9 +79,9 @@ def test_a_force_told_for_a_few_samples_is_not_told(exact):
 def test_energy_is_kept_without_friction_and_lost_with_it():
     rough = cases.load("disc_in_circle", mu=0.1)
     free = Case(rough.track, rough.plate, (rough.effect(Gravity), Unilateral()), rough.start, rough.duration)
-    kept = distances.energy(free, sampled(reference.simulate(free, rtol=1e-12), 100))
+    kept = mechanics.energy(free, sampled(reference.simulate(free, rtol=1e-12), 100))
     assert np.ptp(kept) <= 1e-10  # of about 9 J turned over, at rtol 1e-12
-    lost = distances.energy(rough, sampled(reference.simulate(rough, rtol=1e-12), 100))
+    lost = mechanics.energy(rough, sampled(reference.simulate(rough, rtol=1e-12), 100))
     assert np.all(np.diff(lost) < 1e-12) and lost[0] - lost[-1] > 1.0
 
 
@@ -92,4 +92,4 @@ def test_energy_without_gravity_is_kinetic():
     )
     zero = np.zeros(5)
     moving = State(zero, zero, zero, zero + 3.0, *7 * (zero,))
-    assert distances.energy(weightless, moving) == pytest.approx(4.5)
+    assert mechanics.energy(weightless, moving) == pytest.approx(4.5)

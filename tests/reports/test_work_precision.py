@@ -73,7 +73,7 @@ def accuracy_rows(*points, disturbed: tuple[str, ...] = ()):
 
 def test_cheapest_setting_that_is_accurate_enough_counts():
     rows = accuracy_rows(("a", "coarse", 1e-3, 1.0), ("a", "fine", -1e-9, 4.0), ("b", "only", 1e-5, 2.0))
-    assert first(rows, 1e-2)["a"]["setting"] == "s=coarse" and first(rows, 1e-4)["a"]["setting"] == "s=fine"
+    assert first(rows, 1e-2)["a"]["setting"] == rung("coarse") and first(rows, 1e-4)["a"]["setting"] == rung("fine")
     assert first(rows, 1e-4)["a"]["ratio"] == 2.0 and first(rows, 1e-4)["b"]["ratio"] == 1.0
     told = first(rows, 1e-4)["a"]
     assert told["ratio_low"] < told["ratio"] < told["ratio_high"]

@@ -212,7 +212,7 @@ def _row(scene: str, who: Who, probes: dict[Who, Probe], timings: dict[Who, Timi
         "effects": " + ".join(type(e).__name__ for e in case.effects),
         "solver": name,
         "route": route,
-        "setting": str(here.setting),
+        "setting": here.setting,
         "outcome": here.outcome,
         "reason": here.reason,
         "cpu_s": timing.cpu_s,

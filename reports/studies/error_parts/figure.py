@@ -30,8 +30,8 @@ _SHOWN = ("first_transition_time", "energy_lost")
 def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
     """Write a figure for each case of which there is a grid; yields what was written."""
     with matplotlib.rc_context({**STYLE, "axes.grid": False}):
-        for case in dict.fromkeys(cell.case for cell in cells if cell.setting.values):
-            own = {who: group for who, group in by_route(cells).items() if who[0] == case and group[0].setting.values}
+        for case in dict.fromkeys(cell.case for cell in cells if cell.setting.keys()):
+            own = {who: group for who, group in by_route(cells).items() if who[0] == case and group[0].setting.keys()}
             figure = maps({f"{solver}, {route}": Grid(group) for (_, solver, route), group in own.items()}, case)
             yield save(figure, folder, f"error_parts_{file_name(case)}", case, *_WORDS)
 

@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from adapters import Setting
-from cases import Case, Trajectory
+from cases import Case, Trajectory, mechanics
 
-from ...judging import distances, ledger
+from ...judging import ledger
 from ...running.calls import Calls, Keep
 from ...running.experiment import find_truths, offers
 from ...running.records import Offer, Truth
@@ -113,7 +113,7 @@ def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.nd
     lost = []
     for each in (motion, truth):
         ends = Trajectory(t=np.array([0.0, end]), **each(np.array([each.t[0], end]))._asdict())
-        lost.append(-float(np.diff(distances.energy(case, ends))[0]))
+        lost.append(-float(np.diff(mechanics.energy(case, ends))[0]))
     here, there = motion(end), truth(end)
     centre = np.array([here.x - there.x, here.y - there.y], dtype=float)
     return {"energy_lost": np.array([lost[0] - lost[1]]), "final_centre": centre}
@@ -128,7 +128,7 @@ class Grid:
     def __init__(self, cells: Sequence[Cell]):
         values: dict[str, list] = {}
         for cell in cells:
-            for knob, value in cell.setting.values:
+            for knob, value in dict(cell.setting).items():
                 known = values.setdefault(knob, [])
                 known += [value] if value not in known else []
         self.knobs = sorted((k for k, known in values.items() if len(known) > 1), key=lambda knob: knob != "h")
@@ -230,9 +230,9 @@ def _told(grid: Grid, cell: Cell, quantity: str) -> dict[str, Any]:
     return {**numbers, "model_parts": words, "turn_next": turn, "makes_worse": worse}
 
 
-def _varied(grid: Grid, setting: Setting) -> str:
+def _varied(grid: Grid, setting: Setting) -> Setting:
     """The setting's knobs that differ within the grid."""
-    return str(Setting(tuple((knob, value) for knob, value in setting.values if knob in grid.knobs)))
+    return Setting.of(**{knob: setting[knob] for knob in setting.keys() if knob in grid.knobs})
 
 
 def by_route(cells: Sequence[Cell]) -> dict[tuple[str, str, str], list[Cell]]:

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from ...drawing.files import Drawn, save
 from ...drawing.style import STYLE, Looks
-from ...running.records import REFERENCE, is_default_setting
+from ...running.records import REFERENCE
 from . import measure
 from .measure import Stability
 
@@ -91,8 +91,8 @@ def _cell(ax, x: int, y: int, rows: list[dict[str, Any]]) -> None:
     """The finest setting's outcome, and a strip for the engine's own defaults."""
     if not rows:
         return
-    own = [row for row in rows if is_default_setting(row["setting"])]
-    ladder = [row for row in rows if not is_default_setting(row["setting"])] or rows
+    own = [row for row in rows if row["setting"].is_default]
+    ladder = [row for row in rows if not row["setting"].is_default] or rows
     strip = 0.12 if own else 0.0
     if own:
         ax.add_patch(Rectangle((x + 0.03, y + 0.06), strip, 0.88, **_face(own[0])))

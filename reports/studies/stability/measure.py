@@ -24,7 +24,7 @@ from ...judging import residuals
 from ...judging.residuals import Residuals
 from ...running.calls import Calls, Keep
 from ...running.experiment import hopeless, offers
-from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error, is_default_setting
+from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error
 from ...running.tasks import attempt, find_truth, in_catalogue, judge, survey
 from ...running.workers import Answer
 from . import sensitivity, step_limit
@@ -227,12 +227,12 @@ def _plan(case: Case, name: str, offer: Offer, scene: Scene, full: bool):
 
 
 def _few(settings: Sequence[Setting]) -> list[Setting]:
-    ladder = [s for s in settings if not is_default_setting(s)]
-    return [*(s for s in settings if is_default_setting(s)), *(ladder[i] for i in _RUNGS if i < len(ladder))]
+    ladder = [s for s in settings if not s.is_default]
+    return [*(s for s in settings if s.is_default), *(ladder[i] for i in _RUNGS if i < len(ladder))]
 
 
 def _middle(settings: Sequence[Setting]) -> Setting | None:
-    ladder = [s for s in settings if not is_default_setting(s)]
+    ladder = [s for s in settings if not s.is_default]
     return ladder[len(ladder) // 2] if ladder else None
 
 
@@ -283,7 +283,7 @@ def rows(found: Stability) -> list[dict[str, Any]]:
         scene = found.scenes[run.case]
         outcome, reason = run.outcome, run.reason
         if scene.chaotic and (
-            outcome in ("right", "wrong") or (outcome == "refused" and scene.motion is None and run.setting.values)
+            outcome in ("right", "wrong") or (outcome == "refused" and scene.motion is None and run.setting.keys())
         ):
             outcome, reason = "chaotic", scene.chaotic
         told.append(
@@ -291,7 +291,7 @@ def rows(found: Stability) -> list[dict[str, Any]]:
                 "case": run.case,
                 "solver": run.solver,
                 "route": run.route,
-                "setting": str(run.setting),
+                "setting": run.setting,
                 "outcome": outcome,
                 "reason": reason,
                 "first_transition_error": first_error(run),

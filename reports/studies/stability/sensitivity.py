@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
-from math import inf, nan, sqrt
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from cases import Case, CaseError, Curve, Mode, Trajectory
 from cases.contact import velocity
 from reference.augmented import augmented_system
 
-from ...judging.residuals import looks, size
+from ...judging.residuals import looks
 
 # Neighbours by one unit in the last place that are asked: each takes a run of the reference.
 NEIGHBOURS = 4
@@ -68,7 +68,7 @@ def _mode_at(motion: Trajectory, t: float) -> Mode | None:
 
 def _without_units(case: Case, matrix: np.ndarray, xi1: float, xi2: float) -> np.ndarray:
     """The matrix in the plate's own units: mass, radius of gyration and arc lengths are one."""
-    m, rho = case.plate.mass, sqrt(case.plate.inertia / case.plate.mass)
+    m, rho = case.plate.mass, case.plate.gyration
     P, p = float(case.track.speed(xi1)), float(case.plate.outline.speed(xi2))
     # Units of the unknowns Ẍ₀, Ÿ₀, θ̈, ξ̈₁, ξ̈₂ and of one or two multipliers λ = N/P; then of the rows: two forces, a
     # moment, (8) twice, (9), and in roll R_pᵀ v.
@@ -131,7 +131,7 @@ def spread(case: Case, methods: tuple[str, ...] = reference.METHODS) -> Spread:
     centre = reference.simulate(case, rtol=SPREAD_RTOL, method=methods[0])
     kinds = [(t.before, t.after) for t in centre.transitions]
     times, found = np.linspace(0.0, 1.0, 101), Spread("", 0.0, 0.0)
-    extent = max(float(np.hypot(np.ptp(centre.x), np.ptp(centre.y))), 1e-3 * size(case))
+    extent = max(float(np.hypot(np.ptp(centre.x), np.ptp(centre.y))), 1e-3 * case.plate.reach)
     try:
         for i, other in enumerate(neighbours(case)):
             method = methods[(i + 1) % len(methods)]

@@ -11,9 +11,9 @@ from math import isnan, nan, sqrt
 from typing import NamedTuple
 
 from adapters import EngineFailure, Setting
-from cases import Case, Gravity, Load, Trajectory
+from cases import Case, Gravity, Load, Trajectory, mechanics
 
-from ...judging import distances, residuals
+from ...judging import residuals
 from ...running.solvers import solver
 from ...running.tasks import sentence, sound, timed
 
@@ -52,16 +52,15 @@ class Bracket(NamedTuple):
 
 def bracket(case: Case, name: str, route: str, middle: Setting) -> Bracket:
     """Search the unstable step of a route on a case, all but the step as in a middle rung of its ladder."""
-    knobs = dict(middle.values)
-    rest = str(Setting(tuple((knob, value) for knob, value in middle.values if knob not in ("h", "rung"))))
-    if "h" not in knobs:
+    rest = str(middle.but(h=None, rung=None))
+    if "h" not in middle:
         return Bracket(case.label, name, route, rest, nan, nan, nan, "its settings name no step h")
     module = solver(name)
 
     def failure(h: float) -> str:
-        return blow_up(module, case, route, _with_step(middle, h))
+        return blow_up(module, case, route, middle.but(h=h))
 
-    found = search(failure, min(float(knobs["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
+    found = search(failure, min(float(middle["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
     return Bracket(case.label, name, route, rest, found.works, found.fails, case.duration / found.fails, found.how)
 
 
@@ -96,10 +95,6 @@ def search(failure: Callable[[float], str], h: float, least: float, most: float)
     return Found(works, fails, how)
 
 
-def _with_step(setting: Setting, h: float) -> Setting:
-    return Setting(tuple((name, h if name == "h" else value) for name, value in setting.values))
-
-
 def blow_up(module, case: Case, route: str, setting: Setting) -> str:
     """How a run blows up, in a few words, or ""."""
     try:
@@ -120,6 +115,6 @@ def energy_growth(case: Case, motion: Trajectory) -> float:
     if case.effect(Load) is not None:
         return 0.0
     gravity = case.effect(Gravity)
-    scale = float(distances.kinetic(case, motion)[0])
-    scale += case.plate.mass * (gravity.g if gravity else 0.0) * residuals.size(case)
+    scale = float(mechanics.kinetic_energy(case, motion)[0])
+    scale += case.plate.mass * (gravity.g if gravity else 0.0) * case.plate.reach
     return residuals.energy_growth(case, motion) / scale if scale > 0.0 else 0.0

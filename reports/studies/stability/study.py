@@ -87,7 +87,7 @@ def summary(found: Stability) -> str:
         counts.setdefault((row["solver"], row["route"]), Counter())[row["outcome"]] += 1
     table = [[*who, *(count[outcome] for outcome in _OUTCOMES)] for who, count in counts.items()]
     lines = [tabulate(table, ["solver", "route", *_OUTCOMES])]
-    finest = [r for r in told if r["solver"] == REFERENCE and r["setting"] == str(Setting.of(rtol=TRUTH_RTOL))]
+    finest = [r for r in told if r["solver"] == REFERENCE and r["setting"] == Setting.of(rtol=TRUTH_RTOL)]
     for name in ("energy", "gap", "tangency", "condition"):
         known = [row for row in finest if isfinite(row[name])]
         if known:
