@@ -115,11 +115,11 @@ def parser(
     return parser
 
 
-def status(command: str, work: Callable[[list[str]], None], argv: Sequence[str] | None) -> int:
-    """The exit status of a command's work: 0; 2 if what is asked of it makes no sense, 1 if files cannot be read or
-    written, 130 if it was stopped. What went wrong is said in one line."""
+def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
+    """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files cannot
+    be read or written, 130 if it was stopped. What went wrong is said in one line."""
     try:
-        work(list(sys.argv[1:] if argv is None else argv))
+        return work(list(sys.argv[1:] if argv is None else argv)) or 0
     except CaseError as problem:
         print(f"{command}: {problem}", file=sys.stderr)
         return 2
@@ -129,7 +129,6 @@ def status(command: str, work: Callable[[list[str]], None], argv: Sequence[str] 
     except KeyboardInterrupt as stop:
         print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a bar may stand on the line
         return 130
-    return 0
 
 
 def command(module: str, words: Sequence[str]) -> str:
