@@ -116,8 +116,8 @@ def parser(
 
 
 def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
-    """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files cannot
-    be read or written, 130 if it was stopped. What went wrong is said in one line."""
+    """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files
+    cannot be read or written, 130 if it was stopped. What went wrong is said in one line."""
     try:
         return work(list(sys.argv[1:] if argv is None else argv)) or 0
     except CaseError as problem:
