@@ -16,8 +16,8 @@ test: $(VENV)/installed check
 
 # What is timed is timed alone, at the end.
 test-all: $(VENV)/installed check
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "slow or not slow" --ignore=tests/test_clock.py
-	$(BIN)/python -m pytest -m "slow or not slow" tests/test_clock.py
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "slow or not slow" --ignore=tests/reports/test_clock.py
+	$(BIN)/python -m pytest -m "slow or not slow" tests/reports/test_clock.py
 
 check: $(VENV)/installed
 	$(BIN)/ruff check .

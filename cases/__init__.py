@@ -1,6 +1,6 @@
 """The question and the form of the answer: scenes of a plate on a track, and trajectories."""
 
-from .case import Case, Plate, disc
+from .case import Case
 from .curves import Curve
 from .effects import (
     CoulombFriction,
@@ -14,6 +14,7 @@ from .effects import (
     Unilateral,
 )
 from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
+from .plate import Plate, disc
 from .registry import case, entry, load, load_file, names, select
 from .start import Start
 from .trajectory import Cost, Mode, State, Trajectory, Transition

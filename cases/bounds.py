@@ -6,16 +6,13 @@ the origin in sizes of the plate.
 
 from __future__ import annotations
 
-from math import sqrt
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from .effects import CoulombFriction, Gravity, RollingResistance
+from .curves import Curve
+from .effects import CoulombFriction, Effect, Gravity, RollingResistance, one
 from .errors import BadValue
-
-if TYPE_CHECKING:
-    from .case import Case
+from .plate import Plate
+from .start import Start
 
 # A slip on a curve presses by a power of the coefficient. At 1e4 both integrators agree on what happens on a circle, at
 # 1e5 they do not. Rubber on dry concrete has about 1.
@@ -31,24 +28,27 @@ FURTHEST = 1e8
 TINY, ENORMOUS = 1e-60, 1e60
 
 
-def check_sizes(case: Case) -> None:
+def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: Start, duration: float) -> None:
     """Raises BadValue, with one sentence, for a number with which no solver keeps its digits."""
-    friction, resistance, gravity = case.effect(CoulombFriction), case.effect(RollingResistance), case.effect(Gravity)
+    friction, resistance, gravity = (
+        one(effects, CoulombFriction),
+        one(effects, RollingResistance),
+        one(effects, Gravity),
+    )
     if friction and friction.stick > STRONGEST_FRICTION:
         name = "mu" if friction.mu > STRONGEST_FRICTION else "mu_static"
         raise BadValue(
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )
-    outline, plate, start = case.plate.outline, case.plate, case.start
-    points = outline.point(np.linspace(*outline.look, 721))
+    points = plate.outline.point(np.linspace(*plate.outline.look, 721))
     # An open outline may be a small part of its plate: the tip of a rod, whose centre of mass is far from it.
-    extent = float(max(np.ptp(points, axis=1).max(), np.hypot(*points).max()))
+    extent = float(max(np.ptp(points, axis=1).max(), plate.reach))
     if not SMALLEST <= extent <= LARGEST:
         raise BadValue(
             f"the plate is {extent:g} m long; give one between {SMALLEST:g} and {LARGEST:g} m, where solvers "
             "keep their digits"
         )
-    gyration = sqrt(plate.inertia / plate.mass) / extent
+    gyration = plate.gyration / extent
     if not 1 / RATIO <= gyration <= RATIO:
         raise BadValue(
             f"the plate's radius of gyration, the root of inertia/mass, is {gyration:.3g} times its length; give an "
@@ -59,7 +59,7 @@ def check_sizes(case: Case) -> None:
             f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
             f"{RATIO:g} times"
         )
-    away = float(np.hypot(*case.track.point(start.xi1)))
+    away = float(np.hypot(*track.point(start.xi1)))
     if not away <= FURTHEST * extent:
         raise BadValue(
             f"the plate begins {away / extent:.3g} times its own length from the origin; give a place, or a track, "
@@ -72,11 +72,11 @@ def check_sizes(case: Case) -> None:
         "lift of Start": start.lift,
         "gap of Start": start.gap,
         "g of Gravity": gravity.g if gravity else 0.0,
-        "duration of the case": case.duration,
+        "duration of the case": duration,
     }
     for what, number in numbers.items():
         if abs(number) > ENORMOUS:
             raise BadValue(f"{what} is {number:g}; give a number up to {ENORMOUS:g}")
-    for what, number in (("mass of the plate", plate.mass), ("duration of the case", case.duration)):
+    for what, number in (("mass of the plate", plate.mass), ("duration of the case", duration)):
         if number < TINY:
             raise BadValue(f"{what} is {number:g}; give at least {TINY:g}")

@@ -5,10 +5,11 @@ SI units, angles in radians.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, sin
+from typing import TypeVar
 
 import numpy as np
 import sympy as sp
@@ -199,6 +200,14 @@ _NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
 _CONTRADICT: tuple[tuple[type, type, str], ...] = (
     (CoulombFriction, PerfectlyRough, "friction is either bounded or not"),
 )
+
+
+E = TypeVar("E")
+
+
+def one(effects: Iterable[Effect], kind: type[E]) -> E | None:
+    """The effect of that kind among them, or None."""
+    return next((effect for effect in effects if isinstance(effect, kind)), None)
 
 
 def checked(effects) -> tuple[Effect, ...]:

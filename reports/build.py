@@ -1,103 +1,63 @@
-"""The command: `python -m reports.build`. The only writer of files; `plan` checks everything before it touches any.
+"""The full report: `python -m reports.build`, or `report([case, …])` from Python.
 
-The report is written into a folder beside its place and moved there when it is whole, so that a partial one is never
-taken for it. What is slow to import is imported when it is needed: help and errors answer at once.
+`options` checks everything before any file is touched. What is slow to import is imported when it is needed: help and
+errors answer at once.
 """
 
 from __future__ import annotations
 
-import json
 import os
 import shlex
-import shutil
 import sys
-import tempfile
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases import CaseError
+import cases
+from cases import Case, CaseError
 
-from .plan import MADE_BY, Plan, listing, parser, plan_of, solvers, strangers
+from . import options
+from .options import Plan, guarded
 
 if TYPE_CHECKING:
-    from .precision import Measured
-    from .records import Experiment
-    from .store import Store
-    from .studies import Study
+    from .analysis.work_precision import Measured
+    from .running.calls import Calls
+    from .running.records import Experiment
+    from .running.store import Store
+    from .studies import Result
 
-# A report is written in a minute or two: a part of one that is a day old (s) was left by a build that was killed.
-_LEFT_BEHIND = 86400.0
+COMMAND = "reports.build"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
     written, 3 if it is written and no solver could run a case that was named, 130 if it was stopped."""
-    argv = list(sys.argv[1:] if argv is None else argv)
-    try:
-        options = parser().parse_args(argv)
-        if options.list:
-            print(listing(options.case_file))
-            return 0
-        plan = plan_of(options, argv)
-    except CaseError as problem:
-        print(f"reports.build: {problem}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("reports.build: stopped before anything was run", file=sys.stderr)
-        return 130
-    from .store import Store
-
-    store = Store(plan.store, plan.fresh)
-    try:
-        return _build(plan, store)
-    except KeyboardInterrupt:
-        # A progress bar may stand on the line.
-        print(f"\nreports.build: stopped; {store.kept_words()}", file=sys.stderr)
-        return 130
-    except OSError as problem:
-        print(f"reports.build: cannot write the report: {problem}", file=sys.stderr)
-        return 1
+    return options.status(COMMAND, _work, argv)
 
 
-# --- the report -------------------------------------------------------------------------------------------------------
-
-
-def _build(plan: Plan, store: Store) -> int:
-    """Make the report; returns the command's exit status, 3 if no solver could run a case that was named."""
-    from . import experiment as xp
-    from . import studies
-    from .recall import Recall
-
-    _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
-    if store.problem():
-        _say(f"store: {store.problem()}")
-    found = xp.run(plan.cases, plan.solvers, plan.files, plan.thin, plan.jobs, plan.limit, progress, store)
-    measured = _measure(plan, found, store)
-    studied = studies.run(plan, progress, Recall(store, found.versions).run)
-    shown = _with_trajectories(plan, found)
-    plan.out.parent.mkdir(parents=True, exist_ok=True)
-    _sweep(plan.out)
-    partial = Path(tempfile.mkdtemp(prefix=f".{plan.out.name}.", suffix=".partial", dir=plan.out.parent))
-    try:
-        _write(plan, shown, found, measured, studied, store, partial)
-        _move(partial, plan.out)
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
-    store.trim()
-    print(_told(plan, shown, store))
-    idle = _run_by_nobody(shown) if plan.asked else []
+def _work(words: list[str]) -> int:
+    parser = options.parser(
+        COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
+        "case", "case_file", "solver", "trajectory", "quick", "full", "jobs", "store", "fresh", "list", out="report",
+        example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
+    )  # fmt: skip
+    given = parser.parse_args(words)
+    if given.list:
+        print(listing(given.case_file))
+        return 0
+    plan = options.plan_of(given, words)
+    summary, shown = _build(plan)
+    print(summary)
+    idle = _run_by_nobody(shown) if plan.named else []
     for sentence in idle:
-        print(f"reports.build: {sentence}", file=sys.stderr)
+        print(f"{COMMAND}: {sentence}", file=sys.stderr)
     return 3 if idle else 0
 
 
-def _run_by_nobody(found: Experiment) -> list[str]:
+def _run_by_nobody(shown: Experiment) -> list[str]:
     """A sentence for each case of which no run is a motion, with what the first solver says of it."""
-    moved = {run.case for run in found.runs if run.outcome in ("right", "wrong")}
-    first = {run.case: run for run in reversed(found.runs)}
+    moved = {run.case for run in shown.runs if run.outcome in ("right", "wrong")}
+    first = {run.case: run for run in reversed(shown.runs)}
     return [
         f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}"
         for label, run in first.items()
@@ -105,32 +65,111 @@ def _run_by_nobody(found: Experiment) -> list[str]:
     ]
 
 
-def _with_trajectories(plan: Plan, found: Experiment) -> Experiment:
-    """What was found here, and what others found."""
-    if not plan.trajectories:
-        return found
-    from . import elsewhere
+def report(
+    given: Iterable[Case],
+    solvers: Iterable[str] | None = None,
+    out: str | Path = "report",
+    effort: str = "default",
+    jobs: int = 2,
+    store: str | Path | None = None,
+    fresh: bool = False,
+) -> Path:
+    """A report on cases made by hand, in a script or a notebook; returns the path of its page.
 
-    return elsewhere.joined(found, plan.trajectories)
+    The arguments are the command's options; each case has a name of its own. Raises CaseError, in one sentence, for
+    what makes no sense, and OSError if the report cannot be written.
+    """
+    plan = options.plan_by_hand(given, solvers, Path(out), effort, jobs, None if store is None else Path(store), fresh)
+    print(_build(plan)[0])
+    return plan.out / "index.html"
 
 
-def _measure(plan: Plan, found: Experiment, store: Store) -> Measured:
+def listing(files: Sequence[str]) -> str:
+    """Cases with variants and summaries, solvers with routes."""
+    from .running.calls import Calls
+    from .running.solvers import routes
+
+    options.load_files(files)
+    lines = ["cases"]
+    for name in cases.names():
+        lines.append(f"  {name}: {cases.entry(name).summary}")
+        try:
+            lines += [f"    {case.label}" for case in guarded("it", lambda name=name: cases.select(name))]
+        except CaseError as problem:
+            lines.append(f"    cannot be made: {problem}")
+    lines.append("solvers")
+    names = options.solvers()
+    with Calls() as calls:
+        for name, answer in zip(names, calls.all("routes", routes, [(name,) for name in names]), strict=True):
+            lines.append(f"  {name}: {', '.join(answer.value) if answer.outcome == 'done' else answer.reason}")
+    return "\n".join(lines)
+
+
+# --- the report -------------------------------------------------------------------------------------------------------
+
+
+def _build(plan: Plan) -> tuple[str, Experiment]:
+    """Make and write the report; what was written and what came out, for the terminal, and the runs."""
+    from .page import folder
+    from .running import experiment, external
+    from .running.calls import Calls
+    from .running.progress import bar
+    from .running.store import Store
+
+    store = Store(plan.store, plan.fresh)
+    _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
+    if store.problem():
+        _say(f"store: {store.problem()}")
+    try:
+        with Calls(plan.jobs, plan.limit, store, bar) as calls:
+            ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
+            measured = _measured(plan, ran, calls)
+            studied = _studied(plan, calls)
+            shown = external.joined(ran, plan.trajectories)
+            with folder.written_whole(plan.out) as place:
+                _write(plan, shown, ran, measured, studied, calls, place)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(store.kept_words()) from None
+    except OSError as problem:
+        raise OSError(f"cannot write the report: {problem}") from problem
+    store.trim()
+    return _summary(plan, shown, store), shown
+
+
+def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     """The timed pass, after everything else has ended; a quick report goes without."""
-    from . import precision
+    from .analysis import baselines
+    from .analysis.work_precision import Measured
+    from .running import timings
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
-        return precision.Measured()
-    return precision.measure(found, plan.files, plan.effort == "full", progress, store)
+        return Measured()
+    timed = timings.measure(ran, plan.effort == "full", calls)
+    labels = tuple(case.label for case in timed.cases)
+    return Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
 
 
-def progress(step: str, total: int, answers: Iterator) -> Iterator:
-    """Hands on the answers, with a bar on the terminal: how many of `total` are there, and the time left."""
-    from tqdm import tqdm
+def _studied(plan: Plan, calls: Calls) -> list[Result]:
+    """All studies of a report: none in a quick one, nor where cases were named, unless it is a full one."""
+    from . import studies
 
-    # A terminal sees the bar move; a log file gets a line now and then.
-    often = 0.2 if sys.stderr.isatty() else 10.0
-    return iter(tqdm(answers, desc=step, total=total, mininterval=often, dynamic_ncols=True))
+    if plan.effort == "quick" or (plan.named and plan.effort != "full"):
+        return []
+    full = plan.effort == "full"
+    results = []
+    for name in studies.names():
+        study = studies.study(name)
+        if study.IN_REPORT:
+            chosen = plan.cases if plan.named and "case" in study.TAKES else ()
+            solvers = plan.solvers if "solver" in study.TAKES else ()
+            words = [name, *(["--case", *(case.label for case in chosen)] if chosen else [])]
+            words += ["--full"] if full else []
+            words += ["--case-file", *map(os.path.relpath, plan.files)] if chosen and plan.files else []
+            words += ["--solver", *solvers] if solvers and set(solvers) != set(options.solvers()) else []
+            request = studies.Request(chosen, solvers, full)
+            results.append(studies.run(name, request, calls, options.command("reports.study", words)))
+    return results
 
 
 def _say(text: str) -> None:
@@ -139,55 +178,50 @@ def _say(text: str) -> None:
 
 def _write(
     plan: Plan,
-    found: Experiment,
-    timed: Experiment,
+    shown: Experiment,
+    ran: Experiment,
     measured: Measured,
-    studied: Sequence[Study],
-    store: Store,
-    folder: Path,
+    studied: Sequence[Result],
+    calls: Calls,
+    place: Path,
 ) -> None:
-    """Tables, figures, page and manifest into the folder; `timed`: what was found here, not elsewhere."""
-    from . import drawing, elsewhere, figures, precision, precision_figures, studies, tables, webpage
-    from .manifest import manifest
+    """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
+    from .analysis import tables, work_precision
+    from .drawing import figures
+    from .drawing import work_precision as precision_figures
+    from .drawing.files import embed_command
+    from .page import folder, html, text
+    from .page.manifest import manifest
+    from .running import external
 
-    folder.chmod(0o755)  # mkdtemp's folders are private; a report is for reading
-    _say("tables")
-    frames = tables.frames(found) | precision.frames(timed, measured)
-    tables.write(frames, folder / "tables", _command(plan))
-    for study in studied:
-        tables.write(study.frames, folder / "tables", study.command)
-        frames |= study.frames
-    count = 1 + 3 * len(found.cases)
-    drawn = list(progress("figures", count, figures.draw(found, folder / "figures", plan.files, plan.jobs)))
-    drawn += precision_figures.draw(timed, measured, folder / "figures")
-    pictures = studies.drawn(studied, folder / "figures")
-    _say("page")
-    told = manifest(timed.versions)
-    told["solvers"] |= elsewhere.sources(plan.trajectories)
-    told |= {
-        "made_by": MADE_BY,
-        "command": _command(plan),
+    command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
+    told = manifest(ran.versions) | {
+        "command": command,
         "options": _options(plan),
-        "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {store.taken_words()}",
-        "store": store.told(),
+        "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {calls.store.taken_words()}",
+        "store": calls.store.told(),
         "limit_seconds": plan.limit,
-        "seconds": found.seconds,
-        "cases": {case.label: dict(case.parameters) for case in found.cases},
+        "seconds": shown.seconds,
+        "cases": {case.label: dict(case.parameters) for case in shown.cases},
     }
+    told["solvers"] |= external.sources(plan.trajectories)
+    frames = tables.frames(shown) | work_precision.frames(ran, measured)
+    words = tables.WORDS | work_precision.WORDS
+    text.write(frames, words, place / "tables", command)
+    for result in studied:
+        text.write(result.frames, result.words, place / "tables", result.command)
+        frames, words = frames | result.frames, words | result.words
+    pictures = place / "figures"
+    drawn = [*figures.draw(shown, pictures, calls), *precision_figures.draw(ran, measured, pictures)]
     for figure in drawn:
-        drawing.sign(folder / "figures", figure, webpage.command_of(figure.case, told))
-    for study in studied:
-        for figure in pictures[study.name]:
-            drawing.sign(folder / "figures", figure, study.command)
-    page = webpage.render(found, measured, frames, drawn, (studied, pictures), folder / "figures", told)
-    (folder / "index.html").write_text(page, encoding="utf-8")
-    files = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
-    told["files"] = [*files, "manifest.json"]
-    (folder / "manifest.json").write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-def _command(plan: Plan) -> str:
-    return " ".join(["python -m reports.build", *(shlex.quote(a) for a in plan.argv)])
+        embed_command(pictures, figure, html.command_of(figure.case, told))
+    of_studies = {result.name: result.draw(pictures) for result in studied}
+    for result in studied:
+        for figure in of_studies[result.name]:
+            embed_command(pictures, figure, result.command)
+    page = html.render(shown, measured, frames, words, drawn, studied, of_studies, pictures, told)
+    (place / "index.html").write_text(page, encoding="utf-8")
+    folder.sign(place, told)
 
 
 def _options(plan: Plan) -> str:
@@ -195,46 +229,19 @@ def _options(plan: Plan) -> str:
     words = [] if plan.effort == "default" else [f"--{plan.effort}"]
     if plan.files:
         words += ["--case-file", *(shlex.quote(os.path.relpath(file)) for file in plan.files)]
-    if set(plan.solvers) != set(solvers()):
+    if set(plan.solvers) != set(options.solvers()):
         words += ["--solver", *plan.solvers]
     return " ".join(words)
 
 
-def _sweep(out: Path) -> None:
-    """Remove what a build that was killed left beside the report."""
-    for left in out.parent.glob(f".{out.name}.*.partial"):
-        with suppress(OSError):  # another build may be at it, or it is somebody else's: it harms nobody
-            if time.time() - left.stat().st_mtime > _LEFT_BEHIND:
-                shutil.rmtree(left)
-
-
-def _move(partial: Path, out: Path) -> None:
-    """Put the whole report in its place; an older one is kept aside until it stands."""
-    strange = strangers(out)
-    if strange:
-        raise OSError(f"{out} has come to hold {strange} meanwhile, which is no part of a report")
-    if not out.exists():
-        partial.rename(out)
-        return
-    aside = Path(tempfile.mkdtemp(prefix=f".{out.name}.", suffix=".old", dir=out.parent))
-    out.rename(aside / "report")
-    try:
-        partial.rename(out)
-    except OSError:
-        (aside / "report").rename(out)
-        raise
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
-
-
-def _told(plan: Plan, found: Experiment, store: Store) -> str:
-    """What was written and what came out, for the terminal."""
+def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
     from tabulate import tabulate
 
-    from . import tables
+    from .analysis import tables
+    from .page.text import error_text
 
-    lines = [f"report: {plan.out / 'index.html'} ({found.seconds:.0f} s of runs)", ""]
-    counts = tables.outcome_counts(found)
+    lines = [f"report: {plan.out / 'index.html'} ({shown.seconds:.0f} s of runs)", ""]
+    counts = tables.outcome_counts(shown)
     rows = [[name, *(count[o] for o in tables.OUTCOMES)] for name, count in counts.items()]
     lines += [tabulate(rows, headers=["solver", *tables.OUTCOMES], tablefmt="plain"), ""]
     rows = [
@@ -242,13 +249,13 @@ def _told(plan: Plan, found: Experiment, store: Store) -> str:
             row["case"],
             row["solver"],
             row["route"],
-            *(tables.error_text(row, key) for key in ("default_error", "finest_error")),
+            *(error_text(row, f"{which}_error") for which in ("default", "finest")),
         ]
-        for row in tables.headline_rows(found)
+        for row in tables.headline_rows(shown)
     ]
     headers = ["first transition", "solver", "route", "as it comes / s", "finest / s"]
     lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
-    lines += [f"no truth for {label}: {truth.failure}" for label, truth in found.truths.items() if truth.failure]
+    lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += ["", f"store: {store.taken_words()}; {store.size_words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
     return "\n".join(lines)

@@ -14,11 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-import reference
 from cases import Case, Curve
 from cases.contact import start_motion
 
-from .show import asked, main
+from .show import case_of, main
 
 # Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
 SAMPLES = 1001
@@ -26,7 +25,7 @@ SAMPLES = 1001
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError if what was asked for makes no sense."""
-    case, out = asked("export", words)
+    case, out = case_of("export", words)
     folder = out or Path(case.name)
     written = export(case, folder)
     print("\n".join(f"written: {path}" for path in written))
@@ -34,10 +33,10 @@ def run(words: Sequence[str]) -> None:
 
 def export(case: Case, folder: Path) -> list[Path]:
     """Write a case into a folder; returns the files."""
-    told = scene(case)
+    said = scene(case)
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / "scene.json", folder / "track.csv", folder / "outline.csv"]
-    paths[0].write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    paths[0].write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     for path, curve in zip(paths[1:], (case.track, case.plate.outline), strict=True):
         np.savetxt(path, sampled(curve), delimiter=",", comments="", header="s,x,y,normal_x,normal_y,curvature")
     return paths
@@ -51,6 +50,8 @@ def sampled(curve: Curve) -> np.ndarray:
 
 def scene(case: Case) -> dict:
     """Everything but the sampled curves, in SI units."""
+    import reference
+
     certificate = reference.certify(case)
     return {
         "case": case.label,

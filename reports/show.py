@@ -5,67 +5,55 @@ Lives among the reports because it needs solvers; `python -m cases` finds it as 
 
 from __future__ import annotations
 
-import argparse
 import inspect
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
 
-import adapters
 import cases
-import reference
-from cases import BadValue, Case, CaseError, Gravity, Trajectory
+from cases import Case, Gravity, Trajectory
 
-
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, by the suite's own error."""
-
-    def error(self, message: str) -> NoReturn:
-        raise BadValue(f"{message}; see {self.prog} --help")
+from . import options
 
 
 def run(words: Sequence[str]) -> None:
     """Draw and print; raises CaseError if what was asked for makes no sense."""
-    case, out = asked("show", words)
+    case, out = case_of("show", words)
+    import reference
+
     motion = reference.simulate(case)
     picture = out or Path(f"{case.name}.png")
     draw(case, motion, picture)
-    print(told(case, motion))
+    print(facts(case, motion))
     print(f"picture: {picture}")
 
 
-def asked(command: str, words: Sequence[str]) -> tuple[Case, Path | None]:
+def case_of(command: str, words: Sequence[str]) -> tuple[Case, Path | None]:
     """The case that a command line names, and where its output goes."""
-    parser = _Parser(prog=f"python -m cases {command}", allow_abbrev=False)
-    parser.add_argument("name", metavar="NAME", help='a case: name or "name[parameter=value,…]"')
-    parser.add_argument("parameters", metavar="parameter=value", nargs="*")
-    parser.add_argument("--case-file", metavar="FILE", action="append", default=[])
-    parser.add_argument("--out", metavar="PATH", type=Path)
-    options, stray = parser.parse_known_args(list(words))
-    if stray:
-        raise BadValue(f"{command} knows no option {stray[0]!r}; choose from --case-file, --out")
-    for file in options.case_file:
-        cases.load_file(file)
-    inside = ",".join(options.parameters)
-    return cases.load(f"{options.name}[{inside}]" if inside else options.name), options.out
+    positional = {"NAME": 'a case: name or "name[parameter=value,…]"', "parameter=value*": "what differs from its own"}
+    parser = options.parser(f"cases {command}", f"{command.capitalize()} a case.", "case_file", "out", words=positional)
+    given = parser.parse_args(list(words))
+    options.load_files(given.case_file)
+    inside = ",".join(getattr(given, "parameter=value"))
+    case = cases.load(f"{given.NAME}[{inside}]" if inside else given.NAME)
+    return case, given.out and Path(given.out)
 
 
-def told(case: Case, motion: Trajectory) -> str:
+def facts(case: Case, motion: Trajectory) -> str:
     """Parameters, docstring with its facts, transitions, and which solvers can run it."""
+    from .running.calls import Calls
+    from .running.experiment import offers
+
     entry = cases.entry(case.name)
     lines = [case.label, "", inspect.getdoc(entry.function) or "", "", "parameters"]
     lines += [f"  {name} = {case.parameters.get(name, value)}" for name, value in entry.parameters.items()]
     lines += ["motion", f"  begins: {motion.first_mode}"]
     lines += [f"  {t.time:.9f} s: {t.after} ({t.cause})" for t in motion.transitions]
     lines += [f"  {motion.t[-1]:.9f} s: {motion.status}. {motion.reason}", "solvers", "  reference: runs it"]
-    for name in adapters.engines():
-        try:
-            engine = adapters.engine(name)
-        except ImportError as problem:
-            lines.append(f"  {name}: not installed ({problem})")
-            continue
-        lines += [f"  {name}, {route}: {engine.refuses(case, route) or 'runs it'}" for route in engine.routes]
+    with Calls() as calls:
+        for (_, name), of_routes in offers([case], options.solvers()[1:], calls).items():
+            for offer in of_routes:
+                lines.append(f"  {name}{offer.route and f', {offer.route}'}: {offer.reason or 'runs it'}")
     return "\n".join(lines)
 
 
@@ -111,14 +99,9 @@ def draw(case: Case, motion: Trajectory, path: Path) -> None:
     plt.close(figure)
 
 
-def main(command=run) -> int:
+def main(command: Callable[[list[str]], None] = run) -> int:
     """For a suite that is not installed: `python -m reports.show NAME`."""
-    try:
-        command(sys.argv[1:])
-    except (CaseError, OSError) as problem:
-        print(f"cases: {problem}", file=sys.stderr)
-        return 2
-    return 0
+    return options.status("cases", command, None)
 
 
 if __name__ == "__main__":

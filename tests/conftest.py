@@ -54,9 +54,9 @@ def pytest_collection_modifyitems(config, items):
 @pytest.fixture(autouse=True, scope="session")
 def _store(tmp_path_factory):
     """The command keeps what the tests run in a folder of theirs, not where somebody works."""
-    from reports import plan
+    from reports import options
 
-    plan.STORE = str(tmp_path_factory.mktemp("kept") / "store")
+    options.STORE = str(tmp_path_factory.mktemp("kept") / "store")
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
-"""The direction of the arrows: who may import whom."""
+"""The direction of the arrows: who may import whom. Rooms of the suite, and the floors of `reports`."""
 
 import ast
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -12,41 +13,87 @@ ALLOWED = {
     "adapters": {"cases"},
     "reports": {"cases", "reference", "adapters"},
 }
+# Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
+FLOORS = (
+    {"build", "compare", "study", "show", "export"},
+    {"options"},
+    {"page"},
+    {"studies"},
+    {"drawing"},
+    {"analysis"},
+    {"running"},
+    {"judging"},
+)
+# Two commands are entry points of `python -m cases` with the same words.
+NEIGHBOURS = {("export", "show")}
 
 
-def imported_rooms(file: Path) -> set[str]:
+def imported(file: Path) -> set[str]:
+    """The modules a file may import, by their full names, wherever in it the import stands."""
+    package = file.parent.relative_to(ROOT).parts
     found = set()
     for node in ast.walk(ast.parse(file.read_text())):
         if isinstance(node, ast.Import):
-            found |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-            found.add(node.module.split(".")[0])
-    return found & ALLOWED.keys()
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = ".".join(
+                (*package[: len(package) - node.level + 1 if node.level else 0], *filter(None, [node.module]))
+            )
+            found |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+    return found
+
+
+def modules(room: str) -> dict[str, Path]:
+    """The modules of a room by their full names."""
+    names = {file.relative_to(ROOT).with_suffix(""): file for file in sorted((ROOT / room).rglob("*.py"))}
+    return {".".join(name.parts).removesuffix(".__init__"): file for name, file in names.items()}
+
+
+def floor(module: str) -> int:
+    """How far from the top of `reports` a module stands."""
+    (place,) = [i for i, names in enumerate(FLOORS) if module.split(".")[1] in names]
+    return place
 
 
 @pytest.mark.parametrize("room", ALLOWED)
 def test_rooms_import_only_what_the_design_allows(room):
-    files = sorted((ROOT / room).rglob("*.py"))
+    files = modules(room).values()
     assert files
     for file in files:
-        assert imported_rooms(file) <= ALLOWED[room] | {room}, file
+        assert {name.split(".")[0] for name in imported(file)} & ALLOWED.keys() <= ALLOWED[room] | {room}, file
 
 
-def imported_parts(file: Path) -> set[str]:
-    """The parts of `reference` (folders, or files beside them) that one of its files imports."""
-    folder = file.parent.relative_to(ROOT).parts
-    found = set()
-    for node in ast.walk(ast.parse(file.read_text())):
-        if isinstance(node, ast.ImportFrom):
-            base = folder[: len(folder) - node.level + 1] if node.level else ()
-            names = (*base, *filter(None, (node.module or "").split(".")))
-            if names and names[0] == "reference":
-                found |= {names[1]} if len(names) > 1 else {alias.name for alias in node.names}
-    return found
+def test_reports_import_downwards():
+    known = modules("reports")
+    arrows = [(name, other) for name, file in known.items() for other in imported(file) & known.keys()]
+    assert len(arrows) > 100
+    for name, other in arrows:
+        if "reports" in (name, other):
+            continue  # the package itself holds nothing
+        here, there = name.split(".")[1], other.split(".")[1]
+        assert here == there or floor(name) < floor(other) or (here, there) in NEIGHBOURS, f"{name} imports {other}"
 
 
-# From the top down: each may import what stands below it. Two formulations and the paper's letters know nothing of
-# each other, or they could not witness for each other.
+def test_reports_have_no_circle():
+    known = modules("reports")
+    graph = {}
+    for name, file in known.items():
+        # A module's package is imported before it by being its package: that is no arrow of its own.
+        graph[name] = {other for other in imported(file) & known.keys() - {name} if not name.startswith(f"{other}.")}
+    list(TopologicalSorter(graph).static_order())
+
+
+def test_an_arrow_upwards_is_seen(tmp_path, monkeypatch):
+    (tmp_path / "reports" / "judging").mkdir(parents=True)
+    file = tmp_path / "reports" / "judging" / "wrong.py"
+    file.write_text("def late():\n    from ..running import tasks\n")
+    monkeypatch.setattr(f"{__name__}.ROOT", tmp_path)
+    assert "reports.running.tasks" in imported(file)
+    assert floor("reports.judging.wrong") > floor("reports.running.tasks")
+
+
+# Parts of `reference`: each may import what stands beside it here. Two formulations and the paper's letters know
+# nothing of each other, or they could not witness for each other.
 PARTS = {
     "paper": set(),
     "minimal": set(),
@@ -54,20 +101,17 @@ PARTS = {
     "literal": {"minimal", "paper"},
     "solve": {"minimal", "literal"},
     "narration": {"solve"},
-    "errata": {"paper", "solve", "minimal"},
+    "errata": {"paper", "solve"},
     "certification": {"solve", "minimal", "contact_frame"},
 }
 
 
-@pytest.mark.parametrize("part", PARTS)
-def test_parts_of_the_reference_import_only_what_stands_below_them(part):
-    place = ROOT / "reference" / part
-    files = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
-    assert files
-    for file in files:
-        assert imported_parts(file) <= PARTS[part] | {part}, file
-
-
-def test_every_part_of_the_reference_has_its_place():
-    parts = {p.stem for p in (ROOT / "reference").iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
-    assert parts - {"__init__", "__main__"} == PARTS.keys()
+def test_parts_of_the_reference_import_only_what_stands_below_them():
+    known = modules("reference")
+    assert {name.split(".")[1] for name in known if name.count(".")} == PARTS.keys() | {"__main__"}
+    for name, file in known.items():
+        if name in ("reference", "reference.__main__"):
+            continue
+        part = name.split(".")[1]
+        below = {other.split(".")[1] for other in imported(file) & known.keys() - {"reference"}}
+        assert below <= PARTS[part] | {part}, f"{name} imports {below}"

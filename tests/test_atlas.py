@@ -13,7 +13,8 @@ import cases
 import reference
 from cases import Case, CoulombFriction, Gravity, Mode, Plate, Start, Unilateral
 from reference import contact_frame
-from reports import health
+from reports.judging import residuals
+from reports.studies.stability import sensitivity
 from tests.authorities.paper_application import FIRST_TRANSITION
 from tests.hard_scenes import shifted_ellipse
 
@@ -87,9 +88,9 @@ def kinds(transitions):
 
 
 @lru_cache(maxsize=64)
-def last_bit(label: str) -> health.Spread:
+def last_bit(label: str) -> sensitivity.Spread:
     with within(PATIENCE):
-        return health.spread(cases.load(label))
+        return sensitivity.spread(cases.load(label))
 
 
 # --- every scene ------------------------------------------------------------------------------------------------------
@@ -108,15 +109,15 @@ def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
     motion = motion_of(case.label)
     for name in ("x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force", "xi1", "xi2"):
         assert np.all(np.isfinite(getattr(motion, name))), name
-    found = health.examine(case, motion)
+    found = residuals.examine(case, motion)
     # Poses are rounded to the last digit of the coordinates they lie at, over the plate's own size.
-    far = max(float(np.abs([motion.x, motion.y]).max()), float(np.abs(motion.xi1).max())) / health.size(case)
+    far = max(float(np.abs([motion.x, motion.y]).max()), float(np.abs(motion.xi1).max())) / case.plate.reach
     rounding = 4 * np.finfo(float).eps * max(far, 1.0)
     assert found.gap <= 1e-12 + rounding
     assert found.tangency <= 1e-12 + rounding * max(1.0, float(np.abs(motion.theta).max()))
     # Energy is as sure as the equations are conditioned, and as the little that moves is of the coordinates' digits.
     if case.label not in CHAOTIC:
-        condition = health.conditioning(case, motion).scaled
+        condition = sensitivity.conditioning(case, motion).scaled
         assert found.energy <= 1e-12 + 1e2 * np.finfo(float).eps * min(condition, 1e9)
 
 
@@ -297,7 +298,7 @@ def test_a_thousand_swings_end_where_they_began(mu):
     motion = reference.simulate(case, rtol=1e-14)
     # Near its turning point the swing moves with the square of time: a phase error of 1e-9 would be 1e-18.
     assert motion(motion.t[-1] - 0.25 * case.duration / 1000).xi1 == pytest.approx(-pi / 2, abs=1e-9)
-    assert health.examine(case, motion).energy <= 1e-11
+    assert residuals.examine(case, motion).energy <= 1e-11
 
 
 @pytest.mark.slow
@@ -307,7 +308,7 @@ def test_energy_is_closed_over_ten_thousand_transitions(label, accuracy):
     case: Case = cases.load(label)
     motion = reference.simulate(case, rtol=1e-13)
     assert motion.status == "completed" and len(motion.transitions) >= 9900
-    error = health.examine(case, motion).energy
+    error = residuals.examine(case, motion).energy
     common = dict(case=label, solver="reference", route="taylor")
     accuracy(**common, quantity="energy not accounted for, of what moves", error=error, tolerance=1e-9)
 
@@ -316,7 +317,7 @@ def test_energy_is_closed_over_a_hundred_transitions(accuracy):
     case = cases.load("limping_wheel", duration=14.0)
     motion = reference.simulate(case, rtol=1e-13)
     assert len(motion.transitions) >= 100
-    error = health.examine(case, motion).energy
+    error = residuals.examine(case, motion).energy
     common = dict(case=case.label, solver="reference", route="best")
     accuracy(**common, quantity="energy not accounted for, of what moves", error=error, tolerance=1e-9)
 

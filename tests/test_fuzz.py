@@ -34,7 +34,7 @@ from cases import (
     library,
     registry,
 )
-from reports import build, compare, formulations, stability
+from reports import build, compare, study
 from tests.test_atlas import within
 
 # What people, files and programs put where a number belongs; some of it is one.
@@ -405,6 +405,10 @@ def test_any_case_file_is_taken_or_refused_in_one_line(tmp_path, capsys, catalog
 # --- command lines ----------------------------------------------------------------------------------------------------
 
 WORDS = (
+    "stability",
+    "formulations",
+    "effect_costs",
+    "--fresh",
     "--case",
     "--case-file",
     "--solver",
@@ -466,17 +470,14 @@ def told_by(command, words) -> tuple[int, str, str]:
 def desk(tmp_path, monkeypatch):
     """An empty working folder; commands plan and refuse, and do not run what takes minutes."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(build, "_build", lambda *_: 0)
+    monkeypatch.setattr(build, "_build", lambda *_: "built")
     monkeypatch.setattr(compare, "compare", lambda *_: "judged")
-    monkeypatch.setattr(stability, "measure", lambda *_, **__: stability.Stability((), {}, (), ()))
-    monkeypatch.setattr(formulations, "rows", lambda: [])
+    monkeypatch.setattr(study, "_make", lambda *_: None)
     monkeypatch.setattr(commands, "entry_points", lambda group, name: [])
     return tmp_path
 
 
-@pytest.mark.parametrize(
-    "command", [build.main, compare.main, commands.main, stability.main], ids=lambda f: f.__module__
-)
+@pytest.mark.parametrize("command", [build.main, compare.main, commands.main, study.main], ids=lambda f: f.__module__)
 @given(words=st.lists(st.sampled_from(WORDS), max_size=5))
 @settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
 def test_any_command_line_is_taken_or_refused_in_one_line(desk, command, words):
@@ -488,9 +489,7 @@ def test_any_command_line_is_taken_or_refused_in_one_line(desk, command, words):
         assert err.strip() and err.count("\n") == 1, err
 
 
-@pytest.mark.parametrize(
-    "command", [build.main, compare.main, commands.main, stability.main], ids=lambda f: f.__module__
-)
+@pytest.mark.parametrize("command", [build.main, compare.main, commands.main, study.main], ids=lambda f: f.__module__)
 def test_help_is_help(desk, command):
     status, out, _ = told_by(command, ["--help"])
     assert status == 0 and len(out) > 100

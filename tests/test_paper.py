@@ -11,8 +11,10 @@ import pytest
 
 from reference.errata import errata
 from reference.paper.lines import LINES
-from reports import paper_figures
-from reports.drawing import plt
+from reports.running.calls import Calls
+from reports.studies import Request
+from reports.studies.paper import figure as drawing
+from reports.studies.paper import measure, study
 
 PAGE = (Path(__file__).parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
 
@@ -28,7 +30,7 @@ def test_every_numbered_equation_of_the_paper_has_its_line():
     assert [line.number for line in LINES] == list(range(1, 36))
     told = [[f"({n})", says, ", ".join(f"`{place}`" for place in places)] for n, says, places in LINES]
     assert rows_below("Equations") == told
-    assert [[row["equation"], row["says"]] for row in paper_figures.equation_rows()] == [line[:2] for line in told]
+    assert [[row["equation"], row["says"]] for row in measure.equation_rows()] == [line[:2] for line in told]
 
 
 @pytest.mark.parametrize("place", sorted({place for line in LINES for place in line.places}))
@@ -58,7 +60,7 @@ def test_the_page_has_every_misprint_with_its_residual():
 
 
 def test_the_page_has_the_claim_for_each_coefficient():
-    rows = paper_figures.claim_rows()
+    rows = measure.claim_rows()
     told = rows_below("The claim that rolling follows")
     assert [float(cells[0]) for cells in told] == [row["mu"] for row in rows]
     for (_, time, xi1, needed, then, beyond), row in zip(told, rows, strict=True):
@@ -70,9 +72,9 @@ def test_the_page_has_the_claim_for_each_coefficient():
 
 
 def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
-    for mu in paper_figures.FIGURED:
-        whole, stop = paper_figures.curves(mu), paper_figures._motion(mu).transitions[0].time
-        paper = paper_figures.curves(mu, stop)
+    for mu in measure.FIGURED:
+        whole, stop = measure.curves(mu), measure._motion(mu).transitions[0].time
+        paper = measure.curves(mu, stop)
         assert paper["t"][-1] == stop < whole["t"][-1]
         assert abs(paper["v"][-1]) < 1e-9 and np.all(paper["v"][1:-1] > 0.0)
         # (35): ξ₂ = ξ₁ − θ, along the whole motion.
@@ -80,17 +82,15 @@ def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
 
 
 def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
-    figure = paper_figures.diagrams()
+    figure = drawing.diagrams(measure.measure())
     titles = " ".join(ax.get_title() for ax in figure.axes)
     assert re.findall(r"figure (\d+),", titles) == [str(n) for n in range(3, 13)]
-    plt.close(figure)
+    drawing.plt.close(figure)
 
 
-@pytest.mark.slow
-def test_command_writes_tables_and_pictures(tmp_path, capsys):
-    assert paper_figures.main(["--out", str(tmp_path)]) == 0
-    assert {path.name for path in tmp_path.glob("*.csv")} == {
-        "paper_equations.csv", "paper_claims.csv", "paper_remark.csv",
-    }  # fmt: skip
-    assert {path.name for path in tmp_path.glob("*.svg")} == {"paper_diagrams.svg", "paper_remark.svg"}
-    assert "fails: the slip reverses" in capsys.readouterr().out
+def test_section_has_its_tables_and_pictures(tmp_path):
+    with Calls(jobs=1) as calls:
+        found = study.run(Request(), calls)
+    assert set(study.rows(found)) == {"paper_equations", "paper_claims", "paper_remark"}
+    assert {drawn.name for drawn in study.draw(found, tmp_path)} == {"paper_diagrams", "paper_remark"}
+    assert {path.stem for path in tmp_path.glob("*.svg")} == {"paper_diagrams", "paper_remark"}

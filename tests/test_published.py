@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from reports.published.readings import impact_times
+from reports.studies.published.readings import impact_times
 from tests.authorities.published import COLUMNS, PUBLICATIONS, impacts, motion_of, rows
 
 BY_NAME = {publication.name: publication for publication in PUBLICATIONS}

@@ -12,7 +12,7 @@ import reference
 from adapters import EngineFailure, Setting, engines
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, UnknownName, curves, disc
 from cases import Unilateral as Pushes
-from reports import metrics
+from reports.judging import slip_phases
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 from tests.scenes import ellipse
 
@@ -105,7 +105,7 @@ def test_wheel_driven_to_and_fro_rolls_in_between_if_steps_are_cut_where_its_sli
     uncut = setting.but(cut=None)
     exact = [(event.before, event.after) for event in reference.simulate(case).transitions]
     found, without = (
-        [(event.before, event.after) for event in metrics.read_transitions(solve(case, setting=s), 0.15)]
+        [(event.before, event.after) for event in slip_phases.read_transitions(solve(case, setting=s), 0.15)]
         for s in (setting, uncut)
     )
     assert found == exact and without != exact

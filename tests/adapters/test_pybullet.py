@@ -18,7 +18,7 @@ from cases import (
     Unilateral,
     disc,
 )
-from reports.metrics import read_transitions
+from reports.judging.slip_phases import read_transitions
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 from tests.scenes import ellipse
 

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from reports.records import is_default_setting
 
 import adapters
 import cases
@@ -13,7 +14,6 @@ from adapters import Setting
 from cases import Case, Trajectory
 from cases.contact import start_motion
 from reports import experiment, metrics, trial
-from reports.records import is_default_setting
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 
 OUTCOMES = {"right", "wrong", "refused", "crashed", "timed_out"}

@@ -1,4 +1,4 @@
-"""Numbers of other people's programs: the records stand in `reports.published`, where the report reads them too.
+"""Numbers of other people's programs: the records stand in `reports.studies.published`, where the report reads them.
 
 Here is what decides between a publisher and us where the two differ: the closed form of a ball that bounces on a level
 floor. From the height h, thrown up with v, it meets the floor at t₁ = (v + w)/g with w = sqrt(v² + 2 g h) and leaves it
@@ -7,7 +7,7 @@ with e w; the flight after impact k lasts 2 e^k w/g. (Derived: free fall, and Ne
 
 from math import sqrt
 
-from reports.published import COLUMNS, PUBLICATIONS, Number, Publication, motion_of, rows
+from reports.studies.published import COLUMNS, PUBLICATIONS, Number, Publication, motion_of, rows
 
 __all__ = ["COLUMNS", "PUBLICATIONS", "Number", "Publication", "impacts", "motion_of", "rows"]
 

@@ -1,0 +1,71 @@
+"""What a motion is asked for: the error of a run in each quantity, and how sure truth and reading are of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite, nan
+
+import numpy as np
+
+from ..judging.distances import Distance
+from ..running.records import Run, Truth, first_error
+from .convergence import rounding as step_rounding
+
+# The unit of each quantity's error. Force and energy are parts of the true motion's own (`distances.differences`).
+UNITS = {
+    "first_transition_time": "s",
+    "all_transitions": "s",
+    "final_pose": "m",
+    "centre_rms": "m",
+    "normal_force_mean": "",
+    "energy_mean": "",
+}
+TIMES = ("first_transition_time", "all_transitions")
+_DISTANCES = {"final_pose": "pose_final", "centre_max": "centre_max", "centre_rms": "centre_rms"}
+_SHARES = ("normal_force_mean", "energy_mean")
+# No share of a force or an energy is known better than to a few units in the last place of its terms.
+_LEAST_SHARE = 1e-15
+
+
+def error(run: Run, quantity: str) -> float:
+    """The run's error, at least zero; NaN where there is none (a missed transition, a force that is not told)."""
+    if quantity == "first_transition_time":
+        return abs(first_error(run))
+    if quantity == "all_transitions":
+        return max((abs(row.error) for row in run.ledger), default=nan)
+    return from_distance(run.distance, quantity)
+
+
+def from_distance(distance: Distance, quantity: str) -> float:
+    """The error of a quantity that is no time of a transition."""
+    return float(getattr(distance, _DISTANCES.get(quantity, quantity)))
+
+
+def bar(truth: Truth, quantity: str, witnessed: Mapping[str, float]) -> float:
+    """How sure the truth is of the quantity; NaN where it has none (no transitions) or it is not known.
+
+    Times and the centre have certified bars; `witnessed` holds how far the reference's second method is from the
+    truth's, for what the certificate does not keep.
+    """
+    if quantity in TIMES:
+        bars = truth.error_bars[:1] if quantity == "first_transition_time" else truth.error_bars
+        return max(bars, default=nan)
+    if quantity in _SHARES:
+        return max(witnessed.get(quantity, nan), _LEAST_SHARE)
+    return max(truth.centre_bar, witnessed.get(quantity, 0.0)) if isfinite(truth.centre_bar) else nan
+
+
+def doubt(run: Run, quantity: str) -> float:
+    """How sure the reading of the run's transitions from its samples is, s; 0 where nothing is read."""
+    if quantity not in TIMES:
+        return 0.0
+    told = [spread for spread in run.spreads if isfinite(spread)]
+    return max(told[:1] if quantity == "first_transition_time" else told, default=0.0)
+
+
+def rounding(run: Run, quantity: str) -> float:
+    """What rounding alone makes of the quantity in a run of so many steps, all sizes being of the order one."""
+    if quantity == "normal_force_mean":
+        # A step's force is a difference of velocities over the step.
+        return float(np.finfo(float).eps) * max(run.cost.steps, 1)
+    return step_rounding(run)

@@ -1,0 +1,176 @@
+"""Runs -> rows: one per fact, lower-case snake_case columns. Times in s, errors in the unit of their quantity."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from math import isfinite, nan
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from reference.errata import errata
+
+from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
+from .convergence import convergence_rows
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+OUTCOMES = ("right", "wrong", "refused", "crashed", "timed_out")
+
+
+# --- the tables -------------------------------------------------------------------------------------------------------
+
+
+def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """The paper's misprints, each formula evaluated; they are the same for every experiment."""
+    return [erratum._asdict() for erratum in errata()]
+
+
+def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """The motions the runs are judged by: one row per transition, or one with event 0 for a case without."""
+    rows = []
+    for label, truth in experiment.truths.items():
+        common = {"case": label, "method": truth.method, "first_mode": truth.first_mode, "status": truth.status}
+        notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"
+        for event, (transition, bar) in enumerate(zip(truth.transitions, truth.error_bars, strict=True), start=1):
+            told = {"before": transition.before, "after": transition.after, "time": transition.time}
+            rows.append({**common, "event": event, **told, "truth_error_bar": bar, "notes": notes})
+        if not truth.transitions:
+            none = {"before": "", "after": "", "time": nan, "truth_error_bar": nan}
+            rows.append({**common, "event": 0, **none, "notes": notes})
+    return rows
+
+
+def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """One row per transition of the truth or of a run: matched, missed or spurious. `reading_doubt`, s: how far the
+    time moves when it is read from other samples; empty for a solver that locates its transitions itself."""
+    rows = []
+    for run in experiment.runs:
+        bars, doubts = experiment.truths[run.case].error_bars, _reading_doubts(run)
+        for place, row in enumerate(run.ledger):
+            rows.append(
+                {
+                    "case": run.case,
+                    "solver": run.solver,
+                    "route": run.route,
+                    "setting": run.setting,
+                    "event": row.event,
+                    "before": row.before,
+                    "after": row.after,
+                    "time": row.time,
+                    "reference_time": row.reference_time,
+                    "error": row.error,
+                    "truth_error_bar": nan if row.verdict == "spurious" else bars[row.event - 1],
+                    "verdict": row.verdict,
+                    "reading_doubt": doubts.get(place, nan),
+                }
+            )
+    return rows
+
+
+def _reading_doubts(run: Run) -> dict[int, float]:
+    """The doubt of each of the solver's own transitions by its place in the ledger."""
+    own = [place for place, row in enumerate(run.ledger) if isfinite(row.time)]
+    # `spreads` are in the order in which the solver has them.
+    own.sort(key=lambda place: run.ledger[place].time)
+    return dict(zip(own, run.spreads, strict=False))
+
+
+def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """One row per run, whatever came of it."""
+    rows = []
+    for run in experiment.runs:
+        verdicts = Counter(row.verdict for row in run.ledger)
+        rows.append(
+            {
+                "case": run.case,
+                "solver": run.solver,
+                "route": run.route,
+                "setting": run.setting,
+                "outcome": run.outcome,
+                "reason": run.reason,
+                "status": run.status,
+                "first_mode": run.first_mode,
+                "transitions_true": len(experiment.truths[run.case].transitions),
+                "matched": verdicts["matched"],
+                "missed": verdicts["missed"],
+                "spurious": verdicts["spurious"],
+                **run.distance._asdict(),
+                "cpu_s": run.cost.cpu_s,
+                "setup_s": run.cost.setup_s,
+                "steps": run.cost.steps,
+                "run_at": run.when,
+            }
+        )
+    return rows
+
+
+def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """One row per case and route: first-transition error (where there is one) and centre error, default and finest."""
+    orders = {
+        (row["case"], row["solver"], row["route"]): row["order"]
+        for row in convergence_rows(experiment)
+        if row["quantity"] == "first_transition_time"
+    }
+    rows = []
+    for (case, solver, route), group in routes(experiment.runs).items():
+        fine, own, truth = finest(group), default(group), experiment.truths[case]
+        rows.append(
+            {
+                "case": case,
+                "solver": solver,
+                "route": route,
+                "default_error": first_error(own),
+                "default_centre_max": own.distance.centre_max if own else nan,
+                "default_outcome": own.outcome if own else "",
+                "finest_error": first_error(fine),
+                "finest_centre_max": fine.distance.centre_max if fine else nan,
+                "finest_outcome": fine.outcome if fine else group[-1].outcome,
+                "finest_setting": str(fine.setting) if fine else "",
+                "order": orders.get((case, solver, route), nan),
+                "transitions": len(truth.transitions),
+                "truth_error_bar": truth.error_bars[0] if truth.error_bars else nan,
+                "is_truth": bool(fine and is_truth(fine, truth)),
+            }
+        )
+    return rows
+
+
+def outcome_counts(experiment: Experiment) -> dict[str, Counter]:
+    """Outcomes by solver."""
+    counts: dict[str, Counter] = {}
+    for run in experiment.runs:
+        counts.setdefault(run.solver, Counter())[run.outcome] += 1
+    return counts
+
+
+class Table(NamedTuple):
+    """What is said of a table: what it holds, and what its columns mean."""
+
+    holds: str
+    columns: Mapping[str, str] = {}
+
+
+TABLES = {
+    "headline": headline_rows,
+    "transitions": transition_rows,
+    "trajectories": trajectory_rows,
+    "convergence": convergence_rows,
+    "truth": truth_rows,
+    "errata": errata_rows,
+}
+WORDS = {
+    "headline": Table("First-transition error and centre error of each route, defaults and finest setting"),
+    "transitions": Table("Every transition of every run, matched, missed or spurious"),
+    "trajectories": Table("Every run: outcome, distance from the truth, cost"),
+    "convergence": Table("Observed order of every route"),
+    "truth": Table("The certified transitions the runs are judged by"),
+    "errata": Table("The paper's misprints, each formula evaluated (residuals relative to what it must equal)"),
+}
+
+
+def frames(experiment: Experiment) -> dict[str, pd.DataFrame]:
+    """Every table by name."""
+    import pandas as pd
+
+    return {name: pd.DataFrame(make(experiment)) for name, make in TABLES.items()}

@@ -1,0 +1,110 @@
+"""Figures as files: small SVG whose text stays text, signed with the command that makes them again."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from html import escape
+from io import StringIO
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+from matplotlib import pyplot as plt  # noqa: E402
+from matplotlib.figure import Figure  # noqa: E402
+
+# Whoever lacks Matplotlib's own typeface sees one as wide.
+_TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure that was written: its file's name without ending ("" if it failed), the case's label ("" for all), title
+    and caption."""
+
+    name: str
+    case: str
+    title: str
+    caption: str
+
+
+def file_name(label: str) -> str:
+    """A case's label as part of a file name."""
+    return "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
+
+
+def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
+    """Write NAME.svg into the folder (and NAME.png) and forget the figure."""
+    text = StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
+    (folder / f"{name}.svg").write_text(minify(text.getvalue()), encoding="utf-8")
+    if png:
+        figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
+    plt.close(figure)
+    return Drawn(name, case, title, caption)
+
+
+def embed_command(folder: Path, drawn: Drawn, command: str) -> None:
+    """Write into the figure's file by which command it is made again; a figure that failed has none."""
+    if not drawn.name:
+        return
+    file = folder / f"{drawn.name}.svg"
+    text = file.read_text(encoding="utf-8")
+    start = text.index(">", text.index("<svg")) + 1
+    words = f"<desc>{escape(drawn.title)}. Make it again: {escape(command)}</desc>"
+    file.write_text(text[:start] + words + text[start:], encoding="utf-8")
+
+
+def minify(svg: str) -> str:
+    """The same picture in fewer characters: coordinates to a hundredth of a point, what many parts share said once,
+    nothing that only tools read."""
+    svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
+    svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{_short(float(m[2]))}"', svg)
+    svg = re.sub(r"\s*\n\s*", "\n", svg)
+    svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # groups are named and never referred to
+    for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
+        svg = svg.replace(f'"{name}"', f'"i{place}"').replace(f"#{name}", f"#i{place}")
+    svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
+    svg = _styles_once(svg)
+    return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
+
+
+def _short(value: float) -> str:
+    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _path(text: str) -> str:
+    """A path through the same points; its straight pieces as differences, which take half the characters."""
+    words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
+    if not set(filter(str.isalpha, words)) <= set("MLz"):
+        return re.sub(
+            r" (?=[A-Za-z-])|(?<=[A-Za-z]) ", "", " ".join(w if w.isalpha() else _short(float(w)) for w in words)
+        )
+    told, before, here = [], "", (0.0, 0.0)
+    for command, x, y in re.findall(r"([MLz])(?: (\S+) (\S+))?", " ".join(words)):
+        if command == "z":
+            told.append("z")
+        else:
+            # Differences of what was written, so that roundings do not add up.
+            there = round(float(x), 2), round(float(y), 2)
+            shift = there if command == "M" else (there[0] - here[0], there[1] - here[1])
+            pair = f"{_short(shift[0])} {_short(shift[1])}".replace(" -", "-")
+            letter = "M" if command == "M" else "l" if before != "L" else "" if pair.startswith("-") else " "
+            told.append(letter + pair)
+            here = there
+        before = command
+    return "".join(told)
+
+
+def _styles_once(svg: str) -> str:
+    """Styles that several parts have, as classes of a style sheet."""
+    counts = Counter(re.findall(r'style="([^"]*)"', svg))
+    names = {style: f"c{i}" for i, style in enumerate(style for style, count in counts.items() if count > 1)}
+    svg = re.sub(r'style="([^"]*)"', lambda m: f'class="{names[m[1]]}"' if m[1] in names else m[0], svg)
+    sheet = "".join(f".{name}{{{style}}}\n" for style, name in names.items())
+    return svg.replace("</style>", f"\n{sheet}</style>", 1)

@@ -1,0 +1,150 @@
+"""Error against CPU time, case by case and in one picture. Looks as in `figures`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isfinite, nan
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..analysis import conclusions, work_precision
+from ..analysis.quantities import UNITS
+from ..analysis.work_precision import Measured
+from ..running.records import Experiment
+from .files import Drawn, file_name, save
+from .style import STYLE, Looks, logarithmic, looks_of
+
+_WORDS = (
+    "Work and precision",
+    "Each point is one setting, timed alone: median CPU time of the run, bar: the interval of the table; hollow: the "
+    "engine's own defaults; pale: the machine was disturbed. Left is cheaper, down is more accurate. The grey band "
+    "ends at ten times the truth's error bar; nothing is drawn inside it, a triangle on its edge marks what the "
+    "cheapest setting that reaches it costs. Dotted: what a motion scores that knows nothing of friction's law.",
+)
+_SUMMARY_WORDS = (
+    "What accuracy costs, over all timed cases",
+    "Performance profiles (Dolan and Moré 2002): the share of the cases in which a route reaches the accuracy within "
+    "so many times the CPU time of the fastest route (first transition in s, or the final pose in m where there is "
+    "none). A line that ends low never gets there in the other cases.",
+)
+# The accuracies of the summary: what a game, a robot and a numerical analyst would ask for.
+_PANELS = (1e-2, 1e-4, 1e-6, 1e-8)
+# Above a null motion's score there is room for its name.
+_NULL_ROOM = 30.0
+_TITLES = {
+    "first_transition_time": "first transition's time / s",
+    "all_transitions": "worst transition's time / s",
+    "final_pose": "final pose / m",
+    "centre_rms": "centre, root mean square / m",
+    "normal_force_mean": "normal force, mean / true mean",
+    "energy_mean": "energy, mean / true kinetic",
+}
+
+
+def draw(experiment: Experiment, measured: Measured, folder: Path) -> Iterator[Drawn]:
+    """Write a figure for each timed case and one for all; yields what was written."""
+    looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measured)
+    rows = work_precision.time_to_accuracy_rows(points)
+    with matplotlib.rc_context(STYLE):
+        if conclusions.conclusions(rows):
+            yield save(summary(rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
+        for label in measured.cases:
+            own = [p for p in points if p["case"] == label and isfinite(p["cpu_s"])]
+            if own:
+                figure = case_figure(experiment, label, own, looks)
+                yield save(figure, folder, f"work_precision_{file_name(label)}", label, *_WORDS)
+
+
+def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: Looks) -> Figure:
+    """A panel for each quantity; all transitions only where there are more than one."""
+    several = len(experiment.truths[label].transitions) > 1
+    of_quantity = work_precision.groups(points, "quantity")
+    shown = [q for q in UNITS if (q,) in of_quantity and (several or q != "all_transitions")]
+    columns = 3 if len(shown) > 4 else 2
+    lines = -(-len(shown) // columns)
+    figure, axes = plt.subplots(
+        lines, columns, figsize=(3.1 * columns, 2.6 * lines), sharex=True, layout="constrained", squeeze=False
+    )
+    for ax, quantity in zip(axes.flat, shown, strict=False):
+        _panel(ax, of_quantity[quantity,], looks)
+        ax.set_title(_TITLES[quantity], loc="left")
+    for ax in axes.flat[len(shown) :]:
+        ax.set_axis_off()
+    for column in range(columns):
+        last = max(place for place in range(len(shown)) if place % columns == column)
+        axes.flat[last].set_xlabel("CPU time of the run / s")
+        axes.flat[last].tick_params(labelbottom=True)
+    for ax in axes[:, 0]:
+        ax.set_ylabel("error")
+    handles, names = axes.flat[0].get_legend_handles_labels()
+    figure.legend(
+        handles, names, loc="outside upper center", ncols=3, title=label, title_fontproperties={"weight": "bold"}
+    )
+    return figure
+
+
+def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: Looks) -> None:
+    logarithmic(ax, "xy")
+    band, null = points[0]["floor_error"], points[0]["null_error"]
+    for (solver, route), group in work_precision.groups(points, "solver", "route").items():
+        ladder = [p for p in group if not p["setting"].is_default]
+        look = looks.line(solver, route)
+        # A setting inside the band interrupts the line: where it lies is not known.
+        sizes = [nan if p["below_floor"] else p["error"] for p in ladder]
+        ax.plot([p["cpu_s"] for p in ladder], sizes, **look, label=f"{solver}, {route}")
+        for p in group:
+            if not p["below_floor"]:
+                _point(ax, p, look["color"], looks.marker(solver, route))
+        reached = [p["cpu_s"] for p in group if p["below_floor"]]
+        if reached:
+            ax.plot(min(reached), band, marker="v", color=look["color"], markersize=7, clip_on=False, zorder=5)
+    ax.axhspan(band / 10, band, color="#eeeeee", zorder=0)
+    ax.set_ylim(bottom=band / 10)
+    if isfinite(null) and null > band:
+        ax.set_ylim(top=max(_NULL_ROOM * null, ax.get_ylim()[1]))
+        ax.axhline(null, color="#555555", linewidth=0.9, linestyle=":", zorder=1)
+        ax.annotate(
+            points[0]["null_motion"], (1.0, null), (0, 2), xycoords=("axes fraction", "data"),
+            textcoords="offset points", ha="right", va="bottom", fontsize=7.5, color="#555555",
+        )  # fmt: skip
+
+
+def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
+    face = "white" if p["setting"].is_default else colour
+    bar = [[p["cpu_s"] - p["cpu_low_s"]], [p["cpu_high_s"] - p["cpu_s"]]] if isfinite(p["cpu_low_s"]) else None
+    ax.errorbar(
+        p["cpu_s"], p["error"], xerr=bar, fmt=marker, markersize=5, color=colour, markerfacecolor=face,
+        elinewidth=0.8, alpha=0.35 if p["disturbed"] else 1.0,
+    )  # fmt: skip
+
+
+def summary(rows: Sequence[dict[str, Any]], looks: Looks) -> Figure:
+    """Performance profiles at several accuracies."""
+    quantity = conclusions.main_quantity(rows)
+    rows = [row for row in rows if quantity[row["case"]] == row["quantity"]]
+    known = [a for a in _PANELS if any(isfinite(row["ratio"]) for row in rows if row["accuracy"] == a)]
+    figure, axes = plt.subplots(
+        1, len(known), figsize=(2.5 * len(known) + 0.6, 3.4), sharey=True, sharex=True, layout="constrained",
+        squeeze=False,
+    )  # fmt: skip
+    widest = max(row["ratio"] for row in rows if isfinite(row["ratio"])) * 2
+    for ax, accuracy in zip(axes[0], known, strict=True):
+        for (solver, route), group in work_precision.groups(rows, "solver", "route").items():
+            ratios = sorted(r["ratio"] for r in group if r["accuracy"] == accuracy and isfinite(r["ratio"]))
+            shares = [i / len(quantity) for i in range(len(ratios) + 1)]
+            # Drawn also where it never leaves zero, so that the legend is the same everywhere.
+            ax.step([1.0, *ratios, widest], [0.0, *shares[1:], shares[-1]], where="post", **looks.line(solver, route),
+                    label=f"{solver}, {route}")  # fmt: skip
+        logarithmic(ax, "x")
+        ax.set_title(f"accuracy {accuracy:g}", loc="left")
+        ax.set_xlabel("CPU time / fastest")
+    axes[0][0].set_ylabel("share of cases")
+    axes[0][0].set_ylim(-0.03, 1.03)
+    handles, names = axes[0][0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper center", ncols=3)
+    return figure

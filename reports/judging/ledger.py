@@ -1,0 +1,55 @@
+"""Transitions of a solver matched with the truth's: which are found, which missed, which spurious, and how late."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, nan
+
+from cases import Mode, Transition
+
+
+@dataclass(frozen=True)
+class LedgerRow:
+    """One transition of the truth, of a solver, or of both. `event` counts from 1 in the truth's sequence for matched
+    and missed ones, in the solver's own for spurious ones; times in s, NaN where there is none."""
+
+    event: int
+    before: Mode
+    after: Mode
+    time: float
+    reference_time: float
+    error: float
+    verdict: str
+
+
+def match(truth: Sequence[Transition], found: Sequence[Transition]) -> tuple[LedgerRow, ...]:
+    """Pair transitions by kind (before, after) and order: as many as can be, and of these pairings the one with the
+    least sum of time errors. The rest of the truth is missed, the rest of the found spurious."""
+    pairs = _pairing(truth, found)
+    rows = []
+    for i, j in pairs:
+        error = found[j].time - truth[i].time
+        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, found[j].time, truth[i].time, error, "matched"))
+    for i in sorted(set(range(len(truth))) - {i for i, _ in pairs}):
+        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, "missed"))
+    for j in sorted(set(range(len(found))) - {j for _, j in pairs}):
+        rows.append(LedgerRow(j + 1, found[j].before, found[j].after, found[j].time, nan, nan, "spurious"))
+    return tuple(sorted(rows, key=lambda row: row.reference_time if isfinite(row.reference_time) else row.time))
+
+
+def _pairing(truth: Sequence[Transition], found: Sequence[Transition]) -> list[tuple[int, int]]:
+    """Longest common subsequence of kinds, ties broken by the smaller total time error."""
+    best: dict[tuple[int, int], tuple[int, float, list[tuple[int, int]]]] = {}
+
+    def score(i: int, j: int):
+        return best.get((i, j), (0, 0.0, []))
+
+    for i in reversed(range(len(truth))):
+        for j in reversed(range(len(found))):
+            choices = [score(i + 1, j), score(i, j + 1)]
+            if (truth[i].before, truth[i].after) == (found[j].before, found[j].after):
+                count, total, rest = score(i + 1, j + 1)
+                choices.append((count + 1, total - abs(found[j].time - truth[i].time), [(i, j), *rest]))
+            best[i, j] = max(choices, key=lambda choice: choice[:2])
+    return score(0, 0)[2]

@@ -1,0 +1,209 @@
+"""How sound a motion is, whatever its truth: the energy's balance, the contact's gap, laws of mechanics it contradicts.
+
+Pure functions of cases and trajectories; SI units, residuals relative to the scene's own sizes.
+"""
+
+from __future__ import annotations
+
+from math import nan
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid, trapezoid
+from scipy.ndimage import median_filter
+
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    Trajectory,
+    Unilateral,
+    mechanics,
+)
+from cases.contact import start_motion
+from cases.trajectory import State
+
+# Effects whose energy is known here: a conservative force, what friction takes, and a bound that does no work.
+_BALANCED = (Gravity, CoulombFriction, Unilateral)
+# Instants at which residuals and condition numbers are looked at: enough to meet the worst to within a few per cent.
+_LOOKS = 200
+# Gauss points between two samples of a dense motion: its steps carry polynomials of up to degree 25, their product with
+# the slip's is integrated to rounding by 26, and between two of a DOP853's steps by far less.
+_GAUSS = np.polynomial.legendre.leggauss(26)
+# Relative to the plate's size: what a solver's penalty or facets may miss the track by, and what a printed start may
+# be rounded to. Beyond, it is another scene.
+LOOSE = 1e-2
+# Velocities good to one percent give energies good to two.
+ENERGY = 2e-2
+# Relative; forces that a file holds with six digits, summed by their writer.
+CONE = 1e-4
+
+
+class Residuals(NamedTuple):
+    """Residuals of a motion, NaN where it does not tell enough.
+
+    `energy`: largest of |E(t) − E(0) − work of friction|, over the energy that moves; `energy_drift`: its slope, 1/s;
+    `gap`: largest distance of the two contact points told (5) over the plate's size, `gap_drift` its slope, m/s;
+    `tangency`: largest sine between the tangents at the contact parameters told (6).
+    """
+
+    energy: float = nan
+    energy_drift: float = nan
+    gap: float = nan
+    gap_drift: float = nan
+    tangency: float = nan
+
+
+def examine(case: Case, motion: Trajectory) -> Residuals:
+    """All residuals of a motion in contact."""
+    energy, energy_drift = _energy(case, motion)
+    gap, gap_drift = _gap(case, motion)
+    return Residuals(energy, energy_drift, gap, gap_drift, _tangency(case, motion))
+
+
+# --- energy -----------------------------------------------------------------------------------------------------------
+
+
+def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
+    """E(t) − E(0) − ∫ T v dt at the motion's samples, in parts of the energy that moves; NaN if it cannot be told."""
+    if any(not isinstance(effect, _BALANCED) for effect in case.effects):
+        return np.full(len(motion.t), nan)
+    total = mechanics.energy(case, motion)
+    off = total - total[0] - (work_of_friction(motion) if case.effect(CoulombFriction) else 0.0)
+    kinetic = mechanics.kinetic_energy(case, motion)
+    scale = float(max(kinetic.max(), np.ptp(total - kinetic)))
+    return off / scale if scale > 0.0 else off
+
+
+def work_of_friction(motion: Trajectory) -> np.ndarray:
+    """∫ T v dt from the start to each sample, J: Gauss's rule on a dense motion, trapezoids on samples."""
+    steps = np.diff(motion.t)
+    if motion.dense is None:
+        power = motion.friction_force * motion.slip
+        return np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * steps)])
+    nodes, weights = _GAUSS
+    # At a transition two samples share one time, and what lies between neighbours is smooth.
+    times = motion.t[:-1, None] + 0.5 * steps[:, None] * (nodes + 1.0)
+    state = motion(np.clip(times.ravel(), motion.t[0], motion.t[-1]))
+    power = np.asarray(state.friction_force * state.slip).reshape(times.shape)
+    return np.concatenate([[0.0], np.cumsum(0.5 * steps * (power @ weights))])
+
+
+def _energy(case: Case, motion: Trajectory) -> tuple[float, float]:
+    off = energy_residual(case, motion)
+    return float(np.abs(off).max()), _slope(motion.t, off)
+
+
+def _slope(t: np.ndarray, y: np.ndarray) -> float:
+    """Least-squares rate of change of y; NaN where there is none."""
+    if len(t) < 2 or t[-1] <= t[0] or not np.all(np.isfinite(y)):
+        return nan
+    along = t - t.mean()
+    return float(along @ y / (along @ along))
+
+
+# --- contact ----------------------------------------------------------------------------------------------------------
+
+
+def looks(motion: Trajectory) -> tuple[np.ndarray, State]:
+    """Times spread over the motion's own samples, and its states there."""
+    pick = np.unique(np.linspace(0, len(motion.t) - 1, min(_LOOKS, len(motion.t))).round().astype(int))
+    return motion.t[pick], State(*(np.asarray(getattr(motion, name))[pick] for name in State._fields))
+
+
+def _gap(case: Case, motion: Trajectory) -> tuple[float, float]:
+    """(5): how far the outline's point at ξ₂ lies from the track's at ξ₁, over the plate's size, and its slope."""
+    times, state = looks(motion)
+    if not np.all(np.isfinite(state.xi1)) or not np.all(np.isfinite(state.xi2)):
+        return nan, nan
+    (X, Y), (u, v) = case.track.point(np.asarray(state.xi1)), case.plate.outline.point(np.asarray(state.xi2))
+    c, s = np.cos(state.theta), np.sin(state.theta)
+    apart = np.hypot(state.x + c * u - s * v - X, state.y + s * u + c * v - Y)
+    return float(apart.max()) / case.plate.reach, _slope(times, apart)
+
+
+def _tangency(case: Case, motion: Trajectory) -> float:
+    _, state = looks(motion)
+    if not np.all(np.isfinite(state.xi1)) or not np.all(np.isfinite(state.xi2)):
+        return nan
+    tx, ty = case.track.tangent(np.asarray(state.xi1))
+    ox, oy = case.plate.outline.tangent(np.asarray(state.xi2))
+    c, s = np.cos(state.theta), np.sin(state.theta)
+    return float(np.abs(tx * (s * ox + c * oy) - ty * (c * ox - s * oy)).max())
+
+
+def motion_extent(case: Case, motion: Trajectory) -> float:
+    """How far the centre of mass travels, m, at least a thousandth of the plate's size: what errors are parts of."""
+    start = start_motion(case)
+    return max(float(np.hypot(motion.x - start.x, motion.y - start.y).max()), 1e-3 * case.plate.reach)
+
+
+# --- laws -------------------------------------------------------------------------------------------------------------
+
+
+def laws_broken(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
+    """Facts of mechanics the motion contradicts, one sentence each."""
+    broken, far = [], LOOSE * case.plate.reach
+    if np.nanmin(gap) < -far:
+        at = motion.t[np.nanargmin(gap)]
+        broken.append(f"the plate overlaps its track by {-np.nanmin(gap):.3g} m at t = {at:.6g} s")
+    if not case.effect(Flight) and gap.max() > far:
+        broken.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
+    growth = energy_growth(case, motion)
+    if not case.effect(Load) and growth > ENERGY * mechanics.kinetic_energy(case, motion).max():
+        broken.append(f"the energy grows by {growth:.3g} J without a load")
+    if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
+        broken += _forces_broken(case, motion)
+    return broken
+
+
+def _forces_broken(case: Case, motion: Trajectory) -> list[str]:
+    """What the forces contradict: the cone, the slip they should oppose, and the motion they should cause."""
+    broken, friction = [], case.effect(CoulombFriction)
+    t, normal, tangential = motion.t, motion.normal_force, motion.friction_force
+    scale = CONE * np.abs(normal).max()
+    beyond = np.abs(tangential) - (friction.stick if friction else 0.0) * np.abs(normal)
+    if not case.effect(PerfectlyRough) and beyond.max() > scale:
+        broken.append(f"friction exceeds its cone by {beyond.max():.3g} N at t = {t[np.argmax(beyond)]:.6g} s")
+    if case.effect(Unilateral) and normal.min() < -scale:
+        broken.append(f"the track pulls with {-normal.min():.3g} N at t = {t[np.argmin(normal)]:.6g} s")
+    power = np.where(np.isnan(motion.slip), 0.0, tangential * motion.slip)
+    # Creep in stick has either sign; it is a small part of the speed.
+    if power.max() > LOOSE * np.abs(tangential).max() * np.hypot(motion.vx, motion.vy).max():
+        broken.append(f"friction drives the slip with {power.max():.3g} W at t = {t[np.argmax(power)]:.6g} s")
+    # The impulse of an impact is in no column.
+    for what, missing, allowed in () if case.effect(Impact) else _momentum(case, motion):
+        if missing > allowed:
+            broken.append(f"the forces do not make the motion: {what} is off by {missing:.3g} kg m/s")
+    return broken
+
+
+def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
+    """Names of m vx and m vy, by how much they differ from what the forces sum up to, and what is allowed (kg m/s)."""
+    gravity, load, mass = mechanics.gravity(case), case.effect(Load), case.plate.mass
+    place = np.where(np.isnan(motion.xi1), case.start.xi1, motion.xi1)  # in flight there are no forces
+    normal, tangent = case.track.normal(place), case.track.tangent(place)
+    applied = np.zeros((3, len(motion.t)))
+    if load:
+        state = (motion.t, motion.x, motion.y, motion.theta, motion.vx, motion.vy, motion.omega)
+        applied = np.array([load.at(*now) for now in zip(*state, strict=True)]).T
+    found = []
+    for axis, rate in enumerate((motion.vx, motion.vy)):
+        force = motion.normal_force * normal[axis] + motion.friction_force * tangent[axis] + applied[axis]
+        force = force + mass * gravity[axis]
+        off = mass * (rate - rate[0]) - cumulative_trapezoid(force, motion.t, initial=0.0)
+        found.append((f"m v{'xy'[axis]}", float(np.abs(off).max()), ENERGY * float(trapezoid(np.abs(force), motion.t))))
+    return found
+
+
+def energy_growth(case: Case, motion: Trajectory) -> float:
+    """The most the energy (J) rises above its least value so far, but for single samples at impacts."""
+    total = mechanics.energy(case, motion)
+    if case.effect(Impact):
+        # Differences across an impact are no velocities; it is two samples of any nine that they spoil.
+        total = median_filter(total, size=9, mode="nearest")
+    return float(mechanics.energy_growth(total).max())

@@ -1,0 +1,254 @@
+"""Phases of slip and roll of one contact, read from its samples, and the transitions between them.
+
+Pure functions of trajectories. The same reading serves every solver that does not locate its transitions itself;
+`transitions` splits a motion into contacts and flights. SI units.
+
+Source of the reading's two laws: while slipping, (34) makes v smooth up to its zero, so a branch extrapolates to it;
+after the cone saturates at t0, v' grows from zero, so v ~ (t - t0)^2 and sqrt(v) is linear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Mode, Trajectory, Transition
+
+# A slip below this part of the motion's speed is rounding for every double-precision solver that sticks exactly: ten
+# digits are lost at worst where a slip velocity is the difference of two speeds and a thousand steps add up.
+ROUNDING = 1e-9
+# Creep stays below the resolution a solver declares while friction is inside its cone; slip surely exceeds its double.
+SURELY = 2.0
+# A crossing of zero leaves at most one sample in the band and so two gaps between slipping samples; a roll needs more.
+# Likewise a slip that lasts less, between others, is the overshoot of one step.
+RESOLVABLE_GAPS = 2.5
+# Degrees tried for the local polynomial, and widths: so many samples beyond those the degree needs (smooth branches),
+# and such parts of the branch (noisy ones, where only many samples average the noise out).
+_DEGREES, _SPARE, _PARTS = (1, 2, 3, 4, 5), (1, 3, 12), (16, 6, 3)
+# A friction force this close to its bound (relative) may already be the sliding one of a regularised law.
+_SATURATED = 2e-3
+
+
+class Reading(NamedTuple):
+    """First mode, transitions, and how far each time moves (s) when the samples it was read from are shifted."""
+
+    first_mode: Mode
+    transitions: tuple[Transition, ...]
+    spreads: tuple[float, ...]
+
+
+class _Phase(NamedTuple):
+    """A stretch of samples with one sign of slip (0: none), as indices [start, stop)."""
+
+    sign: int
+    start: int
+    stop: int
+
+
+def read_transitions(trajectory: Trajectory, mu: float | None = None) -> tuple[Transition, ...]:
+    """The transitions of a sampled contact; see `read_contact`."""
+    return read_contact(trajectory, mu).transitions
+
+
+def read_contact(trajectory: Trajectory, mu: float | None = None) -> Reading:
+    """First mode and transitions of one sampled contact, from t, slip, forces and slip_resolution alone.
+
+    The end of slip (to roll, or a reversal) is where the slipping branch, extrapolated by a local polynomial, reaches
+    zero; its last sample is left out, since it may straddle the kink. The onset of slip is where |T|/(mu N),
+    extrapolated from the rolling branch, reaches one, or where sqrt(|v|), extrapolated back, reaches zero: whichever
+    moves less when its samples are shifted. `mu` is the coefficient that bounds stick (0: no friction; None: unknown,
+    forces are not used).
+
+    Error on exact samples with n of them in a slip phase of the paper's application (0.6 s): half a gap for n = 8,
+    1e-5 s for n = 30, 1e-8 s for n = 125, 1e-11 s for n = 600 (tests/reports/test_slip_phases.py holds it to that);
+    noise of size d moves a time by up to some hundred d over the slope of v. A roll shorter than 2.5 samples is not
+    seen.
+    """
+    t, v, force = _samples(trajectory, mu)
+    if mu == 0.0:
+        return _with_lift_off(Reading(Mode.SLIDE, (), ()), trajectory)
+    speed = float(np.max(np.hypot(trajectory.vx, trajectory.vy), initial=0.0))
+    band = max(SURELY * trajectory.slip_resolution, ROUNDING * speed)
+    phases = _phases(t, v, band)
+    events = [_event(t, v, force, a, b, trajectory.slip_resolution, band) for a, b in _pairs(phases)]
+    transitions = tuple(
+        Transition(time, _mode(a.sign), _mode(b.sign), cause=cause)
+        for (time, _, cause), (a, b) in zip(events, _pairs(phases), strict=True)
+    )
+    reading = Reading(_mode(phases[0].sign), transitions, tuple(spread for _, spread, _ in events))
+    return _with_lift_off(reading, trajectory)
+
+
+def _samples(trajectory: Trajectory, mu: float | None):
+    """Times without doubles, slip, and the cone's use |T|/(mu N) (NaN where it is not known)."""
+    keep = np.append(np.diff(trajectory.t) > 0, True)
+    normal, friction = trajectory.normal_force[keep], trajectory.friction_force[keep]
+    use = np.full(normal.shape, nan)
+    if mu:
+        known = np.isfinite(friction) & (normal > 0)
+        use[known] = np.abs(friction[known]) / (mu * normal[known])
+    return trajectory.t[keep], trajectory.slip[keep], use
+
+
+def _with_lift_off(reading: Reading, trajectory: Trajectory) -> Reading:
+    if trajectory.status != "lift_off":
+        return reading
+    last = reading.transitions[-1].after if reading.transitions else reading.first_mode
+    end = Transition(float(trajectory.t[-1]), last, Mode.FLIGHT, cause="the normal force vanishes")
+    # The solver itself ended the motion there, at one of its own times; nothing was extrapolated.
+    return Reading(reading.first_mode, (*reading.transitions, end), (*reading.spreads, nan))
+
+
+def _mode(sign: int) -> Mode:
+    return {1: Mode.SLIP_FORWARD, -1: Mode.SLIP_BACKWARD, 0: Mode.ROLL}[sign]
+
+
+def _pairs(phases: Sequence[_Phase]):
+    return list(zip(phases[:-1], phases[1:], strict=True))
+
+
+def _phases(t: np.ndarray, v: np.ndarray, band: float) -> list[_Phase]:
+    """Slip and roll phases: runs of one sign, without the stretches too short to be a roll."""
+    runs = _runs(np.where(np.abs(v) > band, np.sign(v), 0).astype(int))
+    signs = [np.full(r.stop - r.start, 0 if _is_overshoot(t, runs, i) else r.sign) for i, r in enumerate(runs)]
+    runs = _runs(np.concatenate(signs))
+    kept = [run for i, run in enumerate(runs) if run.sign or _is_roll(t, v, runs, i, band)]
+    merged: list[_Phase] = []
+    for run in kept:
+        if merged and merged[-1].sign == run.sign:
+            run = _Phase(run.sign, merged.pop().start, run.stop)
+        merged.append(run)
+    return merged
+
+
+def _runs(signs: np.ndarray) -> list[_Phase]:
+    edges = np.flatnonzero(np.diff(signs)) + 1
+    starts, stops = [0, *edges.tolist()], [*edges.tolist(), len(signs)]
+    return [_Phase(int(signs[a]), a, b) for a, b in zip(starts, stops, strict=True)]
+
+
+def _is_overshoot(t: np.ndarray, runs: list[_Phase], i: int) -> bool:
+    """Whether a slip between other phases is too short for its samples; at the ends of the motion none is."""
+    if not 0 < i < len(runs) - 1:
+        return False
+    around = t[runs[i].start - 1 : runs[i].stop + 1]
+    return bool(around[-1] - around[0] <= RESOLVABLE_GAPS * np.max(np.diff(around)))
+
+
+def _is_roll(t: np.ndarray, v: np.ndarray, runs: list[_Phase], i: int, band: float) -> bool:
+    """Whether the stretch lasts longer than its neighbours' slopes need to cross the band."""
+    run, after = runs[i], runs[i + 1] if i + 1 < len(runs) else None
+    if after is None:
+        return True
+    begin, end = max(run.start - 1, 0), run.stop
+    crossing = band / _slope(t, v, slice(end, end + 3))
+    if i > 0:
+        crossing += band / _slope(t, v, slice(max(begin - 2, runs[i - 1].start), begin + 1))
+    gap = float(np.max(np.diff(t[begin : end + 1])))
+    return bool(t[end] - t[begin] > crossing + RESOLVABLE_GAPS * gap)
+
+
+def _slope(t: np.ndarray, v: np.ndarray, where: slice) -> float:
+    time, value = t[where], np.abs(v[where])
+    slope = abs(value[-1] - value[0]) / (time[-1] - time[0]) if len(time) > 1 else 0.0
+    return float(slope) or np.inf
+
+
+def _event(t, v, use, before: _Phase, after: _Phase, resolution: float, band: float) -> tuple[float, float, str]:
+    """Time, spread and cause of the change from one phase to the next."""
+    if before.sign == 0:
+        return _onset(t, v, use, before, after, resolution)
+    slipping = _slipping(t, v, before, band)
+    # Contaminated: the sample that may straddle the kink. Three are kept where there are no more.
+    used = slipping[:-1] if len(slipping) > 3 else slipping
+    end = t[after.start] + band / _slope(t, v, slice(int(used[-1]) - 1, int(used[-1]) + 1))
+    found = branch_zero(t[used], np.abs(v[used]), float(end))
+    cause = "slip ends" if after.sign == 0 else "slip reverses"
+    if found is None:
+        return (*_between(t, before.stop), cause)
+    return (*found, cause)
+
+
+def _slipping(t, v, phase: _Phase, band: float) -> np.ndarray:
+    """Indices of the phase's samples that surely slip."""
+    index = np.arange(phase.start, phase.stop)
+    return index[phase.sign * v[index] > band]
+
+
+def _onset(t, v, use, before: _Phase, after: _Phase, resolution: float) -> tuple[float, float, str]:
+    estimates = []
+    rolling = np.arange(before.start + 1, before.stop - 1)
+    saturated = np.flatnonzero(use[rolling] >= 1.0 - _SATURATED)
+    # A regularised law stays saturated from here on; an isolated high value earlier is noise and stays in.
+    if len(saturated) and saturated[-1] == len(rolling) - 1:
+        breaks = np.flatnonzero(np.diff(saturated) > 1)
+        rolling = rolling[: saturated[breaks[-1] + 1] if len(breaks) else saturated[0]]
+    if len(rolling) > 3 and np.all(np.isfinite(use[rolling])):
+        found = branch_zero(t[rolling], 1.0 - use[rolling], float(t[after.start]))
+        if found:
+            estimates.append((*found, "friction reaches its bound"))
+    index = np.arange(after.start + 1, after.stop)[::-1]
+    # A regularised law's slip grows from its creep, another's from zero; the one that fits moves less.
+    for creep in {0.0, resolution} if len(index) > 3 else ():
+        found = branch_zero(-t[index], np.sqrt(np.maximum(np.abs(v[index]) - creep, 0.0)), float(-t[before.start]))
+        if found:
+            estimates.append((-found[0], found[1], "slip grows from zero"))
+    if not estimates:
+        return (*_between(t, before.stop), "slip grows from zero")
+    return min(estimates, key=lambda estimate: estimate[1])
+
+
+def _between(t: np.ndarray, i: int) -> tuple[float, float]:
+    """The middle of the gap before sample i, where no branch can be extrapolated."""
+    return 0.5 * float(t[i - 1] + t[i]), 0.5 * float(t[i] - t[i - 1])
+
+
+def branch_zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | None:
+    """Where the branch y >= 0 reaches zero after its last sample and by about `end`, and how sure that is.
+
+    Local polynomials of several degrees and widths are tried, each on the last samples and on windows an eighth and
+    a quarter of their width earlier; the one whose zero moves least is taken, and its movement is the spread.
+    None if none has a zero.
+    """
+    gap = float(t[-1] - t[max(len(t) - 4, 0)]) / min(3, len(t) - 1) if len(t) > 1 else 0.0
+    if gap <= 0.0:
+        return None
+    tau, limit = (t - t[-1]) / gap, (end - float(t[-1])) / gap + 1.0
+    best: tuple[float, float] | None = None
+    for degree in _DEGREES:
+        for width in {degree + 1 + spare for spare in _SPARE} | {len(t) // part for part in _PARTS}:
+            earlier = max(2, width // 4)
+            if width < degree + 2 or width + earlier > len(t):
+                continue
+            shifts = (0, max(1, width // 8), earlier)
+            zeros = [_root(tau, y, len(t) - shift, width, degree, limit) for shift in shifts]
+            spread = float(np.ptp(zeros))  # NaN where one of the windows has no zero
+            if isfinite(spread) and (best is None or spread < best[1]):
+                best = (zeros[0], spread)
+    if best is None:
+        return _chord(t, y, end)
+    return float(t[-1]) + best[0] * gap, best[1] * gap
+
+
+def _root(tau: np.ndarray, y: np.ndarray, stop: int, width: int, degree: int, limit: float) -> float:
+    """First zero after the last sample of the polynomial through a window of samples; NaN if there is none."""
+    window = slice(stop - width, stop)
+    span = -tau[stop - width]
+    coefficients = np.linalg.lstsq(np.vander(tau[window] / span, degree + 1), y[window], rcond=None)[0]
+    if not coefficients.any():
+        return nan
+    roots = np.roots(coefficients) * span
+    real = roots.real[np.abs(roots.imag) <= 1e-9 * (1.0 + np.abs(roots.real))]
+    real = real[(real >= 0.0) & (real <= limit)]
+    return float(real.min()) if len(real) else nan
+
+
+def _chord(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | None:
+    """The straight line through the last two samples, for branches of too few samples; unsure by half a gap."""
+    if len(t) < 2 or y[-1] >= y[-2]:
+        return None
+    zero = float(t[-1] + y[-1] * (t[-1] - t[-2]) / (y[-2] - y[-1]))
+    return (min(zero, end), 0.5 * float(t[-1] - t[-2]))

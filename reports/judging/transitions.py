@@ -1,0 +1,320 @@
+"""First mode and transitions of any case's motion, read from a solver's samples: flights, landings, slip, turning.
+
+Samples without a contact (NaN) are flight. Between them each contact is read for itself by
+`slip_phases.read_contact`; where it rolls under rolling resistance, whether it turns is read by the same laws, since
+the spin ends and begins as slip does.
+In flight a jump of the velocity that gravity and load do not explain is an impact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import cached_property
+from math import inf, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import (
+    Case,
+    CoulombFriction,
+    Load,
+    Mode,
+    PerfectlyRough,
+    RollingResistance,
+    State,
+    Trajectory,
+    Transition,
+    mechanics,
+)
+
+from . import slip_phases
+from .slip_phases import Reading
+
+# A flight after an impact is listed if it lasts this part of the case's duration; shorter ones come to rest.
+_LISTED = 1e-3
+# A rebound that flies for a whole gap g between samples needs a jump of the velocity by a·g at least, with the
+# acceleration a of free flight: half of that is an impact.
+_JUMP = 0.5
+# Without gravity and load: ten roundings of single precision, of the motion's speed.
+_SMALLEST_JUMP = 1e-6
+# A contact of fewer samples tells no slope.
+_FEWEST = 4
+
+
+class _Change(NamedTuple):
+    """A change of mode that was read: when, from what to what, how far the time moves, why."""
+
+    time: float
+    before: Mode
+    after: Mode
+    spread: float
+    cause: str
+
+
+class _Stretch(NamedTuple):
+    """Samples [start, stop), all in flight or all in contact."""
+
+    aloft: bool
+    start: int
+    stop: int
+
+
+def read_motion(case: Case, trajectory: Trajectory) -> Reading:
+    """First mode and transitions of a sampled motion of the case, from its samples alone.
+
+    An impact's time is that of a doubled sample, where there is one (its spread is NaN: nothing was extrapolated);
+    else where the free motion from before it meets the one from after it, exact under constant forces. Bouncing that
+    comes to rest ends where three resolved impacts' geometric series does, if that is between the last sample in flight
+    and the first in contact; else, as any landing without a jump, in the middle. The plate leaves where the normal
+    force, extrapolated, vanishes. A contact of no more than 2.5 gaps between two flights is an impact.
+
+    Error on exact samples of the catalogue's bounces, and which of them so many samples resolve:
+    tests/reports/test_transitions.py.
+    """
+    return _Motion(case, trajectory).reading()
+
+
+class _Motion:
+    """A sampled motion and what the case says of it."""
+
+    def __init__(self, case: Case, trajectory: Trajectory):
+        self.case, self.all = case, trajectory
+        speed = float(np.max(np.hypot(trajectory.vx, trajectory.vy), initial=0.0))
+        # A contact may be slower than the whole motion, the rounding of its velocities is not smaller.
+        self.resolution = max(trajectory.slip_resolution, slip_phases.ROUNDING * speed / slip_phases.SURELY)
+        self.smallest_jump = _SMALLEST_JUMP * speed
+        friction = case.effect(CoulombFriction)
+        self.bound = friction.stick if friction else None if case.effect(PerfectlyRough) else 0.0
+        self.turns = case.effect(RollingResistance) is not None
+
+    def reading(self) -> Reading:
+        stretches = self._stretches()
+        first, changes = Mode.FLIGHT, list[_Change]()
+        for number, stretch in enumerate(stretches):
+            if stretch.aloft:
+                if number + 1 == len(stretches):
+                    changes += self._rebounds(stretch, None)
+                continue
+            inner = self._contact(stretch)
+            if number == 0:
+                first = inner.first_mode
+            else:
+                landing = self._landing(stretches[number - 1], stretch, inner.first_mode)
+                changes += [*self._rebounds(stretches[number - 1], landing), landing]
+            changes += [
+                _Change(e.time, e.before, e.after, spread, e.cause)
+                for e, spread in zip(inner.transitions, inner.spreads, strict=True)
+            ]
+            if number + 1 < len(stretches):
+                changes.append(self._leaving(stretch, changes[-1].after if changes else first))
+        transitions = tuple(Transition(c.time, c.before, c.after, cause=c.cause) for c in changes)
+        return Reading(first, transitions, tuple(c.spread for c in changes))
+
+    # --- stretches ----------------------------------------------------------------------------------------------------
+
+    def _stretches(self) -> list[_Stretch]:
+        """Flights and contacts in turn; contacts that are but an impact belong to the flight."""
+        aloft, t = np.isnan(self.all.xi1), self.all.t
+        edges = [0, *(np.flatnonzero(np.diff(aloft.astype(int))) + 1).tolist(), len(t)]
+        merged: list[_Stretch] = []
+        for start, stop in zip(edges[:-1], edges[1:], strict=True):
+            up = bool(aloft[start]) or self._is_impact(start, stop)
+            if merged and merged[-1].aloft and up:
+                start = merged.pop().start
+            merged.append(_Stretch(up, start, stop))
+        # A motion that ends where it lands is in flight to its end.
+        if self.all.status in ("landing", "energy_gain") and len(merged) > 1 and merged[-2].aloft:
+            merged.pop()
+        return merged
+
+    def _is_impact(self, start: int, stop: int) -> bool:
+        """Whether a contact between two flights is too short for its samples to be more than an impact."""
+        t = self.all.t
+        if not 0 < start < stop < len(t):
+            return False
+        around = t[start - 1 : stop + 1]
+        return bool(around[-1] - around[0] <= slip_phases.RESOLVABLE_GAPS * np.max(np.diff(around)))
+
+    def _part(self, start: int, stop: int) -> Trajectory:
+        last = stop == len(self.all.t)
+        return replace(
+            self.all,
+            t=self.all.t[start:stop],
+            **{name: getattr(self.all, name)[start:stop] for name in State._fields},
+            slip_resolution=self.resolution,
+            status=self.all.status if last else "completed",
+            dense=None,
+        )
+
+    # --- contact ------------------------------------------------------------------------------------------------------
+
+    def _contact(self, stretch: _Stretch) -> Reading:
+        part = self._part(stretch.start, stretch.stop)
+        reading = slip_phases.read_contact(part, self.bound)
+        return _with_stick(part, reading, self.case.plate.reach) if self.turns else reading
+
+    def _leaving(self, stretch: _Stretch, before: Mode) -> _Change:
+        """Where the contact lets go: the normal force vanishes between its last sample and the first in flight."""
+        t, force = self.all.t, self.all.normal_force
+        last, next_ = float(t[stretch.stop - 1]), float(t[stretch.stop])
+        pressed = np.arange(stretch.start, stretch.stop)
+        pressed = pressed[np.isfinite(force[pressed]) & (np.diff(t[pressed], append=inf) > 0)]
+        found = slip_phases.branch_zero(t[pressed], np.abs(force[pressed]), next_) if len(pressed) >= _FEWEST else None
+        if found is None or not last <= found[0] <= next_:
+            found = 0.5 * (last + next_), 0.5 * (next_ - last)
+        return _Change(found[0], before, Mode.FLIGHT, found[1], "the normal force vanishes")
+
+    # --- flight -------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _free(self) -> np.ndarray:
+        """Acceleration of free flight at the samples (n, 2), m/s²; NaN in contact."""
+        motion, case = self.all, self.case
+        free = np.full((len(motion.t), 2), nan)
+        load = case.effect(Load)
+        aloft = np.isnan(motion.xi1)
+        free[aloft] = mechanics.gravity(case)
+        if load:
+            names = ("t", "x", "y", "theta", "vx", "vy", "omega")
+            moves = np.column_stack([getattr(motion, name) for name in names])
+            for i in np.flatnonzero(aloft):
+                free[i] += np.array(load.at(*moves[i].tolist())[:2]) / case.plate.mass
+        return free
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        return np.column_stack([self.all.x, self.all.y])
+
+    @cached_property
+    def _rates(self) -> np.ndarray:
+        return np.column_stack([self.all.vx, self.all.vy])
+
+    def _rebounds(self, stretch: _Stretch, landing: _Change | None) -> Iterable[_Change]:
+        """The impacts of a flight after which it flies on for long enough to be listed."""
+        impacts = self._impacts(stretch)
+        if not impacts:
+            return
+        # What the last of them begins lasts until the plate lands for good, surely; or as long as the motion.
+        last = float(self.all.t[stretch.stop - 1]) if landing is None else landing.time - np.nan_to_num(landing.spread)
+        ends = [*(time for time, _ in impacts[1:]), last]
+        for (time, spread), end in zip(impacts, ends, strict=True):
+            if end - time >= _LISTED * self.case.duration:
+                yield _Change(time, Mode.FLIGHT, Mode.FLIGHT, spread, "impact")
+
+    def _impacts(self, stretch: _Stretch) -> list[tuple[float, float]]:
+        """Times and spreads of the impacts of a flight, in order."""
+        inside = slice(stretch.start, stretch.stop)
+        # A solver whose impacts last tells no force in them: those samples are neither contact nor free.
+        aloft = np.isnan(self.all.xi1[inside]) & ~np.isnan(self.all.normal_force[inside])
+        aloft = stretch.start + np.flatnonzero(aloft)
+        found = []
+        for i, j in zip(aloft[:-1].tolist(), aloft[1:].tolist(), strict=True):
+            # Samples left out between the two are a contact: there it touched, jump or not.
+            if j > i + 1 or self._jumps(i, j):
+                found.append(self._meeting(i, j))
+        return found
+
+    def _jumps(self, i: int, j: int) -> bool:
+        """Whether the velocity changes from sample i, in flight, to sample j by more than gravity and load do."""
+        h = self.all.t[j] - self.all.t[i]
+        forces = self._free[i] if np.isnan(self._free[j]).any() else 0.5 * (self._free[i] + self._free[j])
+        jump = self._rates[j] - self._rates[i] - h * forces
+        return bool(np.hypot(*jump) > _JUMP * h * np.hypot(*forces) + self.smallest_jump)
+
+    def _meeting(self, i: int, j: int) -> tuple[float, float]:
+        """Time and spread of the impact between samples i and j: where the motions from both sides meet."""
+        t = self.all.t
+        h = float(t[j] - t[i])
+        between = np.flatnonzero(np.diff(t[i : j + 1]) == 0.0)
+        if len(between):
+            return float(t[i + between[0]]), nan
+        before, after = self._free[i], self._free[j]
+        if np.isnan(after).any():
+            step = t[j + 1] - t[j] if j + 1 < len(t) else 0.0
+            after = (self._rates[j + 1] - self._rates[j]) / step if step > 0.0 else before
+        jump = self._rates[j] - self._rates[i] - 0.5 * h * (before + after)
+        polynomial = np.array([
+            0.5 * (before - after) @ jump,
+            (self._rates[i] - self._rates[j] + h * after) @ jump,
+            (self._places[i] - self._places[j] + h * self._rates[j] - 0.5 * h * h * after) @ jump,
+        ])  # fmt: skip
+        roots = np.roots(polynomial) if np.isfinite(polynomial).all() else np.array([])
+        inside = roots.real[(np.abs(roots.imag) <= 1e-9 * h) & (roots.real >= 0.0) & (roots.real <= h)]
+        if len(inside):
+            return float(t[i]) + float(inside[0]), nan
+        return float(t[i]) + 0.5 * h, 0.5 * h
+
+    def _landing(self, flight: _Stretch, contact: _Stretch, after: Mode) -> _Change:
+        """Where the last flight of a stretch ends in contact."""
+        i, j = flight.stop - 1, contact.start
+        if self._jumps(i, j):
+            time, spread = self._meeting(i, j)
+        else:
+            low, high = float(self.all.t[i]), float(self.all.t[j])
+            time, spread = 0.5 * (low + high), 0.5 * (high - low)
+        limit = self._rest(flight)
+        if limit is not None and self.all.t[i] < limit <= self.all.t[j]:
+            return _Change(limit, Mode.FLIGHT, after, 0.5 * float(self.all.t[j] - self.all.t[i]), "bouncing ends")
+        return _Change(time, Mode.FLIGHT, after, spread, "landing")
+
+    def _rest(self, flight: _Stretch) -> float | None:
+        """When the bouncing of a flight comes to rest: the limit of its last three impacts that samples resolve."""
+        times = np.array([time for time, _ in self._impacts(flight)])
+        gap = float(np.max(np.diff(self.all.t[flight.start : flight.stop]), initial=0.0))
+        # Two impacts nearer to each other than this share the samples their times are read from.
+        short = np.flatnonzero(np.diff(times) < slip_phases.RESOLVABLE_GAPS * gap)
+        times = times[: short[0] + 1] if len(short) else times
+        if len(times) < 3:
+            return None
+        earlier, later = np.diff(times[-3:]).tolist()
+        return float(times[-1] + later**2 / (earlier - later)) if later < earlier else None
+
+
+def _with_stick(part: Trajectory, reading: Reading, reach: float) -> Reading:
+    """The reading of a contact with its rolls told apart from sticks: whether it turns is read as slip is."""
+    edges = [-inf, *(event.time for event in reading.transitions), inf]
+    modes = [reading.first_mode, *(event.after for event in reading.transitions)]
+    first, changes = modes[0], list[_Change]()
+    for number, mode in enumerate(modes):
+        inner = Reading(mode, (), ())
+        if mode is Mode.ROLL:
+            inside = np.flatnonzero((part.t > edges[number]) & (part.t < edges[number + 1]))
+            inner = _turning(part, inside, reach)
+        if number == 0:
+            first = inner.first_mode
+        else:
+            event = reading.transitions[number - 1]
+            last = changes[-1].after if changes else first
+            changes.append(_Change(event.time, last, inner.first_mode, reading.spreads[number - 1], event.cause))
+        changes += [
+            _Change(e.time, e.before, e.after, spread, e.cause)
+            for e, spread in zip(inner.transitions, inner.spreads, strict=True)
+        ]
+    transitions = tuple(Transition(c.time, c.before, c.after, cause=c.cause) for c in changes)
+    return Reading(first, transitions, tuple(c.spread for c in changes))
+
+
+def _turning(part: Trajectory, inside: np.ndarray, reach: float) -> Reading:
+    """Rolls and sticks of a contact that does not slip, samples `inside`."""
+    spin = reach * part.omega[inside]
+    if len(inside) < _FEWEST:
+        still = len(inside) > 0 and np.all(np.abs(spin) <= slip_phases.SURELY * part.slip_resolution)
+        return Reading(Mode.STICK if still else Mode.ROLL, (), ())
+    values = {name: getattr(part, name)[inside] for name in State._fields} | {"slip": spin}
+    told = slip_phases.read_contact(replace(part, t=part.t[inside], **values, status="completed"), None)
+    rows = [
+        (replace(event, before=_turns(event.before), after=_turns(event.after), cause=cause), spread)
+        for event, spread in zip(told.transitions, told.spreads, strict=True)
+        # A roll that turns around is a roll.
+        if (cause := _TURNING.get((_turns(event.before), _turns(event.after))))
+    ]
+    return Reading(_turns(told.first_mode), tuple(event for event, _ in rows), tuple(spread for _, spread in rows))
+
+
+_TURNING = {(Mode.ROLL, Mode.STICK): "turning ends", (Mode.STICK, Mode.ROLL): "turning begins"}
+
+
+def _turns(mode: Mode) -> Mode:
+    return Mode.STICK if mode is Mode.ROLL else Mode.ROLL

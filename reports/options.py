@@ -1,0 +1,299 @@
+"""All options of all commands: one parser, checked before anything runs. The same word means the same everywhere.
+
+Everything here answers at once; what is slow to import is imported when it is needed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import adapters
+import cases
+from cases import BadValue, Case, CaseError
+from cases.errors import unknown
+
+from .page.folder import foreign_file
+from .running.records import REFERENCE
+
+if TYPE_CHECKING:
+    from adapters import Setting
+
+    from .running.external import External
+
+# The families every solver runs; they alone make up a quick report.
+SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
+# Families whose whole ladders stand in a default report, so that they can be timed: with the shared ones a lift-off and
+# a plate that is no disc, whose curvature changes.
+WHOLE = (*SHARED, "disc_rolling_off_hill", "ellipse_in_circle")
+# Finished runs are kept where one works, as test runners and linters do: a fresh folder is a fresh start.
+STORE = ".slip-to-roll"
+# Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
+_LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
+
+# Each option: its flag, and what argparse has to know. Commands choose from these and add none.
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "out": dict(metavar="DIR", help="folder to write"),
+    "case": dict(
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        help='cases: a name (all its variants) or "name[parameter=value,…]" (default: all, or those of --case-file)',
+    ),
+    "case_file": dict(
+        metavar="FILE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="Python files with cases of your own, marked with @case",
+    ),
+    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all)"),
+    "trajectory": dict(
+        metavar="NAME[@CASE]=FILE",
+        action="append",
+        default=[],
+        help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
+    ),
+    "quick": dict(action="store_true", help="three cases, one variant each, fewer settings"),
+    "full": dict(action="store_true", help="every setting of every case, with ten times the patience"),
+    "jobs": dict(metavar="N", default="2", help="runs beside each other (default: 2)"),
+    "store": dict(
+        metavar="DIR",
+        help=f"folder where finished runs are kept and taken from (default: {STORE}); delete it to forget them",
+    ),
+    "fresh": dict(action="store_true", help="run everything anew, whatever is kept"),
+    "list": dict(action="store_true", help="print cases and solvers, and stop"),
+}
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence, by the suite's own error."""
+
+    def error(self, message: str) -> NoReturn:
+        stray = message.removeprefix("unrecognized arguments: ")
+        if stray != message:
+            options = [o for action in self._actions for o in action.option_strings if o.startswith("--")]
+            raise unknown("option", (stray.split() or [""])[0], options)
+        raise BadValue(f"{message}; see {self.prog} --help")
+
+
+def parser(
+    command: str,
+    description: str,
+    *options: str,
+    words: Mapping[str, str] | None = None,
+    example: str = "",
+    **defaults: Any,
+) -> Parser:
+    """The parser of a command with some of the options; `defaults` are the command's own.
+
+    `words` are what stands there without an option, and what is said of it: beside several of them an option takes one
+    value at a time, and may be given again.
+    """
+    parser = Parser(
+        prog=f"python -m {command}",
+        description=description,
+        epilog=example and f"Example: {example}",
+        allow_abbrev=False,
+    )
+    effort = parser.add_mutually_exclusive_group() if {"quick", "full"} <= {*options} else parser
+    for option in options:
+        how = dict(_OPTIONS[option])
+        if option in defaults:
+            how = how | {"default": defaults[option], "help": f"{how['help']} (default: {defaults[option]})"}
+        if words and len(words) > 1 and how.get("nargs") == "+":
+            how |= {"nargs": None, "action": "append"}
+        (effort if option in ("quick", "full") else parser).add_argument(f"--{option.replace('_', '-')}", **how)
+    for name, text in (words or {}).items():
+        parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
+    return parser
+
+
+def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
+    """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files
+    cannot be read or written, 130 if it was stopped. What went wrong is said in one line."""
+    try:
+        return work(list(sys.argv[1:] if argv is None else argv)) or 0
+    except CaseError as problem:
+        print(f"{command}: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"{command}: {problem}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt as stop:
+        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a bar may stand on the line
+        return 130
+
+
+def command(module: str, words: Sequence[str]) -> str:
+    """The command as it is typed again."""
+    return " ".join([f"python -m {module}", *map(shlex.quote, words)])
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a report is made of, checked."""
+
+    out: Path
+    cases: tuple[Case, ...]
+    files: tuple[str, ...]
+    solvers: tuple[str, ...]
+    effort: str
+    jobs: int
+    argv: tuple[str, ...]
+    named: bool  # whether the cases were named, not taken from the whole catalogue
+    store: Path | None = None  # where finished runs are kept
+    fresh: bool = False  # whether what is kept there is left out of account
+    trajectories: tuple[External, ...] = ()
+
+    @property
+    def limit(self) -> float:
+        """Wall seconds a run may take."""
+        return _LIMITS[self.effort]
+
+    def select_rungs(self, case: str, solver: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+        """The rungs to run: all, or the defaults and three for a quick report, one in the breadth of the catalogue.
+
+        There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion."""
+        if self.effort == "full" or (self.effort == "default" and (self.named or case in WHOLE)):
+            return settings
+        ladder = [s for s in settings if not s.is_default]
+        third = len(ladder) // 3
+        one = len(ladder) - 1 if solver == REFERENCE else 2 * third
+        places = sorted({0, third, 2 * third} if self.effort == "quick" else {one}) if ladder else []
+        return (*(s for s in settings if s.is_default), *(ladder[i] for i in places))
+
+
+def solvers() -> tuple[str, ...]:
+    """Every solver's name: the reference first, then the engines in alphabetical order."""
+    return (REFERENCE, *adapters.engines())
+
+
+def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
+    """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
+    effort = "quick" if options.quick else "full" if options.full else "default"
+    jobs, chosen = whole_jobs(options.jobs), chosen_solvers(options.solver)
+    files, own = load_files(options.case_file)
+    out = checked_out(Path(options.out))
+    store = checked_store(options.store, out)
+    names = options.case or own
+    found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
+    external = _trajectories(options.trajectory, found)
+    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(names), store, options.fresh, external)
+
+
+def plan_by_hand(
+    given: Iterable[Case],
+    solvers: Iterable[str] | None,
+    out: Path,
+    effort: str,
+    jobs: int,
+    store: Path | None,
+    fresh: bool,
+) -> Plan:
+    """The plan of a report on cases made by hand, checked as one of the command's; raises CaseError."""
+    found = tuple(given)
+    for case in found:
+        if not isinstance(case, Case):
+            raise BadValue(f"{case!r} is no Case; give a list of cases")
+    labels = [case.label for case in found]
+    twice = next((label for label in labels if labels.count(label) > 1), "")
+    if twice or not found:
+        raise BadValue(f"two cases are called {twice!r}; give each a name=" if twice else "no case is given; give one")
+    if effort not in _LIMITS:
+        raise unknown("effort", effort, _LIMITS)
+    chosen, out = chosen_solvers(solvers), checked_out(out)
+    return Plan(out, found, (), chosen, effort, whole_jobs(str(jobs)), (), True, checked_store(store, out), fresh)
+
+
+def chosen_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
+    """Each named solver once, or all; raises UnknownName."""
+    chosen = tuple(dict.fromkeys(names or solvers()))
+    for name in chosen:
+        if name not in solvers():
+            raise unknown("solver", name, solvers())
+    return chosen
+
+
+def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
+    """Bring case files into the catalogue; their paths, and the names of their cases."""
+    names = [name for file in files for name in guarded(file, lambda file=file: cases.load_file(file))]
+    return tuple(str(Path(file).resolve()) for file in files), names
+
+
+def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External, ...]:
+    if not texts:
+        return ()
+    from .running import external
+
+    return external.from_options(texts, found, solvers())
+
+
+def whole_jobs(text: str) -> int:
+    """How many runs beside each other; raises BadValue unless it is a whole number of at least 1."""
+    try:
+        jobs = int(text)
+    except ValueError:
+        raise BadValue(f"--jobs is {text!r}; give a whole number, for example 2") from None
+    if jobs < 1:
+        raise BadValue(f"--jobs is {jobs}; give at least 1")
+    return jobs
+
+
+def chosen_cases(texts: Sequence[str], effort: str) -> tuple[Case, ...]:
+    """The cases of the texts, each once; a quick report takes only the last variant of a bare name."""
+    found: dict[tuple, Case] = {}
+    for text in texts:
+        variants = guarded(f"the case {text}", lambda text=text: cases.select(text))
+        for case in variants[-1:] if effort == "quick" else variants:
+            found.setdefault((case.name, tuple(case.parameters.items())), case)
+    return tuple(found.values())
+
+
+def guarded(what: str, make):
+    """A case's own code may fail in any way; it is said in one sentence."""
+    try:
+        return make()
+    except CaseError:
+        raise
+    except Exception as problem:
+        text = " ".join(str(problem).split())
+        raise BadValue(f"{what} fails: {type(problem).__name__}: {text}") from problem
+
+
+def checked_out(out: Path) -> Path:
+    """The folder to write, resolved; raises BadValue unless it is new, empty, or a report of ours and nothing else."""
+    out = out.expanduser().resolve()
+    if out == Path.cwd() or out in Path.cwd().parents:
+        raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
+    if out.exists() and not out.is_dir():
+        raise BadValue(f"--out is {out}, which is a file; give a folder")
+    _check_writable("--out", out, out.parent)
+    foreign = foreign_file(out)
+    if foreign:
+        raise BadValue(f"--out is {out}, which holds {foreign}, no part of a report; give another folder")
+    return out
+
+
+def checked_store(text: str | Path | None, out: Path) -> Path:
+    """The store's folder, resolved; raises BadValue if what was asked for is no folder of its own or not writable."""
+    store = Path(STORE if text is None else text).expanduser().resolve()
+    if store == out or store in out.parents or out in store.parents:
+        raise BadValue(f"--store is {store} and --out is {out}; give folders that are not inside each other")
+    if text is not None:  # the usual place may be unfit: the report is made all the same, and says so
+        if store.exists() and not store.is_dir():
+            raise BadValue(f"--store is {store}, which is a file; give a folder")
+        _check_writable("--store", store, store)
+    return store
+
+
+def _check_writable(option: str, path: Path, folder: Path) -> None:
+    above = next(place for place in (folder, *folder.parents) if place.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
+        raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder")

@@ -1,0 +1,179 @@
+"""The one way to run a list of calls: in workers, within a limit, with progress shown; what is kept is not made again.
+
+What is kept is kept under a key of the function's code, its arguments and the solvers that they name. Nothing that an
+adapter brings is called in this process: what a solver is asked, it is asked in a worker.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from types import ModuleType
+from typing import Any, NamedTuple, get_type_hints
+
+from cases import Case
+
+from . import workers
+from .fingerprint import Key, content, made_with, plain, record_digest, sources
+from .progress import Progress, silent
+from .records import now
+from .solvers import version
+from .store import Store
+from .workers import Answer
+
+# Wall time (s) a call may take. A whole default report takes minutes, so one run that takes longer has lost its way.
+LIMIT_SECONDS = 60.0
+
+# Given a call and the calls that ran out of time so far: the answer that stands for it, or None if it is to be made.
+Skip = Callable[[tuple, Sequence[tuple]], Answer | None]
+
+
+class Keep(NamedTuple):
+    """How answers are kept: the store's word for them; what of the arguments they depend on; modules whose code they
+    do not depend on, because what it found out is an argument; which answers are worth keeping."""
+
+    kind: str = "trial"
+    of: Callable[..., tuple] = lambda *arguments: arguments
+    apart: tuple[ModuleType, ...] = ()
+    worth: Callable[[Any], bool] = lambda value: True
+
+
+class _Failure(NamedTuple):
+    """What is kept of a call that ended its process or ran out of time."""
+
+    outcome: str
+    reason: str
+    output: str
+    when: str
+
+
+@dataclass
+class Calls:
+    """Where calls are made: how many at a time, within how many wall seconds each, who watches, where answers are kept.
+
+    `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
+    depends on the solver is kept. A context manager: the workers end with it.
+    """
+
+    jobs: int = 2
+    limit: float = LIMIT_SECONDS
+    store: Store = field(default_factory=lambda: Store(None))
+    progress: Progress = silent
+    versions: dict[str, str] = field(default_factory=dict)
+
+    def __enter__(self) -> Calls:
+        self._pool = workers.Pool(self.jobs)
+        return self
+
+    def __exit__(self, *_) -> None:
+        self._pool.close()
+
+    def alone(self) -> Calls:
+        """The same with one worker of its own and nothing shown: for what is timed."""
+        return replace(self, jobs=1, progress=silent)
+
+    def ask_versions(self, solvers: Iterable[str]) -> None:
+        """Note the versions of solvers that are not known yet."""
+        new = [name for name in solvers if name not in self.versions]
+        answers = self.all("versions", version, [(name,) for name in new])
+        self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
+
+    def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[Answer]:
+        """The answers of `each`, in the order of the arguments."""
+        return [answer for _, answer in sorted(self.each(step, function, arguments, **how), key=lambda pair: pair[0])]
+
+    def each(
+        self,
+        step: str,
+        function: Callable,
+        arguments: Sequence[tuple],
+        limit: float | None = None,
+        keep: Keep | None = None,
+        skip: Skip = lambda call, slow: None,
+    ) -> Iterator[tuple[int, Answer]]:
+        """Index and answer of `function(*arguments[i])` for every i as they come: what is kept first, then the rest.
+
+        `limit` stands in the place of the usual one. With `keep` a call that returned is made only once, and so is one
+        that ended its process or ran out of time under this limit; the function's annotation says what it returns. What
+        came from outside (a signal, an exception that is the machine's fault) is not kept.
+        """
+        limit = self.limit if limit is None else limit
+        keys = [keep and self.key(function, call, keep) for call in arguments]
+        left: list[int] = []
+        slow: list[tuple] = []
+        for i, key in enumerate(keys):
+            answer = self._kept(function, key, keep, limit)
+            if answer is None:
+                left.append(i)
+                continue
+            if answer.outcome == "timed_out":
+                slow.append(arguments[i])
+            yield i, answer
+        if not left:
+            return
+        calls = [arguments[i] for i in left]
+        title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
+        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow))) as coming:
+            for k, answer in self.progress(title, len(calls), coming):
+                if answer.outcome == "timed_out":
+                    slow.append(calls[k])
+                if keep:
+                    answer = replace(answer, when=now())
+                    self._keep(keys[left[k]], keep, limit, answer)
+                yield left[k], answer
+
+    def _kept(self, function: Callable, key: Key | None, keep: Keep | None, limit: float) -> Answer | None:
+        if keep is None or key is None:
+            return None
+        value = self.store.get(keep.kind, key, get_type_hints(function)["return"])
+        if value is not None:
+            return Answer("done", value=value)
+        # A finished call stands whatever the limit is now; one that failed, under the limit it had.
+        failure = self.store.get(keep.kind, {**key, "limit": limit}, _Failure)
+        return failure and Answer(**failure._asdict())
+
+    def _keep(self, key: Key | None, keep: Keep, limit: float, answer: Answer) -> None:
+        if answer.outcome == "done":
+            if keep.worth(answer.value):
+                self.store.put(keep.kind, key, answer.value)
+        elif answer.lasting and answer.outcome != "raised":
+            failure = _Failure(answer.outcome, answer.reason, answer.output, answer.when)
+            self.store.put(keep.kind, key and {**key, "limit": limit}, failure)
+
+    def key(self, function: Callable, call: tuple, keep: Keep) -> Key | None:
+        """What decides a call's answer; None, and so nothing is kept, where a solver could not tell its version or a
+        case has something that cannot be compared."""
+        said = keep.of(*call)
+        cases = [argument for argument in said if isinstance(argument, Case)]
+        engines = made_with(self.versions, sorted(_solvers(said, self.versions)))
+        if engines is None or any(content(case) is None for case in cases):
+            return None
+        return {
+            "case": ", ".join(case.label for case in cases),
+            "function": f"{function.__module__}.{function.__qualname__}",
+            "arguments": [_plain(argument) for argument in said],
+            "code": sources(sys.modules[function.__module__], keep.apart),
+            **engines,
+        }
+
+
+def _plain(argument: Any) -> Any:
+    if isinstance(argument, Case):
+        return content(argument)
+    try:
+        return plain(argument)
+    except TypeError:
+        return record_digest(argument)  # what holds arrays
+
+
+def _solvers(arguments: Iterable, known: Mapping[str, str]) -> set[str]:
+    """The solvers that arguments name, within tuples and lists as well."""
+    found: set[str] = set()
+    for argument in arguments:
+        if isinstance(argument, str) and argument in known:
+            found.add(argument)
+        elif isinstance(argument, tuple | list):
+            found |= _solvers(argument, known)
+    return found

@@ -1,0 +1,167 @@
+"""Cases × solvers × routes × settings -> runs.
+
+Four steps, each a list of calls of `tasks`: ask the solvers for their versions, find the truths, ask what the solvers
+offer, run it all. Whatever happens, each run gives a record. What is finished goes into the store at once, and what is
+there already is not done again.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import reference
+from adapters import Setting
+from cases import Case
+
+from . import reference_adapter
+from .calls import Calls, Keep
+from .fingerprint import kept_truth
+from .records import Experiment, Offer, Run, Truth, gives_motion, now
+from .tasks import find_truth, perform, survey
+from .workers import Answer
+
+# Wall seconds in which a solver says what it offers for a case: it takes milliseconds, and imports a few seconds.
+_SURVEY_SECONDS = 20.0
+# A solver that did not answer for so many cases is not asked about the others: each would take as long.
+_MOST_SILENCES = 3
+
+# Of a case's name, a solver and its ladder: the settings to run.
+Thin = Callable[[str, str, tuple[Setting, ...]], tuple[Setting, ...]]
+
+# What says how the truth was found does not decide what a run is worth beside it, and the reference as a contestant is
+# told by its adapter's code.
+TRUTHS_OWN = (reference, reference_adapter)
+_KEEP_TRUTH = Keep("truth", of=lambda case: (case, kept_truth()))
+_KEEP_RUN = Keep(
+    "run", of=lambda case, solver, route, setting, rung, truth: (case, solver, route, setting, truth), apart=TRUTHS_OWN
+)
+
+
+def run(
+    cases: Sequence[Case],
+    solvers: Sequence[str],
+    calls: Calls,
+    thin: Thin = lambda case, solver, settings: settings,
+) -> Experiment:
+    """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, ladder)`
+    leaves."""
+    began = time.perf_counter()
+    calls.ask_versions(solvers)
+    truths = find_truths(cases, calls)
+    runs, tasks = _planned(cases, offers(cases, solvers, calls), truths, thin)
+    _fill(runs, _made(tasks, calls))
+    return Experiment(tuple(cases), truths, tuple(runs), time.perf_counter() - began, dict(calls.versions))
+
+
+def find_truths(cases: Sequence[Case], calls: Calls) -> dict[str, Truth]:
+    """The motion each case's runs are judged by, kept or found, by the case's label."""
+    answers = calls.all("truth", find_truth, [(case,) for case in cases], keep=_KEEP_TRUTH)
+    return {
+        case.label: answer.value if answer.outcome == "done" else Truth(failure=answer.reason)
+        for case, answer in zip(cases, answers, strict=True)
+    }
+
+
+def offers(
+    cases: Sequence[Case], solvers: Sequence[str], calls: Calls, knobs: str = "ladder"
+) -> dict[tuple[str, str], tuple[Offer, ...]]:
+    """What each solver offers for each case (a ladder, or a grid), by label and name. Asked anew each time: it is
+    quick, and an engine that was not installed may be now."""
+
+    def silent(call: tuple, slow: Sequence[tuple]) -> Answer | None:
+        if Counter(other[1] for other in slow)[call[1]] < _MOST_SILENCES:
+            return None
+        return Answer("timed_out", reason=f"not asked: {call[1]} had not answered for {_MOST_SILENCES} other cases")
+
+    pairs = [(case, name) for case in cases for name in solvers]
+    asked = [(case, name, knobs) for case, name in pairs]
+    limit = min(calls.limit, _SURVEY_SECONDS)
+    answers = calls.all("survey", survey, asked, limit=limit, skip=silent)
+    return {(case.label, name): _offers(answer, knobs) for (case, name), answer in zip(pairs, answers, strict=True)}
+
+
+def _offers(answer: Answer, knobs: str) -> tuple[Offer, ...]:
+    if answer.outcome == "done":
+        return answer.value
+    outcome, reason = answer.failure
+    return (Offer("", (), outcome, f"asking for its {knobs}: {reason}"),)
+
+
+class _Task(NamedTuple):
+    """A run to make: its place among the runs, and the arguments of `perform`."""
+
+    place: int
+    call: tuple
+
+
+def _planned(
+    cases: Sequence[Case], offered: Mapping[tuple[str, str], tuple[Offer, ...]], truths: Mapping[str, Truth], thin: Thin
+) -> tuple[list[Run], list[_Task]]:
+    """All runs in the tables' order, and the tasks that fill in those without an outcome yet."""
+    by_label = {case.label: case for case in cases}
+    runs: list[Run] = []
+    tasks: list[_Task] = []
+    for (label, name), of_routes in offered.items():
+        truth = truths[label]
+        for offer in of_routes:
+            excuse = _excuse(offer, truth)
+            if excuse:
+                runs.append(Run(label, name, offer.route, Setting.of(), 0, *excuse))
+                continue
+            for rung, setting in enumerate(thin(by_label[label].name, name, offer.settings), start=1):
+                tasks.append(_Task(len(runs), (by_label[label], name, offer.route, setting, rung, truth)))
+                runs.append(Run(label, name, offer.route, setting, rung, outcome=""))
+    return runs, tasks
+
+
+def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
+    """Outcome and reason where there is nothing to run."""
+    if offer.outcome:
+        return offer.outcome, offer.reason
+    if truth.failure:
+        return "refused", f"there is no truth to judge it by: {truth.failure}"
+    return None if offer.settings else ("refused", "it offers no setting for this case")
+
+
+def _made(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:
+    """Place and run of every task as they come."""
+    for i, answer in calls.each("runs", perform, [task.call for task in tasks], keep=_KEEP_RUN, skip=hopeless):
+        yield tasks[i].place, _run(tasks[i].call, answer)
+
+
+def _run(call: tuple, answer: Answer) -> Run:
+    case, name, route, setting, rung, _ = call
+    if answer.outcome == "done":
+        return replace(answer.value, rung=rung)
+    outcome, reason = answer.failure
+    return Run(case.label, name, route, setting, rung, outcome, reason, when=answer.when or now())
+
+
+def hopeless(call: tuple, slow: Sequence[tuple]) -> Answer | None:
+    """A rung finer than one that ran out of time would run out of time as well: it is said so, not waited for.
+
+    Calls are (case, solver, route, setting, rung, …); ladders go from coarse to fine."""
+    for other in slow:
+        if other[:3] == call[:3] and other[4] < call[4]:
+            return Answer("timed_out", reason=f"not tried: {other[3]} had run out of time", lasting=False)
+    return None
+
+
+def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]]) -> None:
+    """Put the runs that come in their places, without samples and differences but for the finest of each route.
+
+    Those are for figures, which draw no other: a thousand runs' would take some hundred megabytes.
+    """
+    finest: dict[tuple[str, str, str], int] = {}
+    for place, made in coming:
+        runs[place] = made
+        route = (made.case, made.solver, made.route)
+        undrawn, best = place, finest.get(route)
+        if gives_motion(made) and (best is None or place > best):
+            finest[route], undrawn = place, place if best is None else best
+        if undrawn != finest.get(route):
+            runs[undrawn] = replace(runs[undrawn], samples={}, off={})

@@ -1,0 +1,206 @@
+"""Finished results on disk, one file each, so that a stopped build goes on where it was.
+
+A file is a zip archive with `record.json` (key, time, the record) and the record's arrays in NumPy's own format: no
+pickle, a checksum on every part. It is written beside its place and moved there, so that it is whole or absent
+whenever a process ends, and two builds may use one store. (It is not flushed to the disk: a loss of power may cut it
+short, as its checksums then tell.) A file that cannot be read is as good as none.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import tempfile
+import time
+import zipfile
+from collections import Counter
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from .fingerprint import Key, digest
+from .packing import pack, unpack
+from .records import now
+
+T = TypeVar("T")
+
+# Twenty default reports; beyond it the results longest unused are removed.
+BOUND_BYTES = 2 * 2**30
+_FILE = re.compile(r"[a-z]+-[0-9a-f]{64}\.npz")
+_UNFINISHED = re.compile(r"\.unfinished-\w+")
+_OWN = rf"{_FILE.pattern}|{_UNFINISHED.pattern}|\.gitignore"
+# A file is written in milliseconds: one this old (s) was left by a process that was killed.
+_LEFT_BEHIND = 3600.0
+_RECORD = "record.json"
+
+
+class Store:
+    """Results by kind ("run", "truth", "timing") and key in a folder. Never raises for what it finds there.
+
+    `fresh`: nothing is taken from it. `folder=None`: nothing is kept.
+    """
+
+    def __init__(self, folder: Path | None, fresh: bool = False):
+        self.folder, self.fresh = folder, fresh
+        self._taken: Counter[str] = Counter()
+        self._put: Counter[str] = Counter()
+        self._oldest = ""
+        self._unreadable: list[str] = []
+        self._unwritten: list[str] = []
+        self._used: set[Path] = set()
+
+    def problem(self) -> str:
+        """Why nothing can be kept here, in a sentence; "" if all is well. Makes the folder."""
+        try:
+            self._open()
+            handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
+            os.close(handle)
+            os.unlink(unfinished)
+        except OSError as problem:
+            return f"what is finished cannot be kept: {_sentence(problem)}; give --store with another folder"
+        return ""
+
+    def get(self, kind: str, key: Key | None, record: type[T]) -> T | None:
+        """The record kept under a key; None if there is none to be had."""
+        if self.folder is None or key is None or self.fresh:
+            return None
+        path = self._path(kind, key)
+        try:
+            with zipfile.ZipFile(path) as archive:
+                told = json.loads(archive.read(_RECORD))
+                arrays = {n[:-4]: _array(archive, n) for n in archive.namelist() if n != _RECORD}
+            if told["key"] != key:
+                raise ValueError("it is another's")
+            found, when = unpack(record, told["record"], arrays), str(told["when"])
+            with suppress(OSError):
+                os.utime(path)  # what is used is not what is removed first
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        except Exception as problem:  # damage can raise anything; it is counted and told, and the result made again
+            self._unreadable.append(f"{path.name} ({_sentence(problem)})")
+            return None
+        self._taken[kind] += 1
+        self._used.add(path)
+        self._oldest = min(filter(None, (self._oldest, when)))
+        return found
+
+    def put(self, kind: str, key: Key | None, record: Any) -> None:
+        """Keep a record; where that fails, `trouble` says so."""
+        if self.folder is None or key is None:
+            return
+        try:
+            plain, arrays = pack(record)
+            content = _archive({"key": key, "when": now(), "record": plain}, arrays)
+            self._open()
+            handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
+            try:
+                with open(handle, "wb") as file:
+                    file.write(content)
+                os.replace(unfinished, self._path(kind, key))
+            finally:
+                Path(unfinished).unlink(missing_ok=True)
+            self._put[kind] += 1
+            self._used.add(self._path(kind, key))
+        except (OSError, TypeError, ValueError) as problem:  # also what an adapter gave that no file can hold
+            self._unwritten.append(_sentence(problem))
+
+    def trim(self, bound: int = BOUND_BYTES) -> None:
+        """Remove the results longest unused, but none of this build's, until the others fit in `bound` bytes."""
+        files = sorted(self._listed(_FILE), key=lambda found: found[1].st_mtime)
+        size = sum(stat.st_size for _, stat in files)
+        for path, stat in files:
+            if size > bound and path not in self._used:
+                with suppress(OSError):  # what cannot be removed stays, and the size that is told says so
+                    path.unlink()
+                    size -= stat.st_size
+        for path, stat in self._listed(_UNFINISHED):
+            if stat.st_mtime < time.time() - _LEFT_BEHIND:
+                with suppress(OSError):
+                    path.unlink()
+
+    def told(self) -> dict[str, Any]:
+        """What a manifest says of it."""
+        return {
+            "taken": dict(self._taken),
+            "oldest_taken": self._oldest,
+            "kept": dict(self._put),
+            "trouble": self.trouble(),
+        }
+
+    def taken_words(self) -> str:
+        """How much of the build was taken from here."""
+        if not self._taken:
+            return "nothing was taken from the store"
+        return f"{_counted(self._taken)} taken from the store (since {self._oldest}), {_counted(self._put)} made now"
+
+    def kept_words(self) -> str:
+        """What a build that stops now leaves."""
+        kept = self._taken + self._put
+        if not kept:
+            return "nothing was finished that could be kept"
+        command = "the same command" + (" without --fresh" if self.fresh else "")
+        return f"{_counted(kept)} kept in {self.folder}; {command} goes on from there"
+
+    def size_words(self) -> str:
+        """What it takes, and how to be rid of it."""
+        size = sum(stat.st_size for _, stat in self._listed(_FILE))
+        return f"{self.folder} holds {size / 1e6:.0f} MB and may be deleted; --fresh runs all anew"
+
+    def trouble(self) -> list[str]:
+        """A line for each kind of thing that went wrong, or lies in the folder and is none of the store's."""
+        foreign = [path.name for path, _ in self._listed(re.compile(rf"(?!({_OWN})$).*"))]
+        told = {
+            "could not be read, and made again": self._unreadable,
+            "could not be kept": self._unwritten,
+            "not its own, and left alone": foreign,
+        }
+        return [f"{fate}: {len(what)}, such as {what[0]}" for fate, what in told.items() if what]
+
+    def _open(self) -> None:
+        if self.folder is not None:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            ignore = self.folder / ".gitignore"
+            if not ignore.exists():
+                ignore.write_text("*\n")
+
+    def _listed(self, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
+        found = []
+        try:
+            for entry in os.scandir(self.folder) if self.folder else ():
+                if name.fullmatch(entry.name):
+                    found.append((Path(entry.path), entry.stat(follow_symlinks=False)))
+        except OSError:
+            pass  # no folder, or another build removes from it now: what is gone takes no room
+        return found
+
+    def _path(self, kind: str, key: Key) -> Path:
+        assert self.folder is not None
+        return self.folder / f"{kind}-{digest(key)}.npz"
+
+
+def _counted(kinds: Counter[str]) -> str:
+    return " and ".join(f"{n} {kind}{'s' * (n != 1)}" for kind, n in sorted(kinds.items())) or "nothing"
+
+
+def _archive(told: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        archive.writestr(_RECORD, json.dumps(told, ensure_ascii=False, indent=1))
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w") as member:
+                np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
+    return content.getvalue()
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
+    # Read as a whole, so that its checksum is looked at.
+    return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
+
+
+def _sentence(problem: Exception) -> str:
+    return f"{type(problem).__name__}: {' '.join(str(problem).split())}"

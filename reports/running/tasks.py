@@ -1,0 +1,232 @@
+"""What happens in a worker: ask a solver what it offers, find a case's truth, run one setting and judge it.
+
+Owns the clock. Whatever a solver does short of ending the process becomes a record.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from types import ModuleType
+
+import numpy as np
+
+import cases
+import reference
+from adapters import EngineFailure, Setting
+from cases import Case, CaseError, NotSupported, Trajectory
+from reference.certification import Certificate, NotCertified, kept_or_new
+
+from ..judging import distances, ledger, transitions
+from ..judging.slip_phases import Reading
+from .records import TRUTH_RTOL, Offer, Run, Truth, now
+from .solvers import solver
+
+# What a figure can show; samples beyond are left out at even distances.
+_SHOWN_SAMPLES = 1500
+# A solver that stops no more than this many of its own steps before the end of the truth has ended with it.
+_LAST_STEPS = 2.5
+
+
+def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
+    """What each route of a solver offers for a case: the settings of its ladder, or of its grid if it has one."""
+    try:
+        module = solver(name)
+    except ImportError as problem:
+        return (Offer("", (), "refused", f"{name} is not installed here ({problem})"),)
+    if not hasattr(module, knobs):
+        return ()
+    return tuple(_offer(module, case, str(route), knobs) for route in module.routes)
+
+
+def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
+    try:
+        refusal = module.refuses(case, route)
+        if refusal:
+            return Offer(route, (), "refused", str(refusal))
+        return Offer(route, tuple(_plain(setting) for setting in getattr(module, knobs)(case, route)))
+    except Exception as problem:
+        return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}")
+
+
+def _plain(setting: Setting) -> Setting:
+    """The setting, if it is one and holds nothing but numbers and words: only such may travel."""
+    if type(setting) is not Setting or any(type(v) not in (int, float, str, bool) for v in dict(setting).values()):
+        raise TypeError(f"{setting!r} is no Setting of numbers and words")
+    return setting
+
+
+@lru_cache(maxsize=2)
+def true_motion(case: Case, method: str) -> Trajectory:
+    """The motion that runs are compared with."""
+    return reference.simulate(case, rtol=TRUTH_RTOL, method=method)
+
+
+def find_truth(case: Case) -> Truth:
+    """The certified truth of a case: kept with the suite for its catalogue, made anew for any other."""
+    try:
+        certificate = kept_or_new(case, kept=in_catalogue(case))
+    except NotCertified as problem:
+        return Truth(failure=str(problem))
+    method = reference.METHODS[0]
+    motion = true_motion(case, method)
+    certified = certificate.transitions
+    if [(event.before, event.after) for event in motion.transitions] != [row[:2] for row in certified]:
+        return Truth(failure="the reference's motion is not the certified one; rebuild the truth: python -m reference")
+    return Truth(
+        method=method,
+        transitions=tuple(
+            replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True)
+        ),
+        error_bars=tuple(row[2].bar for row in certified),
+        first_mode=motion.first_mode,
+        status=motion.status,
+        reason=motion.reason,
+        samples=_shown(case, _evenly(motion)),
+        witnesses=certificate.witnesses,
+        centre_bar=_centre_bar(certificate, motion),
+    )
+
+
+def in_catalogue(case: Case) -> bool:
+    """Whether it is a case of a catalogue; what a script calls by the same name may be another."""
+    try:
+        return cases.load(case.name, **case.parameters) == case
+    except CaseError:
+        return False
+
+
+def _centre_bar(certificate: Certificate, motion: Trajectory) -> float:
+    """How sure the centre of the motion is, m: its largest distance from the certified samples, and their bars."""
+    state = motion(np.minimum(certificate.times, motion.t[-1]))
+    off = []
+    for values, certified in ((state.x, certificate.samples["x"]), (state.y, certificate.samples["y"])):
+        centres, bars = np.array(certified).T
+        off.append(np.abs(values - centres) + bars)
+    return float(np.hypot(*off).max())
+
+
+def _evenly(motion: Trajectory) -> Trajectory:
+    """A motion sampled at even distances and at its transitions."""
+    events = [event.time for event in motion.transitions]
+    times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
+    return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
+
+
+def perform(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
+    """Run one setting of one route and judge it. Only `run` of the solver is on the clock.
+
+    Raises what is the machine's fault and may be mended (ImportError, MemoryError, OSError): it is no result to keep.
+    """
+    row = Run(case.label, name, route, setting, rung, outcome="", when=now())
+    return attempt(row, case, lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth))
+
+
+def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> Run:
+    """The row of the run it names: refused, crashed, or what `verdict(row, motion)` makes of a sound motion.
+
+    Raises what is the machine's fault: ImportError, MemoryError, OSError.
+    """
+    try:
+        motion = timed(solver(row.solver), case, row.route, row.setting)
+    except NotSupported as refusal:
+        return replace(row, outcome="refused", reason=str(refusal))
+    except EngineFailure as failure:
+        return replace(row, outcome="crashed", reason=str(failure))
+    except (ImportError, MemoryError, OSError):
+        raise
+    except Exception as problem:
+        return replace(row, outcome="crashed", reason=sentence(problem))
+    row = replace(row, status=motion.status, cost=motion.cost)
+    if not sound(motion):
+        return replace(row, outcome="crashed", reason="it gave numbers that are not finite, or times that do not grow")
+    return verdict(row, motion)
+
+
+def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
+    """Build, run and read, with the clock around `run` alone; build and read count as set-up."""
+    began = time.perf_counter()
+    model = module.build(case, route, setting)
+    setup = time.perf_counter() - began
+    cpu, wall = time.process_time(), time.perf_counter()
+    module.run(model)
+    cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+    began = time.perf_counter()
+    trajectory = module.read(model)
+    setup += time.perf_counter() - began
+    steps = trajectory.cost.steps or len(trajectory.t) - 1
+    return replace(trajectory, cost=replace(trajectory.cost, cpu_s=cpu, wall_s=wall, setup_s=setup, steps=steps))
+
+
+def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth) -> Run:
+    """Compare a sound trajectory with the truth: ledger, distances, right or wrong."""
+    told = reading_of(case, trajectory)
+    matched = ledger.match(truth.transitions, told.transitions)
+    off = distances.differences(trajectory, motion, case)
+    wrong = _faults(told, matched, trajectory, truth)
+    return replace(
+        row,
+        outcome="wrong" if wrong else "right",
+        reason="; ".join(wrong),
+        first_mode=str(told.first_mode),
+        ledger=matched,
+        spreads=told.spreads,
+        distance=distances.distance(off),
+        samples=_shown(case, trajectory),
+        off={name: _thin(values) for name, values in off.items()},
+    )
+
+
+def reading_of(case: Case, trajectory: Trajectory) -> Reading:
+    """A solver's transitions: its own where it locates them itself (it then names its first mode), else as sampled."""
+    if trajectory.first_mode is not None:
+        own = tuple(trajectory.transitions)
+        return Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
+    return transitions.read_motion(case, trajectory)
+
+
+def _faults(told: Reading, matched: tuple[ledger.LedgerRow, ...], trajectory: Trajectory, truth: Truth) -> list[str]:
+    """Why a run is wrong, in phrases; an empty list means right."""
+    faults = []
+    if told.first_mode != truth.first_mode:
+        faults.append(f"begins with {told.first_mode}, not {truth.first_mode}")
+    for verdict in ("missed", "spurious"):
+        kinds = [f"{row.before} to {row.after}" for row in matched if row.verdict == verdict]
+        if kinds:
+            faults.append(f"{len(kinds)} {verdict} ({', '.join(kinds[:3])}{', …' if len(kinds) > 3 else ''})")
+    end, step = float(truth.samples["t"][-1]), float(np.max(np.diff(trajectory.t)))
+    if truth.status != "lift_off" and trajectory.t[-1] < end - _LAST_STEPS * step:
+        faults.append(f"ends at {trajectory.t[-1]:.6g} s, the truth at {end:.6g} s")
+    return faults
+
+
+def sound(trajectory: Trajectory) -> bool:
+    """Whether it is a motion: finite numbers at times that do not go back."""
+    names = ("t", "x", "y", "theta", "vx", "vy", "omega")
+    finite = all(np.all(np.isfinite(getattr(trajectory, name))) for name in names)
+    # In flight there is no slip, and then no place of contact either.
+    finite = finite and bool(np.all(np.isfinite(trajectory.slip) | np.isnan(trajectory.xi1)))
+    return finite and len(trajectory.t) > 1 and bool(np.all(np.diff(trajectory.t) >= 0))
+
+
+def _shown(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
+    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, and the centre; thinned."""
+    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force")
+    shown = {name: _thin(getattr(trajectory, name)) for name in names}
+    with np.errstate(invalid="ignore"):
+        shown["lambda"] = shown["normal_force"] / case.track.speed(shown["xi1"])
+    return shown
+
+
+def _thin(values: np.ndarray) -> np.ndarray:
+    if len(values) <= _SHOWN_SAMPLES:
+        return values
+    return values[np.linspace(0, len(values) - 1, _SHOWN_SAMPLES).round().astype(int)]
+
+
+def sentence(problem: BaseException) -> str:
+    """An exception in one line."""
+    text = " ".join(str(problem).split())
+    return f"{type(problem).__name__}: {text}" if text else type(problem).__name__

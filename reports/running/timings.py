@@ -1,0 +1,123 @@
+"""The timed pass of an experiment: which cases and settings take their turns at the clock, and what came of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from adapters import Setting
+from cases import Case
+
+from . import clock
+from .calls import Calls, Keep
+from .clock import Contestant, Timing
+from .records import Experiment, routes
+
+# A curve of fewer settings tells no order and no saturation.
+LEAST_SETTINGS = 6
+# Wall seconds for all timings of a default report, and how many cases share them: once through the full ladder of every
+# route takes some five seconds on a dear case, and an interval needs three times.
+BUDGET, MOST_CASES = 54.0, 5
+# A full report times every case, each for about so long.
+FULL_BUDGET_A_CASE = 60.0
+# Beyond its budget a case may take as long as one run more and its compilations.
+PATIENCE = 60.0
+
+Key = tuple[str, str, str, Setting]  # case, solver, route, setting
+
+
+class Timed(NamedTuple):
+    """The cases timed, timings, and what could not be timed, with the reason."""
+
+    cases: tuple[Case, ...] = ()
+    timings: Mapping[Key, Timing] = {}
+    failures: Mapping[str, str] = {}
+
+
+def chosen(experiment: Experiment, full: bool) -> list[Case]:
+    """The cases to time: all, or of each family the variant with most transitions, those that most routes ran with
+    their whole ladders."""
+    able = [case for case in experiment.cases if not experiment.truths[case.label].failure]
+    if full:
+        return able
+    events = {case.label: len(experiment.truths[case.label].transitions) for case in able}
+    families: dict[str, list[Case]] = {}
+    for case in able:
+        families.setdefault(case.name, []).append(case)
+    one_each = [max(family, key=lambda case: events[case.label]) for family in families.values()]
+    whole = {case.label: _whole_ladders(experiment, case.label) for case in one_each}
+    ranked = sorted(one_each, key=lambda case: (-whole[case.label], -events[case.label]))
+    return [case for case in ranked if whole[case.label]][:MOST_CASES]
+
+
+def _whole_ladders(experiment: Experiment, label: str) -> int:
+    """How many routes ran enough settings of the case for a curve."""
+    groups = routes(run for run in experiment.runs if run.case == label and run.rung)
+    return sum(len(group) >= LEAST_SETTINGS for group in groups.values())
+
+
+def contestants(experiment: Experiment, case: Case) -> list[Contestant]:
+    """Every setting that gave a right motion of the case."""
+    runs = [run for run in experiment.runs if run.case == case.label and run.outcome == "right"]
+    return [Contestant(case, r.solver, r.route, r.setting, r.cost.wall_s + r.cost.setup_s) for r in runs]
+
+
+def measure(experiment: Experiment, full: bool, calls: Calls) -> Timed:
+    """Time the chosen cases one after the other, each in one process with nothing beside it, or take what is kept."""
+    cases = chosen(experiment, full)
+    timings: dict[Key, Timing] = {}
+    failures: dict[str, str] = {}
+    # What the cheap cases leave of the budget the dear ones have.
+    in_turn = sorted(
+        (contestants(experiment, case) for case in cases), key=lambda who: sum(one.expected_s for one in who)
+    )
+    deadline = time.perf_counter() + BUDGET
+    share = FULL_BUDGET_A_CASE if full else BUDGET / max(len(cases), 1)
+
+    def one_by_one(alone: Calls) -> Iterator[None]:
+        for place, who in enumerate(in_turn):
+            left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
+            found, failed = time_together(who, FULL_BUDGET_A_CASE if full else left, share, alone)
+            timings.update({(one.case.label, *one[1:4]): timing for one, timing in found})
+            failures.update({f"{one.case.label}, {' '.join(map(str, one[1:4]))}": why for one, why in failed})
+            yield
+
+    with calls.alone() as alone:
+        for _ in calls.progress("timings", len(cases), one_by_one(alone)):
+            pass
+    return Timed(tuple(cases), timings, failures)
+
+
+def time_together(
+    who: Sequence[Contestant], budget: float, share: float, alone: Calls
+) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
+    """The timings of contestants that take their turns in one process, kept or new, and the failures.
+
+    They are kept if none is disturbed, under the `share` of the budget that was theirs. A solver that ends the process
+    is found by running each alone; the others take their turns again.
+    """
+    keep = Keep(
+        "timing",
+        of=lambda who, _: (
+            *dict.fromkeys(one.case for one in who),
+            sorted((*one[1:3], str(one[3])) for one in who),
+            share,
+        ),
+        worth=lambda value: not any(timing.disturbed for timing, _ in value if timing),
+    )
+    (answer,) = alone.all("timings", clock.time_all, [(who, budget)], limit=budget + PATIENCE, keep=keep)
+    if answer.outcome == "done":
+        pairs = list(zip(who, answer.value, strict=True))
+        return [(o, timing) for o, (timing, _) in pairs if timing], [(o, why) for o, (_, why) in pairs if why]
+    groups = [[one for one in who if one.solver == name] for name in dict.fromkeys(one.solver for one in who)]
+    if len(groups) == 1:
+        return [], [(one, answer.failure[1]) for one in who]
+    calls = [(group, 1.0) for group in groups]
+    answers = alone.all("timings", clock.time_all, calls, limit=PATIENCE)
+    failed = [(one, a.failure[1]) for g, a in zip(groups, answers, strict=True) if a.outcome != "done" for one in g]
+    left = [one for g, a in zip(groups, answers, strict=True) if a.outcome == "done" for one in g]
+    if not failed:  # only together, or only now and then
+        return [], [(one, answer.failure[1]) for one in who]
+    found, more = time_together(left, budget, share, alone) if left else ([], [])
+    return found, [*failed, *more]

@@ -1,0 +1,95 @@
+"""Studies: questions that stand beside the comparison. A module or a folder's being here registers a study.
+
+A study is a module (of a folder: its `study.py`) with
+
+    TITLE, QUESTION     what the page says first
+    TABLES              by name what each table holds and what its columns mean (`Table`); every column has its words
+    TAKES               which of "case" and "solver" it takes: a study may have scenes or contestants of its own
+    IN_REPORT           whether a report has it
+    run(request, calls)     what it finds out; everything that may fail is called in a worker, and a failure is a row
+    rows(found)             the rows of each table
+    draw(found, folder)     writes its pictures, and yields what was written
+    summary(found)          if it likes: what the terminal is shown in the place of the tables
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from cases import Case
+from cases.errors import unknown
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ..analysis.tables import Table
+    from ..drawing.files import Drawn
+    from ..running.calls import Calls
+
+
+class Request(NamedTuple):
+    """What a study is asked: cases named by the user (none: those it chooses itself), solvers, and whether it may take
+    as long as it likes."""
+
+    cases: tuple[Case, ...] = ()
+    solvers: tuple[str, ...] = ()
+    full: bool = False
+
+
+class Result(NamedTuple):
+    """What came of a study: its module, the command that makes it alone, its tables, what it found; or why it failed,
+    in a sentence."""
+
+    name: str
+    study: ModuleType
+    command: str
+    frames: dict[str, pd.DataFrame] = {}
+    found: Any = None
+    failure: str = ""
+
+    @property
+    def words(self) -> dict[str, Table]:
+        """What is said of its tables."""
+        return {name: self.study.TABLES[name] for name in self.frames}
+
+    def draw(self, folder: Path) -> list[Drawn]:
+        """Its pictures, written into the folder; if they fail, what says so."""
+        from ..drawing.files import Drawn
+
+        if self.failure:
+            return []
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            return list(self.study.draw(self.found, folder))
+        except Exception as problem:  # the numbers are there, whatever happens to a picture
+            return [Drawn("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
+
+
+def names() -> tuple[str, ...]:
+    """Every study's name, in alphabetical order. Imports none of them."""
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
+
+
+def study(name: str) -> ModuleType:
+    """The study of that name; raises UnknownName."""
+    if name not in names():
+        raise unknown("study", name, names())
+    module = importlib.import_module(f"{__name__}.{name}")
+    return importlib.import_module(f"{module.__name__}.study") if hasattr(module, "__path__") else module
+
+
+def run(name: str, request: Request, calls: Calls, command: str) -> Result:
+    """Make a study. What fails is said in its result; it takes nothing else with it."""
+    import pandas as pd
+
+    made = study(name)
+    try:
+        found = made.run(request, calls)
+        frames = {table: pd.DataFrame(rows) for table, rows in made.rows(found).items()}
+        return Result(name, made, command, frames, found)
+    except Exception as problem:  # whatever it is, the report goes on without this study and says so
+        return Result(name, made, command, failure=f"{type(problem).__name__}: {problem}")

@@ -1,0 +1,90 @@
+"""A picture of the parts of an error: a route's whole grid, each cell's error as a colour and the knob to turn next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isfinite
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from ...drawing.files import Drawn, file_name, save
+from ...drawing.style import STYLE
+from .measure import QUANTITIES, Cell, Grid, advice, by_route
+
+_WORDS = (
+    "The parts of an error",
+    "Each square is one setting: the step grows finer downwards, the model to the right (the numbers under a square "
+    "are its knobs, in the order of the axis' name). Colour: size of the error. The word is the knob that lowers it "
+    "most if turned by one notch alone; “all”: only together; –: nothing does. Grey: no such result.",
+)
+# A third quantity would repeat the second: a motion that loses energy ends in another place.
+_SHOWN = ("first_transition_time", "energy_lost")
+
+
+def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
+    """Write a figure for each case of which there is a grid; yields what was written."""
+    with matplotlib.rc_context({**STYLE, "axes.grid": False}):
+        for case in dict.fromkeys(cell.case for cell in cells if cell.setting.keys()):
+            own = {who: group for who, group in by_route(cells).items() if who[0] == case and group[0].setting.keys()}
+            figure = maps({f"{solver}, {route}": Grid(group) for (_, solver, route), group in own.items()}, case)
+            yield save(figure, folder, f"error_parts_{file_name(case)}", case, *_WORDS)
+
+
+def maps(grids: dict[str, Grid], title: str) -> Figure:
+    """A row of maps for each quantity, a column for each route."""
+    widths = [max(4, len(_columns(grid))) for grid in grids.values()]
+    figure, axes = plt.subplots(
+        len(_SHOWN), len(grids), figsize=(0.42 * sum(widths) + 2.0, 6.2), layout="constrained", squeeze=False,
+        width_ratios=widths,
+    )  # fmt: skip
+    for quantity, line in zip(_SHOWN, axes, strict=True):
+        sizes = [_size(grid, place, quantity) for grid in grids.values() for place in grid.cells]
+        known = [size for size in sizes if isfinite(size) and size > 0.0]
+        norm = LogNorm(min(known), max(known)) if known and min(known) < max(known) else None
+        for ax, (name, grid) in zip(line, grids.items(), strict=True):
+            image = _map(ax, grid, quantity, norm)
+            ax.set_title(name)
+        label = f"{quantity.replace('_', ' ')}: error / {QUANTITIES[quantity]}"
+        figure.colorbar(image, ax=line.tolist(), label=label, pad=0.01)
+    figure.suptitle(title, fontweight="bold", fontsize=10)
+    return figure
+
+
+def _columns(grid: Grid) -> list[tuple[int, ...]]:
+    """Places of the model's knobs, whatever the step; the last knob changes slowest, so that the first one shows."""
+    return sorted({place[1:] for place in grid.cells}, key=lambda place: place[::-1])
+
+
+def _size(grid: Grid, place: Sequence[int], quantity: str) -> float:
+    return float(np.linalg.norm(grid.error(place, quantity)))
+
+
+def _map(ax: Axes, grid: Grid, quantity: str, norm):
+    columns, steps = _columns(grid), grid.levels[0]
+    table = np.array([[_size(grid, (row, *place), quantity) for place in columns] for row in range(len(steps))])
+    ax.set_facecolor("#d0d0d0")
+    image = ax.imshow(np.where(table > 0.0, table, np.nan), norm=norm, cmap="viridis_r", aspect="auto")
+    for row, line in enumerate(table):
+        for column, size in enumerate(line):
+            word = advice(grid, (row, *columns[column]), quantity)[0] if isfinite(size) else ""
+            dark = norm is not None and isfinite(size) and size > 0.0 and norm(size) > 0.5
+            small, colour = 5.5 if len(word) < 7 else 4.5, "white" if dark else "black"
+            word = "–" if word == "none" else word
+            ax.text(column, row, word, ha="center", va="center", fontsize=small, color=colour)
+    values = [[levels[at] for levels, at in zip(grid.levels[1:], place, strict=True)] for place in columns]
+    ax.set_xticks(range(len(columns)), ["\n".join(map(_short, each)) for each in values], fontsize=6)
+    ax.set_yticks(range(len(steps)), [f"{h:.2g}" for h in steps], fontsize=7)
+    ax.set_xlabel(", ".join(grid.knobs[1:]))
+    ax.set_ylabel("h / s")
+    ax.tick_params(length=0)
+    return image
+
+
+def _short(value: float | int) -> str:
+    return str(value) if isinstance(value, int) else f"{value:.1e}".replace("e+0", "e").replace("e-0", "e-")

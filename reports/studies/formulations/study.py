@@ -1,0 +1,49 @@
+"""Which coordinates to integrate: the paper's ten, plain, stabilised or projected, or the independent ones."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...analysis.tables import Table
+from ...running.calls import Calls
+from .. import Request
+from . import measure
+from .figure import draw as draw
+
+TITLE = "Which coordinates to integrate"
+QUESTION = (
+    "The paper's ten coordinates without stabilisation, with Baumgarte's, with projection, and the two independent "
+    "ones: how far each drifts off its constraints, and what it costs."
+)
+TAKES = ()
+IN_REPORT = True
+TABLES = {
+    "formulation_study": Table(
+        "Ten coordinates plain, stabilised, projected; independent coordinates: drift and cost",
+        {
+            "scene": "which motion of an unbalanced ellipse in an ellipse",
+            "formulation": "what is integrated",
+            "rtol": "relative (and absolute) tolerance of the integrator",
+            "gap": "largest distance of the contact points (5), m",
+            "gap_drift": "the last such distance over the time it took, m/s",
+            "tangency": "largest residual of (6), R_p' U θ r_p, m²",
+            "velocity_residual": "largest residual of (8), m/s",
+            "centre_error": "largest distance of the centre from the truth, m",
+            "steps": "steps of the integrator",
+            "evaluations": "evaluations of (27)",
+            "cpu_s": "CPU time of one run beside other work, s",
+            "outcome": "done, crashed or timed_out",
+            "reason": "why it is not done",
+        },
+    )
+}
+
+
+def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
+    """The rows of all scenes."""
+    return measure.measure(measure.TOLERANCES if request.full else measure.TOLERANCES[::2], calls)
+
+
+def rows(found: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """The one table."""
+    return {"formulation_study": found}

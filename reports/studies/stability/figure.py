@@ -1,0 +1,136 @@
+"""Outcomes on the atlas of hard scenes as one chart, and the steps at which engines blow up. Looks as in `figures`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite, isnan
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from ...drawing.files import Drawn, save
+from ...drawing.style import STYLE, Looks
+from ...running.records import REFERENCE
+from . import measure
+from .measure import Stability
+
+# Blue and vermilion are Okabe and Ito's; the rest are greys, told apart by hatching as well.
+_FACES: dict[str, dict[str, Any]] = {
+    "right": {"facecolor": "#9ecae1"},
+    "wrong": {"facecolor": "#f2a477"},
+    "chaotic": {"facecolor": "#efefef", "hatch": "....", "edgecolor": "#9a9a9a"},
+    "refused": {"facecolor": "white"},
+    "crashed": {"facecolor": "#555555"},
+    "timed_out": {"facecolor": "#b5b5b5", "hatch": "////", "edgecolor": "#777777"},
+}
+_WORDS = (
+    "Hard scenes, solver by solver",
+    "Each cell is one route at its finest setting tried; the small strip at its left is the engine as it comes. The "
+    "number is the largest distance of the centre from the truth, as a part of its path. Beside the case: how near to "
+    "singular the paper's matrix comes (its condition number in the plate's own units), and by what part of its path "
+    "one unit in the last place of the inputs moves the centre. Nobody is ranked where that decides.",
+)
+_STEP_WORDS = (
+    "The step at which an engine blows up",
+    "Largest step that works (right end of the bar) and smallest that fails (cross), found by bisection with all "
+    "else left as a middle rung has it, in parts of the duration. An arrow: no step up to a quarter of the duration "
+    "blows up.",
+)
+
+
+def draw(found: Stability, folder: Path) -> Iterator[Drawn]:
+    """Write both pictures into the folder; yields what was written."""
+    if not found.cases:
+        return
+    with matplotlib.rc_context(STYLE):
+        yield save(outcomes(found), folder, "stability", "", *_WORDS)
+        if found.unstable:
+            yield save(steps(found), folder, "unstable_steps", "", *_STEP_WORDS)
+
+
+def outcomes(found: Stability) -> Figure:
+    """The chart: a row for each case, a column for each route."""
+    told = measure.rows(found)
+    labels = [case.label for case in found.cases]
+    routes = list(dict.fromkeys((r["solver"], r["route"]) for r in told if r["route"]))
+    routes.sort(key=lambda who: (who[0] != REFERENCE, who))
+    cells = {
+        who: {label: [r for r in told if r["case"] == label and (r["solver"], r["route"]) == who] for label in labels}
+        for who in routes
+    }
+    figure, ax = plt.subplots(figsize=(2.6 + 0.95 * (len(routes) + 2), 0.9 + 0.21 * len(labels)), layout="constrained")
+    for y, label in enumerate(labels):
+        scene = found.scenes[label]
+        for x, value in enumerate((scene.conditioning.scaled, scene.spread.centre)):
+            ax.text(x + 0.5, y + 0.5, _small(value), ha="center", va="center", fontsize=7, color="#555555")
+        for x, who in enumerate(routes, start=2):
+            _cell(ax, x, y, cells[who][label])
+    ax.set_xlim(0, len(routes) + 2)
+    ax.set_ylim(len(labels), 0)
+    ax.set_yticks([y + 0.5 for y in range(len(labels))], labels, fontsize=7)
+    ax.set_xticks(
+        [x + 0.5 for x in range(len(routes) + 2)],
+        ["condition", "last bit", *(f"{solver}\n{route}" for solver, route in routes)],
+        fontsize=8,
+    )
+    ax.xaxis.tick_top()
+    ax.tick_params(length=0)
+    ax.grid(False)
+    for side in ("left", "bottom"):
+        ax.spines[side].set_visible(False)
+    faces = [Patch(label=word.replace("_", " "), **{"edgecolor": "#777777", **face}) for word, face in _FACES.items()]
+    figure.legend(handles=faces, loc="outside lower center", ncols=len(faces))
+    return figure
+
+
+def _cell(ax, x: int, y: int, rows: list[dict[str, Any]]) -> None:
+    """The finest setting's outcome, and a strip for the engine's own defaults."""
+    if not rows:
+        return
+    own = [row for row in rows if row["setting"].is_default]
+    ladder = [row for row in rows if not row["setting"].is_default] or rows
+    strip = 0.12 if own else 0.0
+    if own:
+        ax.add_patch(Rectangle((x + 0.03, y + 0.06), strip, 0.88, **_face(own[0])))
+    ax.add_patch(Rectangle((x + 0.03 + strip, y + 0.06), 0.94 - strip, 0.88, **_face(ladder[-1])))
+    if ladder[-1]["outcome"] in ("right", "wrong", "chaotic"):
+        ax.text(x + 0.5 + strip / 2, y + 0.5, _small(ladder[-1]["centre_error"]), ha="center", va="center", fontsize=7)
+
+
+def _face(row: dict[str, Any]) -> dict[str, Any]:
+    return {"edgecolor": "#d0d0d0", "linewidth": 0.4, **_FACES[row["outcome"]]}
+
+
+def _small(value: float) -> str:
+    if isnan(value):
+        return ""
+    if not isfinite(value):
+        return "decides"
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e") if value else "0"
+
+
+def steps(found: Stability) -> Figure:
+    """Brackets of the unstable step, case by case."""
+    brackets = [b for b in found.unstable if isfinite(b.works) or isfinite(b.fails)]
+    durations = {case.label: case.duration for case in found.cases}
+    figure, ax = plt.subplots(figsize=(7.4, 0.9 + 0.26 * max(len(brackets), 1)), layout="constrained")
+    looks = Looks((b.solver, b.route) for b in brackets)
+    for y, b in enumerate(brackets):
+        colour, whole = looks.colour(b.solver), durations[b.case]
+        if isfinite(b.works):
+            ax.plot([1e-6, b.works / whole], [y, y], color=colour, linewidth=4, solid_capstyle="butt")
+        if isfinite(b.fails):
+            ax.plot(b.fails / whole, y, marker="x", color=colour, markersize=7)
+        else:
+            ax.plot(b.works / whole, y, marker=">", color=colour, markersize=7)
+    ax.set_yticks(range(len(brackets)), [f"{b.case}: {b.solver}, {b.route}" for b in brackets], fontsize=7.5)
+    ax.set_xscale("log")
+    lowest = min((b.fails if not isfinite(b.works) else b.works) / durations[b.case] for b in brackets)
+    ax.set_xlim(0.3 * lowest, 1.0)
+    ax.set_xlabel("step / duration")
+    ax.invert_yaxis()
+    return figure

@@ -1,0 +1,76 @@
+"""`python -m reports.study NAME`: one study by itself, its tables and pictures in a folder."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import cases
+from cases import BadValue
+
+from . import options, studies
+
+COMMAND = "reports.study"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """The command; returns its exit status."""
+    return options.status(COMMAND, _work, argv)
+
+
+def _work(words: list[str]) -> None:
+    parser = options.parser(
+        COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "full", "jobs",
+        "store", "fresh", words={"NAME": "the study"},
+        example=f"python -m {COMMAND} stability --solver reference pymunk",
+    )  # fmt: skip
+    given = parser.parse_args(words)
+    study = studies.study(given.NAME)
+    for option in ("case", "solver"):
+        if getattr(given, option) and option not in study.TAKES:
+            raise BadValue(f"{given.NAME} has its own; leave out --{option}")
+    files, own = options.load_files(given.case_file)
+    texts = given.case or own
+    if own and "case" not in study.TAKES:
+        raise BadValue(f"{given.NAME} has its own cases; leave out --case-file")
+    chosen = tuple({c.label: c for text in texts for c in cases.select(text, long=given.full)}.values())
+    request = studies.Request(chosen, options.chosen_solvers(given.solver), given.full)
+    out = options.checked_out(Path(given.out or given.NAME))
+    store = options.checked_store(given.store, out)
+    _make(given.NAME, request, out, store, given.fresh, options.whole_jobs(given.jobs), options.command(COMMAND, words))
+
+
+def _make(
+    name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
+) -> None:
+    from .drawing.files import embed_command
+    from .page import folder, text
+    from .page.manifest import manifest
+    from .running.calls import Calls
+    from .running.progress import bar
+    from .running.store import Store
+
+    store = Store(store_folder, fresh)
+    try:
+        with Calls(jobs, store=store, progress=bar) as calls:
+            calls.ask_versions(request.solvers)
+            result = studies.run(name, request, calls, command)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(store.kept_words()) from None
+    if result.failure:
+        raise OSError(f"the study failed: {result.failure}")
+    with folder.written_whole(out) as place:
+        files = text.write(result.frames, result.words, place, command)
+        for drawn in result.draw(place):
+            embed_command(place, drawn, command)
+            print(f"{drawn.title}: {out / f'{drawn.name}.svg'}" if drawn.name else f"{drawn.title}. {drawn.caption}")
+        folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.told()})
+    store.trim()
+    summary = getattr(result.study, "summary", None)
+    print(summary(result.found) if summary else "\n\n".join(text.plain(frame) for frame in result.frames.values()))
+    print("\n".join(f"written: {out / file.name}" for file in files))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,312 @@
+"""The command as a user meets it: what it refuses, what it writes."""
+
+import json
+import os
+import re
+import signal
+import threading
+import time
+from html import escape
+from pathlib import Path
+
+import pytest
+
+import cases
+from adapters import Setting
+from reports import build, options
+from reports.analysis import tables
+from reports.page import folder, text
+from reports.running.records import Experiment, Run, Truth
+
+from .. import fake_adapter
+
+
+@pytest.fixture
+def case_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
+    file = tmp_path / "broken.py"
+    file.write_text("from cases import case\n\n\n@case\ndef broken_case():\n    return 1 / 0\n")
+    return str(file)
+
+
+@pytest.mark.parametrize(
+    "argv, hint",
+    [
+        (["--case", "disc_in_circel"], "disc_in_circle"),
+        (["--case", "disc_in_circle[mu=nan]"], "finite"),
+        (["--case", "disc_in_circle[m=-1]"], "greater than zero"),
+        (["--case", "disc_in_circle[mass=1]"], "parameter"),
+        (["--case", "disc_in_circle[mu]"], "parameter=number"),
+        (["--case", "disc_in_circle[r=2]"], "smaller plate"),
+        (["--solver", "exudin"], "exudyn"),
+        (["--solvr", "exudyn"], "--solver"),
+        (["--jobs", "many"], "whole number"),
+        (["--jobs", "0"], "at least 1"),
+        (["--quick", "--full"], "not allowed with"),
+        (["--case-file", "nowhere.py"], "nowhere.py"),
+        (["--case"], "expected at least one"),
+        (["--out", "."], "inside it"),
+        (["--store", "a/b", "--out", "a"], "not inside each other"),
+        (["--store", __file__], "which is a file"),
+    ],
+)
+def test_nonsense_is_told_in_one_line_and_nothing_is_written(argv, hint, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert build.main(argv) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and told.err.count("\n") == 1 and hint in told.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_failing_case_file_is_told_in_one_line(case_file, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert build.main(["--case-file", case_file, "--out", str(out)]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and "ZeroDivisionError" in told and not out.exists()
+
+
+@pytest.mark.parametrize("manifest", [None, "[]", "{", '{"made_by": "someone else", "files": ["mine.txt"]}'])
+def test_a_folder_that_is_no_report_is_left_alone(manifest, tmp_path, capsys):
+    (tmp_path / "mine.txt").write_text("precious")
+    if manifest is not None:
+        (tmp_path / "manifest.json").write_text(manifest)
+    before = sorted(tmp_path.iterdir())
+    assert build.main(["--out", str(tmp_path)]) == 2
+    assert "no part of a report" in capsys.readouterr().err
+    assert sorted(tmp_path.iterdir()) == before and (tmp_path / "mine.txt").read_text() == "precious"
+
+
+def test_out_that_is_a_file_is_left_alone(tmp_path, capsys):
+    (tmp_path / "report").write_text("precious")
+    assert build.main(["--out", str(tmp_path / "report")]) == 2
+    assert "which is a file" in capsys.readouterr().err
+
+
+def test_list_tells_of_a_case_that_fails_and_goes_on(case_file, capsys):
+    assert build.main(["--list", "--case-file", case_file]) == 0
+    told = capsys.readouterr().out
+    assert "ZeroDivisionError" in told and "disc_in_circle[mu=0.2]" in told
+
+
+def test_list_names_every_case_and_solver(capsys):
+    assert build.main(["--list"]) == 0
+    told = capsys.readouterr().out
+    assert all(name in told for name in (*cases.names(), "reference", "exudyn", "pymunk", "disc_in_circle[mu=0.2]"))
+
+
+def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogue():
+    settings = (Setting.of(rung="defaults"), *(Setting.of(h=10.0**-i) for i in range(7)))
+    few, fewer = (settings[0], settings[1], settings[3], settings[5]), (settings[0], settings[5])
+
+    def kept(effort, asked, case, solver="pymunk"):
+        return options.Plan(Path("x"), (), (), (), effort, 1, (), asked).select_rungs(case, solver, settings)
+
+    assert kept("quick", True, "disc_in_circle") == few
+    assert kept("default", False, "disc_in_circle") == settings
+    assert kept("default", False, "littlewood_hoop") == fewer
+    assert kept("default", False, "littlewood_hoop", "reference") == (settings[0], settings[-1])
+    assert kept("default", True, "littlewood_hoop") == settings
+    assert kept("full", False, "littlewood_hoop") == settings
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """A small report of two solvers, made by the command."""
+    out = tmp_path_factory.mktemp("made") / "deep" / "report"
+    argv = [
+        "--out",
+        str(out),
+        "--quick",
+        "--case",
+        "disc_on_line",
+        "disc_on_incline",
+        "--solver",
+        "reference",
+        "pymunk",
+    ]
+    assert build.main(argv) == 0
+    return out
+
+
+def test_report_has_every_promised_file_and_no_other(report):
+    manifest = json.loads((report / "manifest.json").read_text())
+    files = {p.relative_to(report).as_posix() for p in report.rglob("*") if p.is_file()}
+    assert files == set(manifest["files"])
+    promised = {"index.html", "manifest.json", "figures/headline.png"}
+    promised |= {f"tables/{name}.{kind}" for name in tables.TABLES for kind in ("csv", "md")}
+    assert promised <= files
+    assert [p.name for p in report.parent.iterdir()] == ["report"]  # no partial report is left beside it
+
+
+def test_manifest_tells_how_it_was_made(report):
+    manifest = json.loads((report / "manifest.json").read_text())
+    assert manifest["made_by"] == folder.MADE_BY and "--quick" in manifest["command"]
+    assert {"numpy", "scipy"} <= manifest["packages"].keys() and manifest["python"].startswith("3.")
+    assert set(manifest["solvers"]) == {"reference", "pymunk"}
+
+
+def test_tables_have_the_promised_columns(report):
+    promised = {
+        "transitions": "case,solver,route,setting,event,before,after,time,reference_time,error,truth_error_bar,verdict,"
+        "reading_doubt",
+        "trajectories": "case,solver,route,setting,outcome,reason,status,first_mode,transitions_true,matched,missed,"
+        "spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,pose_final,normal_force_mean,"
+        "energy_mean,cpu_s,setup_s,steps,run_at",
+        "convergence": "case,solver,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
+        "saturation,saturated_from",
+    }
+    for name, columns in promised.items():
+        assert (report / "tables" / f"{name}.csv").read_text().splitlines()[0] == columns
+
+
+def test_reference_is_right_on_the_textbook_cases(report):
+    import pandas as pd
+
+    rows = pd.read_csv(report / "tables" / "trajectories.csv")
+    own = rows[rows["solver"] == "reference"]
+    assert len(own) >= 6 and set(own["outcome"]) == {"right"}
+
+
+def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
+    page = (report / "index.html").read_text()
+    assert not re.search(r"<script|https?://(?!www\.w3\.org)|@import|url\((?!%23)", page)
+    pictures = re.findall(r'<img[^>]*src="([^"]{0,40})', page)
+    assert len(pictures) == 7 and all(source.startswith("data:image/svg+xml;charset=utf-8") for source in pictures)
+    for target in re.findall(r'href="([^#"][^"]*)"', page):
+        assert (report / target).is_file(), target
+    for target in re.findall(r'href="#([^"]+)"', page):
+        assert f'id="{target}"' in page, target
+    remake = "python -m reports.build --quick --solver reference pymunk --case &quot;disc_on_line[mu=0.3]&quot;"
+    assert remake in page
+
+
+def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
+    figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
+    assert len(figures) == 7 and len(texts) == len(tables.TABLES)
+    for figure in figures:
+        assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
+    for file in texts:
+        assert "Make it again: `python -m reports.build" in file.read_text(), file
+
+
+def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkeypatch, capsys):
+    before = (report / "index.html").read_bytes()
+
+    def full(*_):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(text, "write", full)
+    argv = ["--out", str(report), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
+    assert build.main(argv) == 1
+    assert "no space left" in capsys.readouterr().err
+    assert (report / "index.html").read_bytes() == before
+    assert [p.name for p in report.parent.iterdir()] == ["report"]
+
+
+def test_what_a_killed_build_left_is_removed_and_what_another_writes_now_is_not(tmp_path):
+    old, young = tmp_path / ".report.killed.partial", tmp_path / ".report.now.partial"
+    for left in (old, young):
+        (left / "figures").mkdir(parents=True)
+    os.utime(old, (1e9, 1e9))
+    folder.sweep(tmp_path / "report")
+    assert not old.exists() and young.exists()
+
+
+def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):
+    import shutil
+
+    out = tmp_path / "report"
+    shutil.copytree(report, out)
+    argv = ["--out", str(out), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
+    assert build.main(argv) == 0
+    assert "disc_on_line" not in (out / "tables" / "truth.csv").read_text()
+    assert [p.name for p in tmp_path.iterdir()] == ["report"]
+
+
+# --- engines that fail ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def failing(tmp_path_factory):
+    """A report of an engine that fails in every way, one run killed from outside, and of one that is not installed."""
+    packages = tmp_path_factory.mktemp("packages")
+    out = packages / "report"
+    settings = ["wait 1", "nan", "never rolls", "gives up", "segfault", "until killed", "hang", "wait 2"]
+    fake_adapter.install(packages, settings)
+    fake_adapter.install(packages, settings, name="ghost", works=False)
+    killer = threading.Thread(target=kill_when_told, args=(packages / "pid",))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(packages)
+        patch.setattr(options, "_LIMITS", {"default": 5.0})
+        killer.start()
+        argv = ["--out", str(out), "--case", fake_adapter.CASE, "--solver", "fake", "ghost", "--jobs", "1"]
+        assert build.main([*argv, "--store", str(packages / "store")]) == 0
+        killer.join()
+    return out
+
+
+def kill_when_told(pid: Path) -> None:
+    deadline = time.monotonic() + 120.0
+    while not pid.exists() or not pid.read_text():
+        assert time.monotonic() < deadline, "no worker came as far as being killed"
+        time.sleep(0.02)
+    os.kill(int(pid.read_text()), signal.SIGKILL)
+
+
+FATES = {
+    "how=wait 1": ("right", ""),
+    "how=nan": ("crashed", "not finite"),
+    "how=never rolls": ("wrong", "missed (slip_forward to roll)"),
+    "how=gives up": ("crashed", "Newton gave up"),
+    "how=segfault": ("crashed", "SIGSEGV"),
+    "how=until killed": ("crashed", "SIGKILL, from outside"),
+    "how=hang": ("timed_out", "still running after 5 s"),
+    "how=wait 2": ("timed_out", "not tried: how=hang had run out of time"),
+}
+
+
+def test_every_failure_is_a_row_told_as_what_it_was(failing):
+    import pandas as pd
+
+    rows = pd.read_csv(failing / "tables" / "trajectories.csv", keep_default_na=False)
+    fake = {
+        row["setting"]: (row["outcome"], row["reason"]) for row in rows[rows["solver"] == "fake"].to_dict("records")
+    }
+    assert fake.keys() == FATES.keys()
+    for setting, (outcome, reason) in FATES.items():
+        assert fake[setting][0] == outcome and reason in fake[setting][1], fake[setting]
+    (ghost,) = rows[rows["solver"] == "ghost"].to_dict("records")
+    assert ghost["outcome"] == "refused" and "not installed" in ghost["reason"] and "no_such_engine" in ghost["reason"]
+
+
+def test_a_report_of_failures_is_complete(failing):
+    told = json.loads((failing / "manifest.json").read_text())
+    assert {p.relative_to(failing).as_posix() for p in failing.rglob("*") if p.is_file()} == set(told["files"])
+    assert told["solvers"] == {"fake": "1.0", "ghost": "not installed"}
+    page = (failing / "index.html").read_text()
+    for _, reason in FATES.values():
+        assert escape(reason) in page
+    assert "no_such_engine" in page
+
+
+def test_what_came_from_outside_is_not_kept(failing):
+    told = json.loads((failing / "manifest.json").read_text())
+    # Six settings came to an end of their own or to that of their time; one was killed, one not tried.
+    assert told["store"]["kept"]["run"] == 6 and told["store"]["taken"] == {}
+
+
+@pytest.mark.parametrize(("outcome", "status"), [("right", 0), ("wrong", 0), ("refused", 3), ("crashed", 3)])
+def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome, status, tmp_path, monkeypatch, capsys):
+    case = cases.load("disc_on_line[mu=0.1]")
+    runs = (
+        Run(case.label, "reference", "taylor", Setting.of(), 0, "refused", "it has no series for that curve"),
+        Run(case.label, "pymunk", "native", Setting.of(), 0, outcome),
+    )
+    ran = Experiment((case,), {case.label: Truth()}, runs, 0.0)
+    monkeypatch.setattr("reports.running.experiment.run", lambda *_: ran)
+    monkeypatch.setattr(build, "_studied", lambda *_: [])
+    monkeypatch.setattr(build, "_write", lambda *arguments: None)
+    argv = ["--quick", "--case", case.label, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]
+    assert build.main(argv) == status
+    sentence = "no solver could run disc_on_line[mu=0.1]; reference refused: it has no series"
+    assert (sentence in capsys.readouterr().err) == (status == 3)

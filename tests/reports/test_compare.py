@@ -1,0 +1,193 @@
+"""A trajectory from a file is judged like any solver's, and a file that cannot be judged is told in a sentence."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cases
+import reference
+from cases import registry
+from reports import compare
+from reports.judging import exported, residuals
+
+NAME = "disc_in_circle[mu=0.1]"
+MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
+FULL = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force")
+
+
+def table(columns=FULL, motion=MOTION, samples=2501) -> pd.DataFrame:
+    t = np.linspace(0.0, motion.t[-1], samples)
+    return pd.DataFrame({"t": t, **motion(t)._asdict()})[list(columns)]
+
+
+def judged(tmp_path, capsys, frame: pd.DataFrame, name: str = NAME) -> tuple[int, str, str]:
+    file = tmp_path / "motion.csv"
+    frame.to_csv(file, index=False)
+    status = compare.main([name, str(file)])
+    said = capsys.readouterr()
+    return status, said.out, said.err
+
+
+def ledger(text: str) -> list[list[str]]:
+    return [line.split() for line in text.splitlines() if line.strip().endswith(("matched", "missed", "spurious"))]
+
+
+@pytest.mark.parametrize(("columns", "tolerance"), [(FULL, 1e-8), (FULL[:7], 1e-6), (FULL[:4], 1e-3)])
+def test_exported_reference_motion_is_right(tmp_path, capsys, columns, tolerance):
+    # With poses alone, slip is differentiated: a step of 1 ms at the kink.
+    status, text, _ = judged(tmp_path, capsys, table(columns))
+    assert status == 0
+    assert f"{NAME}: right" in text
+    assert "Laws broken\nnone" in text
+    rows = ledger(text)
+    assert len(rows) == len(MOTION.transitions)
+    for row, event in zip(rows, MOTION.transitions, strict=True):
+        assert row[-1] == "matched"
+        assert float(row[3]) == pytest.approx(event.time, abs=tolerance)
+
+
+def test_rolling_phases_are_found_from_poses_alone(tmp_path, capsys):
+    name = "disc_in_circle[mu=0.2]"
+    motion = reference.simulate(cases.load(name), rtol=1e-12)
+    status, text, _ = judged(tmp_path, capsys, table(FULL[:4], motion), name)
+    assert status == 0
+    assert [row[-1] for row in ledger(text)] == ["matched"] * len(motion.transitions), text
+
+
+def test_transition_three_percent_late_is_told_with_its_error(tmp_path, capsys):
+    first = MOTION.transitions[0].time
+    frame = table()
+    # The same motion, three percent slower throughout.
+    slow = MOTION(frame["t"].to_numpy() / 1.03)
+    frame = frame.assign(**{name: getattr(slow, name) for name in ("x", "y", "theta")})
+    frame = frame.assign(**{name: getattr(slow, name) / 1.03 for name in ("vx", "vy", "omega", "slip")})
+    status, text, _ = judged(tmp_path, capsys, frame)
+    assert status == 0
+    assert float(ledger(text)[0][5]) == pytest.approx(0.03 * first, rel=1e-6)
+
+
+def _with(column: str, change):
+    def spoil(frame):
+        frame[column] = change(frame[column])
+        return frame
+
+    return spoil
+
+
+@pytest.mark.parametrize(
+    ("spoil", "law"),
+    [
+        (_with("friction_force", lambda T: 1.2 * T), "friction exceeds its cone"),
+        (_with("normal_force", lambda N: N - 5.0), "the track pulls"),
+        (_with("friction_force", lambda T: -T), "friction drives the slip"),
+        (_with("friction_force", lambda T: 0.5 * T), "the forces do not make the motion: m vx"),
+        (_with("normal_force", lambda N: 1.1 * N), "the forces do not make the motion: m vy"),
+        (
+            lambda frame: frame.drop(columns="slip").assign(
+                x=frame.x * (1 + 0.05 * frame.t), y=frame.y * (1 + 0.05 * frame.t)
+            ),
+            "overlaps",
+        ),
+    ],
+)
+def test_broken_law_is_told(tmp_path, capsys, spoil, law):
+    status, text, _ = judged(tmp_path, capsys, spoil(table()))
+    assert status == 0
+    assert law in text.partition("Laws broken")[2]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (lambda frame: frame.drop(columns=["y", "theta"]), "has no column y, theta"),
+        (lambda frame: frame.rename(columns=str.upper), "its first line is 'T,X,Y,THETA,"),
+        (lambda frame: frame.assign(t=1e3 * frame.t), "give at least 50, and t in seconds"),
+        (_with("slip", lambda slip: 1e3 * slip), "give it so, in m/s, or leave it out"),
+        (_with("slip", lambda slip: -slip), "along the track's increasing parameter"),
+        (lambda frame: frame.iloc[::-1], "does not grow"),
+        (lambda frame: frame.iloc[:20], "too coarse"),
+        (lambda frame: frame.iloc[::40], "too coarse"),
+        (_with("x", lambda x: x.mask(x.index == 7)), "x in line 9 of motion.csv is not a finite number"),
+        (lambda frame: frame.assign(x=1e3 * frame.x, y=1e3 * frame.y), "give metres"),
+        (_with("theta", np.degrees), "radians"),
+        (_with("theta", lambda theta: theta + 1.0), "give radians"),
+        (_with("omega", lambda omega: -omega), "omega is not the rate of theta"),
+        (lambda frame: frame.iloc[100:], "begins at 0"),
+    ],
+)
+def test_unusable_file_is_told_in_one_sentence(tmp_path, capsys, spoil, sentence):
+    status, text, error = judged(tmp_path, capsys, spoil(table()))
+    assert (status, text) == (2, "")
+    assert sentence in error
+    assert len(error.splitlines()) == 1
+
+
+def test_energy_that_grows_is_told(tmp_path, capsys):
+    # Little friction, so that four percent too much speed is more than what it takes.
+    name = "disc_in_circle[mu=0.01]"
+    frame = table(motion=reference.simulate(cases.load(name), rtol=1e-12))
+    status, text, _ = judged(tmp_path, capsys, frame.assign(vx=1.04 * frame.vx, vy=1.04 * frame.vy), name)
+    assert status == 0
+    assert "the energy grows" in text
+
+
+def test_plate_that_leaves_its_track_ends_there(tmp_path, monkeypatch, capsys):
+    (tmp_path / "hill.py").write_text(
+        "from cases import *\nfrom cases import curves\n"
+        '@case\ndef hilltop():\n    """A disc let go on a hill."""\n'
+        "    track = Curve(lambda s: (curves.sin(s), curves.cos(s)))\n"
+        "    return Case(track, disc(0.1, 1.0), (Gravity(9.81), Unilateral()), Start(0.2), duration=1.2)\n"
+    )
+    cases.names()  # the catalogue is in; what the test brings goes with it
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    cases.load_file(tmp_path / "hill.py")
+    motion = reference.simulate(cases.load("hilltop"), rtol=1e-12)
+    frame, end = table(motion=motion), motion.t[-1]
+    # The flight, told as a solver would that goes on without contact.
+    later = np.linspace(end, 1.0, 200)[1:]
+    last = motion(end)
+    flight = pd.DataFrame(dict(
+        t=later, x=last.x + last.vx * (later - end), theta=last.theta, vx=last.vx, omega=last.omega, slip=last.slip,
+        y=last.y + last.vy * (later - end) - 4.905 * (later - end) ** 2, vy=last.vy - 9.81 * (later - end),
+        normal_force=0.0, friction_force=0.0,
+    ))  # fmt: skip
+    status, text, _ = judged(tmp_path, capsys, pd.concat([frame, flight])[list(FULL)], "hilltop")
+    assert status == 0
+    assert ": right" in text
+    (row,) = ledger(text)
+    # The last sample that is pressed, of 2500 in the motion.
+    assert float(row[5]) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("columns", [FULL[:4], FULL[:7]])
+def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
+    case = cases.load("bouncing_disc", e=0.5)
+    motion = reference.simulate(case, rtol=1e-12)
+    frame = table(columns, motion, samples=3001)
+    frame.to_csv(tmp_path / "bounces.csv", index=False)
+    told = exported.trajectory_of(case, exported.read_table(tmp_path / "bounces.csv"))
+    assert told.status == "completed" and len(told.t) == 3001
+    flying = np.isnan(motion(told.t).slip)
+    # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
+    assert np.mean(np.isnan(told.slip) != flying) < 0.02
+    gap = np.where(flying, 1.0, 0.0)
+    assert residuals.laws_broken(case, told, gap) == []
+
+
+def test_landing_without_impact_ends_the_motion(tmp_path):
+    level = cases.Curve(lambda s: (s, 0))
+    effects = (cases.Gravity(9.81), cases.Unilateral(), cases.Flight())
+    case = cases.Case(level, cases.disc(0.1, 1.0), effects, cases.Start(0.0, gap=0.3), 0.5)
+    t = np.linspace(0.0, 0.5, 501)
+    y = np.maximum(0.4 - 4.905 * t**2, 0.1)
+    pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
+    told = exported.trajectory_of(case, exported.read_table(tmp_path / "fall.csv"))
+    assert told.status == "landing"
+    assert told.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
+
+
+def test_unknown_case_or_file_is_told(tmp_path, capsys):
+    assert compare.main(["disc_in_circel", str(tmp_path / "none.csv")]) == 2
+    assert "disc_in_circle" in capsys.readouterr().err
+    assert compare.main([NAME, str(tmp_path / "none.csv")]) == 2
+    assert "there is no file" in capsys.readouterr().err

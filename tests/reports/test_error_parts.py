@@ -1,0 +1,197 @@
+"""The parts of an error: made-up grids whose parts are known, and pymunk's trap in real runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cases
+from adapters import Setting
+from reports import study
+from reports.running.calls import Calls
+from reports.running.tasks import find_truth, survey
+from reports.running.workers import Answer
+from reports.studies.error_parts import measure as error_parts
+from reports.studies.error_parts.measure import Cell, Grid
+
+
+def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[Cell]:
+    """Cells of a grid h × facets with the first transition's error given by a function of both."""
+    cells = []
+    for h in steps:
+        for n in facets:
+            found = {"first_transition_time": np.array([error(h, n)])}
+            found |= {"energy_lost": np.array([np.nan]), "final_centre": np.array([np.nan, np.nan])}
+            cells.append(
+                Cell("case", "engine", "native", Setting.of(h=h, facets=n, slop=1e-6, **extra), "right", "", found)
+            )
+    return cells
+
+
+def told(cells: list[Cell], h: float, n: int, quantity: str = "first_transition_time") -> dict:
+    """The row of one setting."""
+    rows = error_parts.rows(cells)
+    return next(r for r in rows if r["quantity"] == quantity and r["setting"] == f"h={h:g} facets={n}")
+
+
+def test_parts_of_a_separable_error_are_its_terms():
+    cells = made_up(lambda h, n: 3e-3 * h**2 - 1.0 / n)
+    row = told(cells, 4.0, 10)
+    assert row["step_part"] == pytest.approx(3e-3 * (4.0**2 - 1.0))
+    assert row["model_part"] == pytest.approx(-1 / 10 + 1 / 40)
+    assert row["finest_error"] == pytest.approx(3e-3 - 1 / 40)
+    assert row["interaction"] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_parts_always_add_up_to_the_error():
+    cells = made_up(lambda h, n: h * n * 1e-3 + np.sin(h + n))
+    for row in error_parts.rows(cells):
+        if row["quantity"] == "first_transition_time":
+            parts = row["finest_error"] + row["step_part"] + row["model_part"] + row["interaction"]
+            assert parts == pytest.approx(row["total"], abs=1e-15)
+
+
+def test_parts_of_a_distance_are_told_along_it():
+    cells = made_up(lambda h, n: 0.0)
+    for cell in cells:
+        h, n = cell.setting["h"], cell.setting["facets"]
+        cell.errors["final_centre"] = np.array([0.3 * h, 4.0 / n])
+    row = told(cells, 4.0, 10, "final_centre")
+    assert row["total"] == pytest.approx(np.hypot(1.2, 0.4))
+    along = np.array([1.2, 0.4]) / row["total"]
+    assert row["step_part"] == pytest.approx(0.9 * along[0])
+    assert row["model_part"] == pytest.approx(0.3 * along[1])
+
+
+def test_knob_to_turn_is_the_one_whose_notch_helps_most():
+    cells = made_up(lambda h, n: h + 1.0 / n)
+    assert told(cells, 4.0, 10)["turn_next"] == "h"
+    assert told(cells, 1.0, 10)["turn_next"] == "facets"
+    assert told(cells, 1.0, 40)["turn_next"] == "none"
+
+
+def test_knob_that_makes_it_worse_is_named_and_not_advised():
+    cells = made_up(lambda h, n: h * n)
+    row = told(cells, 4.0, 10)
+    assert (row["turn_next"], row["makes_worse"]) == ("h", "facets")
+    cells = made_up(lambda h, n: abs(np.log2(h) - np.log2(40 / n)) + 0.1 * h)
+    row = told(cells, 4.0, 10)
+    assert (row["turn_next"], row["makes_worse"]) == ("all", "h facets")
+
+
+def test_failed_run_is_a_row_and_no_advice():
+    cells = made_up(lambda h, n: h if (h, n) != (2.0, 10) else np.nan)
+    cells[3] = Cell("case", "engine", "native", cells[3].setting, "crashed", "It blew up.")
+    row = told(cells, 2.0, 10)
+    assert (row["outcome"], row["reason"], row["turn_next"]) == ("crashed", "It blew up.", "none")
+    assert np.isnan(row["total"])
+    # The notch towards the failed run is neither good nor bad.
+    assert told(cells, 4.0, 10)["turn_next"] == "all"
+
+
+def test_refused_route_is_one_row_with_its_reason():
+    [row] = error_parts.rows([Cell("case", "engine", "native", Setting.of(), "refused", "No such curve.")])
+    assert (row["outcome"], row["reason"]) == ("refused", "No such curve.")
+
+
+def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
+    case = cases.load("disc_sliding_off_hill")
+
+    class Broken(Calls):
+        """Where a call of `broken` runs out of time, and all others are made here."""
+
+        def each(self, step, function, arguments, **how):
+            for index, call in enumerate(arguments):
+                late = Answer("timed_out", reason="too slow")
+                yield index, late if function is broken else Answer("done", value=function(*call))
+
+    fates = ((find_truth, "refused", ""), (survey, "timed_out", "asking for its grid: "))
+    for broken, outcome, reason in fates:  # noqa: B007 - `each` looks at it
+        cells = error_parts.measure([case], ["pymunk"], Broken())
+        assert {(cell.outcome, cell.reason) for cell in cells} == {(outcome, f"{reason}too slow")}
+
+
+# --- real engines ----------------------------------------------------------------------------------------------------
+
+
+def cells_of(case, name: str, route: str, keep) -> list[Cell]:
+    """Cells of the settings of an adapter's grid that `keep` keeps, run here."""
+    adapter = pytest.importorskip(f"adapters.{name}")
+    truth = find_truth(case)
+    settings = [setting for setting in adapter.grid(case, route) if keep(setting)]
+    return [Cell(case.label, name, route, s, *error_parts.errors(case, name, route, s, truth)) for s in settings]
+
+
+def test_finer_polygon_at_a_coarse_step_loses_more_energy_and_is_warned_of():
+    # Facets that do not know their neighbours catch the disc with their ends: the more ends, the more energy is lost.
+    case = cases.load("disc_in_circle", mu=0.1)
+    cells = cells_of(case, "pymunk", "native", lambda s: s["neighbors"] == 0 and s["h"] in (1e-2, 3e-4))
+    grid = Grid(cells)
+    coarse = [float(grid.error((0, facets), "energy_lost")[0]) for facets in range(3)]
+    # Measured 0.74, 2.10 and 2.54 J of the 8.8 J the disc falls through; the fourth is no finer than a step's travel.
+    assert 0.5 < coarse[0] < coarse[1] < coarse[2]
+    fine = [float(grid.error((1, facets), "energy_lost")[0]) for facets in range(3)]
+    assert fine[0] > fine[1] > fine[2] > 0.0
+    row = next(r for r in error_parts.rows(cells) if r["quantity"] == "energy_lost")
+    assert row["makes_worse"] == "facets" and row["turn_next"] == "h"
+
+
+def test_telling_facets_of_their_neighbours_is_what_to_do_at_a_coarse_step():
+    case = cases.load("disc_in_circle", mu=0.1)
+    cells = cells_of(case, "pymunk", "native", lambda s: s["h"] in (1e-2, 3e-3) and s["facets"] > 200)
+    row = next(r for r in error_parts.rows(cells) if r["quantity"] == "energy_lost")
+    assert row["turn_next"] == "neighbors"
+    # Told, a finer chain loses less even at the coarse step: the trap is gone.
+    grid = Grid(cells)
+    told_of = [abs(float(grid.error((0, facets, 1), "energy_lost")[0])) for facets in range(3)]
+    assert told_of[0] > told_of[1] > 0.9 * told_of[2]
+
+
+def test_penalty_is_the_model_part_of_the_first_transition_and_regularisation_is_not():
+    # A sliding disc never meets the regularised part of the friction law before its slip ends.
+    case = cases.load("disc_in_circle", mu=0.1)
+    cells = cells_of(case, "exudyn", "native", lambda s: True)
+    grid = Grid(cells)
+    parts = error_parts.parts(grid, (2, 0, 0), "first_transition_time")
+    assert parts.knob_parts["k"] == pytest.approx(parts.model_part, rel=1e-3)
+    assert abs(parts.knob_parts["vreg"]) < 1e-3 * parts.model_part
+    # C/k with C of 40 to 60 s N/m.
+    assert parts.model_part * 98e3 == pytest.approx(50.0, rel=0.2)
+    assert error_parts.advice(grid, (2, 0, 0), "first_transition_time") == ("k", "")
+
+
+@pytest.mark.parametrize("name", ["exudyn", "pymunk"])
+def test_grid_is_every_combination_from_coarse_to_fine(name):
+    adapter = pytest.importorskip(f"adapters.{name}")
+    for label in ("disc_in_circle[mu=0.1]", "disc_on_line[mu=0.1]", "disc_sliding_off_hill", "ellipse_on_hill"):
+        [case] = cases.select(label)
+        for route in adapter.routes:
+            if adapter.refuses(case, route):
+                continue
+            settings = adapter.grid(case, route)
+            grid = Grid([Cell(label, name, route, setting, "right") for setting in settings])
+            assert grid.knobs[0] == "h" and len(grid.knobs) >= 2
+            assert len(set(settings)) == len(settings) == np.prod([len(levels) for levels in grid.levels])
+            assert grid.place(settings[0]) == (0,) * len(grid.knobs) and grid.place(settings[-1]) == grid.finest
+            assert list(grid.levels[0]) == sorted(grid.levels[0], reverse=True)
+
+
+# --- the command -----------------------------------------------------------------------------------------------------
+
+
+def test_command_writes_a_row_for_every_setting_and_a_picture(tmp_path, capsys):
+    pytest.importorskip("adapters.pymunk")
+    out = tmp_path / "parts"
+    argv = ["error_parts", "--case", "disc_sliding_off_hill", "--solver", "pymunk", "--out", str(out)]
+    assert study.main([*argv, "--store", str(tmp_path / "store")]) == 0
+    assert str(out / "error_parts.csv") in capsys.readouterr().out
+    lines = (out / "error_parts.csv").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 1 + 2 * 16 * len(error_parts.QUANTITIES)
+    assert (out / "error_parts_disc_sliding_off_hill.svg").stat().st_size > 1000
+
+
+def test_command_tells_an_unknown_name_before_anything_runs(capsys):
+    assert study.main(["error_parts", "--solver", "pymonk"]) == 2
+    assert "pymunk" in capsys.readouterr().err
+    assert study.main(["error_parts", "--case", "disc_in_circel"]) == 2
+    assert "disc_in_circle" in capsys.readouterr().err

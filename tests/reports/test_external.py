@@ -1,0 +1,154 @@
+"""`--trajectory NAME@CASE=FILE.csv`: a motion from elsewhere is a solver of its own in the report, without a time."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cases
+import reference
+from adapters import Setting
+from reports import build
+from reports.analysis.convergence import convergence_rows
+from reports.running import external, tasks
+from reports.running.records import Experiment, Run, Truth
+
+LABEL = "disc_on_line[mu=0.1]"
+CASE = cases.load(LABEL)
+
+
+@pytest.fixture(scope="module")
+def motion() -> pd.DataFrame:
+    exact = reference.simulate(CASE, rtol=1e-12)
+    t = np.linspace(0.0, exact.t[-1], 1501)
+    columns = ("x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force")
+    state = exact(t)
+    return pd.DataFrame({"t": t, **{name: getattr(state, name) for name in columns}})
+
+
+@pytest.fixture
+def file(tmp_path, motion):
+    path = tmp_path / "mine.csv"
+    motion.to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory, motion):
+    """The folder of a report of one case with two trajectories from external."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    motion.to_csv(folder / "mine.csv", index=False)
+    motion[["t", "x", "y", "theta"]].to_csv(folder / "poses.csv", index=False)
+    given = ["--trajectory", f"mine={folder}/mine.csv", "--trajectory", f"theirs@{LABEL}={folder}/poses.csv"]
+    out = folder / "report"
+    assert build.main(["--case", LABEL, "--solver", "reference", "--out", str(out), *given]) == 0
+    return out
+
+
+def test_trajectory_gets_rows_figures_and_a_verdict_of_its_own(report):
+    rows = pd.read_csv(report / "tables" / "trajectories.csv")
+    for name, setting in (("mine", "file=mine.csv"), ("theirs", "file=poses.csv")):
+        (row,) = rows[rows.solver == name].itertuples()
+        assert (row.route, row.setting, row.outcome) == ("file", setting, "right")
+        assert np.isnan(row.cpu_s)
+    events = pd.read_csv(report / "tables" / "transitions.csv")
+    found = events[events.solver == "mine"]
+    assert list(found.verdict) == ["matched"]
+    assert abs(found.error.iloc[0]) < 1e-8
+    assert {"mine", "theirs"} <= set(pd.read_csv(report / "tables" / "headline.csv").solver)
+    # Where it agrees to the last digit there is no distance to draw: that of poses alone is.
+    assert "theirs, file" in (report / "figures" / "headline.svg").read_text()
+    told = json.loads((report / "manifest.json").read_text())["solvers"]["mine"]
+    assert told.startswith("a trajectory from mine.csv (sha256 ")
+
+
+@pytest.mark.parametrize("table", ["work_precision", "time_to_accuracy"])
+def test_trajectory_is_ranked_nowhere_in_time(report, table):
+    assert set(pd.read_csv(report / "tables" / f"{table}.csv").solver) == {"reference"}
+
+
+@pytest.fixture(scope="module")
+def nothing_yet() -> Experiment:
+    """An experiment that knows the truth of CASE and has no run."""
+    return Experiment((CASE,), {LABEL: tasks.find_truth(CASE)}, (), 0.0)
+
+
+def test_wrong_trajectory_is_told_as_wrong(tmp_path, motion, nothing_yet):
+    short = tmp_path / "short.csv"
+    motion.iloc[:300].to_csv(short, index=False)
+    joined = external.joined(nothing_yet, external.from_options([f"mine={short}"], [CASE], ()))
+    (run,) = joined.runs
+    assert run.outcome == "wrong"
+    assert "missed" in run.reason and "ends at" in run.reason
+
+
+def test_several_files_of_a_name_are_its_rungs_and_give_an_order(tmp_path, motion, nothing_yet):
+    files = []
+    for step in (16, 8, 4, 2):
+        # A first-order solver's error: the plate is late by a tenth of its step.
+        late = motion.assign(slip=np.interp(motion.t - 0.1 * step * 1e-3, motion.t, motion.slip))
+        late.iloc[::step].to_csv(tmp_path / f"h{step}.csv", index=False)
+        files.append(f"mine={tmp_path / f'h{step}.csv'}")
+    joined = external.joined(nothing_yet, external.from_options(files, [CASE], ()))
+    assert [(run.rung, str(run.setting)) for run in joined.runs] == [
+        (1, "file=h16.csv"), (2, "file=h8.csv"), (3, "file=h4.csv"), (4, "file=h2.csv"),
+    ]  # fmt: skip
+    (row,) = [r for r in convergence_rows(joined) if r["quantity"] == "first_transition_time"]
+    assert row["order"] == pytest.approx(1.0, abs=0.1)
+
+
+def test_runs_stand_after_those_of_their_case(file, nothing_yet):
+    other = cases.load("disc_on_line", mu=0.3)
+    runs = tuple(Run(case.label, "pymunk", "native", Setting.of(), 1, "crashed") for case in (CASE, other))
+    found = replace(nothing_yet, cases=(CASE, other), runs=runs)
+    joined = external.joined(found, external.from_options([f"mine@{LABEL}={file}"], [CASE, other], ()))
+    assert [(run.case, run.solver) for run in joined.runs] == [
+        (LABEL, "pymunk"), (LABEL, "mine"), (other.label, "pymunk"),
+    ]  # fmt: skip
+
+
+def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
+    unknown = replace(nothing_yet, truths={LABEL: Truth(failure="the witnesses disagree")})
+    (run,) = external.joined(unknown, external.from_options([f"mine={file}"], [CASE], ())).runs
+    assert (run.outcome, run.reason) == ("refused", "there is no truth to judge it by: the witnesses disagree")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("mine", "give --trajectory NAME=FILE.csv"),
+        ("=mine.csv", "give --trajectory NAME=FILE.csv"),
+        ("reference=mine.csv", "takes the name of the solver reference"),
+        ("mine@disc_on_lien=mine.csv", "there is no case in this report 'disc_on_lien'"),
+        ("mine=nowhere.csv", "there is no file 'nowhere.csv'"),
+        ("mine=columns.csv", "has no column theta"),
+        ("mine=unsorted.csv", "does not grow"),
+        ("mine=coarse.csv", "too coarse"),
+        ("mine=millimetres.csv", "give metres"),
+    ],
+)
+def test_unusable_trajectory_is_told_in_one_line_before_anything_runs(
+    text, told, tmp_path, motion, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    motion.to_csv("mine.csv", index=False)
+    motion.drop(columns="theta").to_csv("columns.csv", index=False)
+    motion.iloc[::-1].to_csv("unsorted.csv", index=False)
+    motion.iloc[::100].to_csv("coarse.csv", index=False)
+    motion.assign(x=1e3 * motion.x, y=1e3 * motion.y).to_csv("millimetres.csv", index=False)
+    before = sorted(tmp_path.iterdir())
+    assert build.main(["--case", LABEL, "--trajectory", text]) == 2
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.count("\n") == 1 and told in said.err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_trajectory_without_a_case_needs_a_report_of_one(file, capsys):
+    assert build.main(["--case", "disc_on_line", "--trajectory", f"mine={file}"]) == 2
+    assert "names no case, and the report has" in capsys.readouterr().err
+    assert build.main(["--trajectory", f"mine@disc_on_line={file}"]) == 2
+    assert "give one of disc_on_line[" in capsys.readouterr().err

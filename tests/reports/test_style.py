@@ -1,0 +1,24 @@
+"""Figures as files: what is left out of them leaves a whole picture."""
+
+import xml.etree.ElementTree as ET
+
+import matplotlib
+from matplotlib import pyplot as plt
+
+from reports.drawing import files, style
+
+
+def test_a_figure_is_well_formed_and_says_how_it_is_made(tmp_path):
+    with matplotlib.rc_context(style.STYLE):
+        figure, ax = plt.subplots()
+        ax.bar([0, 1], [1.0, float("nan")])
+        ax.plot([], [], "o")  # nothing to draw: a group without content
+        ax.text(0.5, 0.5, "")
+        drawn = files.save(figure, tmp_path, "figure", "case", "Title", "Words")
+    files.embed_command(tmp_path, drawn, "python -m reports.build --case a<b")
+    told = ET.parse(tmp_path / "figure.svg").getroot()
+    assert "--case a<b" in next(child.text or "" for child in told if child.tag.endswith("desc"))
+
+
+def test_an_empty_group_stays_closed():
+    ET.fromstring(files.minify('<svg ><g id="one"><g id="two"/><path d="M 0 0 L 1.234567 2"/></g></svg>'))

@@ -1,0 +1,165 @@
+"""One run and its verdict, and the tables."""
+
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import cases
+from adapters import EngineFailure, Setting
+from cases import Mode, NotSupported, State, Trajectory, Transition
+from reports.page.text import error_text
+from reports.running import tasks
+from reports.running.records import Run, first_error
+
+# --- one run and its verdict ------------------------------------------------------------------------------------------
+
+
+def fake_engine(read, routes=("native",), run=lambda model: None):
+    """An adapter that gives the trajectory `read(case)` whatever its setting."""
+    return SimpleNamespace(
+        NAME="fake",
+        routes=routes,
+        refuses=lambda case, route: "it cannot" if route == "shy" else None,
+        ladder=lambda case, route: (Setting.of(h=0.01),),
+        build=lambda case, route, setting: case,
+        run=run,
+        read=read,
+        version=lambda: "1.0",
+    )
+
+
+def bowling(case, delay=0.0, samples=300, last=1.0) -> Trajectory:
+    """The exact motion of `disc_on_line`, its transition late by `delay` seconds."""
+    v0, mu, g, r = 1.0, 0.1, 9.81, 0.1
+    t = np.linspace(0.0, last * case.duration, samples)
+    turn = v0 / (3 * mu * g) + delay
+    slipping = np.minimum(t, turn)
+    slip = np.where(t < turn, v0 - 3 * mu * g * (t - delay), 0.0)
+    vx = v0 - mu * g * slipping
+    x = v0 * slipping - mu * g * slipping**2 / 2 + (v0 - mu * g * turn) * np.maximum(t - turn, 0.0)
+    omega = (slip - vx) / r
+    theta = -mu * g * slipping**2 / r - (v0 - mu * g * turn) / r * np.maximum(t - turn, 0.0)
+    zero = np.zeros(samples)
+    state = State(x, zero + r, theta, vx, zero, omega, slip, zero + g, np.where(t < turn, -mu * g, 0.0), x, x)
+    return Trajectory(t=t, **state._asdict())
+
+
+@pytest.fixture(scope="module")
+def line():
+    case = cases.load("disc_on_line", mu=0.1)
+    return case, tasks.find_truth(case)
+
+
+def performed(monkeypatch, line, read, **more) -> Run:
+    case, truth = line
+    monkeypatch.setattr(tasks, "solver", lambda name: fake_engine(read, **more))
+    return tasks.perform(case, "fake", "native", Setting.of(h=0.01), 1, truth)
+
+
+def test_truth_of_bowling_is_the_textbook_time(line):
+    _, truth = line
+    assert truth.failure == "" and len(truth.witnesses) >= 3
+    assert [event.time for event in truth.transitions] == pytest.approx([1.0 / (3 * 0.1 * 9.81)], abs=1e-14)
+    assert 0.0 < truth.error_bars[0] < 1e-12
+
+
+def test_exact_motion_is_right_to_rounding(monkeypatch, line):
+    run = performed(monkeypatch, line, bowling)
+    assert (run.outcome, run.reason) == ("right", "")
+    assert abs(first_error(run)) < 1e-13
+    assert max(run.distance) < 1e-13
+
+
+def test_late_transition_is_right_with_its_error_told(monkeypatch, line):
+    run = performed(monkeypatch, line, lambda case: bowling(case, delay=2e-3))
+    assert run.outcome == "right"
+    assert first_error(run) == pytest.approx(2e-3, abs=1e-9)
+
+
+def slipping_for_ever(case) -> Trajectory:
+    motion = bowling(case)
+    return Trajectory(**{**{n: getattr(motion, n) for n in ("t", *State._fields)}, "slip": motion.slip + 0.5})
+
+
+@pytest.mark.parametrize(
+    "read, reason",
+    [
+        (slipping_for_ever, "1 missed (slip_forward to roll)"),
+        (lambda case: bowling(case, last=0.6), "ends at"),
+    ],
+)
+def test_motion_of_another_kind_is_wrong_with_a_reason(monkeypatch, line, read, reason):
+    run = performed(monkeypatch, line, read)
+    assert run.outcome == "wrong" and reason in run.reason
+
+
+def with_nan(case) -> Trajectory:
+    motion = bowling(case)
+    motion.x[5] = np.nan
+    return motion
+
+
+def failing(error):
+    def read(case):
+        raise error
+
+    return read
+
+
+@pytest.mark.parametrize(
+    "read, outcome, reason",
+    [
+        (with_nan, "crashed", "not finite"),
+        (failing(EngineFailure("Newton gave up")), "crashed", "Newton gave up"),
+        (failing(ZeroDivisionError("by zero")), "crashed", "ZeroDivisionError: by zero"),
+        (failing(NotSupported("no curves here")), "refused", "no curves here"),
+    ],
+)
+def test_failing_engines_give_rows(monkeypatch, line, read, outcome, reason):
+    run = performed(monkeypatch, line, read)
+    assert run.outcome == outcome and reason in run.reason
+
+
+def test_clock_is_around_run_alone(monkeypatch, line):
+    def slow(case):
+        time.sleep(0.2)
+        return bowling(case)
+
+    run = performed(monkeypatch, line, slow, run=lambda model: sum(range(200_000)))
+    assert 0.0 < run.cost.cpu_s and run.cost.wall_s < 0.2 <= run.cost.setup_s
+
+
+def test_transitions_of_a_solver_that_locates_them_are_taken_as_they_are(line):
+    own = (Transition(0.25, Mode.SLIP_FORWARD, Mode.ROLL),)
+    case = line[0]
+    motion = bowling(case)
+    located = Trajectory(
+        **{n: getattr(motion, n) for n in ("t", *State._fields)}, transitions=own, first_mode=Mode.ROLL
+    )
+    reading = tasks.reading_of(case, located)
+    assert reading.transitions == own and reading.first_mode is Mode.ROLL
+
+
+def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, line):
+    monkeypatch.setattr(tasks, "solver", lambda name: fake_engine(bowling, routes=("native", "shy")))
+    native, shy = tasks.survey(line[0], "fake")
+    assert native.settings and (shy.outcome, shy.reason) == ("refused", "it cannot")
+
+    def missing(name):
+        raise ImportError("No module named 'fake'")
+
+    monkeypatch.setattr(tasks, "solver", missing)
+    (offer,) = tasks.survey(line[0], "fake")
+    assert offer.outcome == "refused" and "not installed" in offer.reason
+
+
+# --- tables -----------------------------------------------------------------------------------------------------------
+
+
+def test_no_more_is_claimed_than_the_truth_allows():
+    row = dict(is_truth=False, finest_error=3e-15, finest_outcome="right", transitions=1, truth_error_bar=1e-12)
+    assert error_text(row, "finest_error") == "< 1.0e-12"
+    assert error_text({**row, "finest_error": -3e-5}, "finest_error") == "-3.0e-05"
+    assert error_text({**row, "finest_error": float("nan")}, "finest_error") == "missed"

@@ -1,0 +1,281 @@
+"""Flights, landings, bounces and stick read from samples: of exact motions, of made-up ones, of engines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cases
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    PerfectlyRough,
+    RollingResistance,
+    Start,
+    Trajectory,
+    Unilateral,
+    disc,
+)
+from cases.library import line
+from reports.judging import ledger, slip_phases, transitions
+from reports.running import tasks
+from tests.motions import motion_of
+
+FORWARD, ROLL, STICK, FLIGHT = Mode.SLIP_FORWARD, Mode.ROLL, Mode.STICK, Mode.FLIGHT
+G, R = 9.81, 0.1
+FALL = np.array([0.0, -G])
+
+
+def kinds(told: slip_phases.Reading) -> list[tuple[Mode, Mode]]:
+    return [(event.before, event.after) for event in told.transitions]
+
+
+def times(told: slip_phases.Reading) -> list[float]:
+    return [event.time for event in told.transitions]
+
+
+def sampled(exact: Trajectory, count: int) -> Trajectory:
+    """The exact motion as an engine would give it: on a uniform grid, without its transitions and first mode."""
+    t = np.linspace(exact.t[0], exact.t[-1], count)
+    return Trajectory(t=t, **exact(t)._asdict(), status=exact.status)
+
+
+# --- exact motions ----------------------------------------------------------------------------------------------------
+
+# Constant forces: two parabolas meet, but for the rounding of their positions (1e-16 m over a jump of 0.1 m/s).
+MEETING = 1e-13
+# Slip, turning and leaving are extrapolated by polynomials; bounds ten times (gap / 0.3 s)^5 as in test_metrics.py,
+# or, where a contact lasts less than that, so many gaps as the width of a local polynomial.
+EXACT = {
+    # Samples; bounds by kind of transition, in gaps for landings, else in s.
+    ("bouncing_disc", 501): dict(rest=1e-9),
+    ("bouncing_disc", 2001): dict(rest=1e-9),
+    ("disc_off_ramp", 1501): dict(branch=1e-8),
+    ("disc_off_ramp", 6001): dict(branch=1e-11),
+    ("tumbling_ellipse", 501): dict(branch=1e-6),
+    ("tumbling_ellipse", 2001): dict(branch=1e-9),
+    ("disc_rolling_to_rest", 51): dict(branch=1e-13),
+    ("disc_rolling_to_rest", 501): dict(branch=1e-13),
+    ("disc_in_sticky_valley", 101): dict(branch=1e-2),
+    ("disc_in_sticky_valley", 501): dict(branch=1e-6),
+    ("disc_in_sticky_valley", 2001): dict(branch=1e-9),
+}
+
+
+@pytest.mark.parametrize(("name", "count"), EXACT)
+def test_exact_motion_is_read_back(name, count, accuracy):
+    case = cases.load(name)
+    exact, bounds = motion_of(case), EXACT[name, count]
+    told = transitions.read_motion(case, sampled(exact, count))
+    assert told.first_mode is exact.first_mode
+    assert kinds(told) == [(event.before, event.after) for event in exact.transitions]
+    gap = float(exact.t[-1]) / (count - 1)
+    for found, true in zip(told.transitions, exact.transitions, strict=True):
+        what, bound = "branch", bounds.get("branch", 0.0)
+        if found.before is FLIGHT:
+            # The last landing of a bouncing whose ratio is not constant lies somewhere in its gap, or in that before.
+            what, bound = ("impact", MEETING) if found.after is FLIGHT else ("rest", bounds.get("rest", gap))
+        accuracy(case=case.label, solver="reading", route="samples", error=found.time - true.time, tolerance=bound,
+                 quantity=f"{what} read from {count} samples / s")  # fmt: skip
+
+
+def test_rough_contact_rolls():
+    case = cases.load("rough_disc_in_circle")
+    told = transitions.read_motion(case, sampled(motion_of(case), 501))
+    assert told.first_mode is ROLL and told.transitions == ()
+
+
+# --- made-up motions --------------------------------------------------------------------------------------------------
+
+
+def thrown(*effects, duration: float = 1.0) -> Case:
+    effects = effects or (Gravity(G), Impact(0.5))
+    return Case(
+        line(), disc(R, 1.0), (CoulombFriction(0.2), Unilateral(), Flight(), *effects), Start(0.0, gap=1.0), duration
+    )
+
+
+def motion(t, y, vy, contact=None, omega=0.0, slip=0.0, vx=1.0, **how) -> Trajectory:
+    """A plate at height y, in flight but where `contact` is true."""
+    t = np.asarray(t, dtype=float)
+    contact = np.zeros(len(t), dtype=bool) if contact is None else np.asarray(contact)
+    zero, where = np.zeros(len(t)), np.where(contact, 0.0, np.nan)
+    given = {"vx": vx + zero, "vy": vy + zero, "omega": omega + zero, "slip": slip + where, "xi1": where, "xi2": where}
+    force = {"normal_force": np.where(contact, G, 0.0), "friction_force": zero}
+    return Trajectory(t=t, x=vx * t, y=y + zero, theta=zero, **given, **force, **how)
+
+
+def bounce(t, at: float, down: float, up: float, pull: float = G) -> tuple[np.ndarray, np.ndarray]:
+    """Height and its rate: with the speed `down` onto the floor at a time, off it with `up`."""
+    s = t - at
+    v = np.where(s < 0.0, -down, up)
+    return R + v * s - 0.5 * pull * s * s, v - pull * s
+
+
+@pytest.mark.parametrize("at", [0.31, 0.3141592, 0.319999])
+def test_impact_between_samples_is_where_two_parabolas_meet(at):
+    t = np.linspace(0.0, 0.6, 61)
+    told = transitions.read_motion(thrown(), motion(t, *bounce(t, at, 3.0, 1.5)))
+    assert told.first_mode is FLIGHT and kinds(told) == [(FLIGHT, FLIGHT)]
+    assert times(told) == pytest.approx([at], abs=1e-14)
+
+
+def test_impact_on_a_doubled_sample_is_there():
+    t = np.sort(np.append(np.linspace(0.0, 0.6, 61), 0.30))
+    y, v = bounce(t, 0.30, 3.0, 1.5)
+    v[np.flatnonzero(np.diff(t) == 0.0)[0]] = -3.0
+    # An engine's positions are off its parabola; the doubled time is its own landing all the same.
+    told = transitions.read_motion(thrown(), motion(t, y + 1e-3 * np.sin(50 * t), v))
+    assert kinds(told) == [(FLIGHT, FLIGHT)] and times(told) == [t[np.flatnonzero(np.diff(t) == 0.0)[0]]]
+
+
+def test_one_contact_sample_between_two_flights_is_an_impact():
+    t = np.linspace(0.0, 0.6, 61)
+    y, v = bounce(t, 0.302, 3.0, 1.5)
+    told = transitions.read_motion(thrown(), motion(t, y, v, contact=np.arange(61) == 31))
+    assert kinds(told) == [(FLIGHT, FLIGHT)]
+    assert times(told) == pytest.approx([0.302], abs=1e-14)
+
+
+def test_flight_without_jump_has_no_impact_even_under_a_strong_load():
+    # Air drag as strong as gravity at the end of the fall: the acceleration changes by all of it.
+    case = thrown(Gravity(G), Load(fy="-2*vy"), Impact(0.5), duration=3.0)
+    t = np.linspace(0.0, 3.0, 31)
+    end, decay = G / 2.0, np.exp(-2.0 * t)
+    told = transitions.read_motion(case, motion(t, 50.0 - end * t + end / 2.0 * (1.0 - decay), -end * (1.0 - decay)))
+    assert told.first_mode is FLIGHT and told.transitions == ()
+
+
+def test_impact_without_gravity_is_seen_and_rounding_is_none():
+    case = thrown(Impact(0.5))
+    t = np.linspace(0.0, 0.6, 61)
+    y, v = bounce(t, 0.3141, 3.0, 1.5, pull=0.0)
+    rounding = 1e-7 * np.random.default_rng(1).standard_normal(61)
+    told = transitions.read_motion(case, motion(t, y, v + rounding))
+    assert kinds(told) == [(FLIGHT, FLIGHT)]
+    assert times(told) == pytest.approx([0.3141], abs=1e-7)
+
+
+def test_flight_too_short_for_the_listing_is_not_listed():
+    # The second flight lasts 8e-4 of the duration, and sixteen samples.
+    t = np.arange(0.0, 0.6, 5e-5)
+    up = 0.5 * G * 8e-4
+    y, v = bounce(t, 0.3, 3.0, up)
+    again = t >= 0.3 + 8e-4
+    y[again], v[again] = R, 0.0
+    told = transitions.read_motion(thrown(), motion(t, y, v, contact=again))
+    assert kinds(told) == [(FLIGHT, ROLL)]
+    assert times(told) == pytest.approx([0.3 + 8e-4], abs=1e-4)
+    longer = transitions.read_motion(thrown(duration=0.7), motion(t, y, v, contact=again))
+    assert kinds(longer) == [(FLIGHT, FLIGHT), (FLIGHT, ROLL)]
+
+
+def test_landing_without_rebound_is_where_the_fall_meets_the_floor():
+    t = np.linspace(0.0, 0.6, 61)
+    y, v = bounce(t, 0.3141592, 3.0, 0.0)
+    down = t > 0.3141592
+    y[down], v[down] = R, 0.0
+    told = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
+    assert kinds(told) == [(FLIGHT, ROLL)]
+    assert times(told) == pytest.approx([0.3141592], abs=1e-14)
+
+
+def test_contacts_between_flights_are_read_each_for_itself():
+    # Slip ends at 0.2 and at 0.7; between them a flight from 0.4 to 0.5, which the force and a doubled sample tell.
+    t = np.sort(np.append(np.linspace(0.0, 1.0, 201), 0.5))
+    second = int(np.flatnonzero(np.diff(t) == 0.0)[0]) + 1
+    contact = (t < 0.4 - 1e-9) | (np.arange(len(t)) >= second)
+    slip = np.where(np.arange(len(t)) < second, np.maximum(0.2 - t, 0.0), np.maximum(0.7 - t, 0.0))
+    made = motion(t, R, np.where(contact, 0.0, -G * (t - 0.4)), contact=contact, slip=slip)
+    made = replace(made, normal_force=np.where(contact & (t < 0.45), 40.0 * (0.4 - t), made.normal_force))
+    told = transitions.read_motion(thrown(), made)
+    assert told.first_mode is FORWARD
+    assert kinds(told) == [(FORWARD, ROLL), (ROLL, FLIGHT), (FLIGHT, FORWARD), (FORWARD, ROLL)]
+    assert times(told) == pytest.approx([0.2, 0.4, 0.5, 0.7], abs=1e-12)
+
+
+def test_landing_that_ends_the_motion_is_no_contact():
+    case = Case(line(), disc(R, 1.0), (Gravity(G), Unilateral(), Flight()), Start(0.0, gap=1.0), 1.0)
+    t = np.append(np.linspace(0.0, 0.3, 31), 0.3)
+    y, v = bounce(t, 0.3, 3.0, 0.0)
+    told = transitions.read_motion(case, motion(t, y, v, contact=np.arange(32) == 31, status="landing"))
+    assert told.first_mode is FLIGHT and told.transitions == ()
+
+
+# --- turning ----------------------------------------------------------------------------------------------------------
+
+
+def resisted(friction=None) -> Case:
+    effects = (Gravity(G), friction or CoulombFriction(0.3), RollingResistance(0.005), Unilateral())
+    return Case(line(), disc(R, 1.0), effects, Start(0.0, omega=-1.0), 2.0)
+
+
+def turning(omega, slip=0.0, count: int = 201, **how) -> Trajectory:
+    t = np.linspace(0.0, 2.0, count)
+    return motion(t, R, 0.0, contact=np.ones(count, dtype=bool), omega=omega(t), slip=slip, **how)
+
+
+@pytest.mark.parametrize("friction", [CoulombFriction(0.3), PerfectlyRough()])
+def test_roll_that_stops_sticks(friction):
+    told = transitions.read_motion(resisted(friction), turning(lambda t: np.minimum(0.4 * (t - 1.234), 0.0)))
+    assert told.first_mode is ROLL and kinds(told) == [(ROLL, STICK)]
+    assert times(told) == pytest.approx([1.234], abs=1e-13)
+
+
+def test_stick_that_gives_way_rolls():
+    told = transitions.read_motion(resisted(), turning(lambda t: 3.0 * np.maximum(t - 0.777, 0.0) ** 2))
+    assert told.first_mode is STICK and kinds(told) == [(STICK, ROLL)]
+    assert times(told) == pytest.approx([0.777], abs=1e-12)
+
+
+def test_roll_that_turns_around_is_a_roll():
+    told = transitions.read_motion(resisted(), turning(lambda t: t - 1.0))
+    assert told.first_mode is ROLL and told.transitions == ()
+
+
+def test_slip_of_a_plate_that_does_not_turn_ends_in_stick():
+    t = np.linspace(0.0, 2.0, 201)
+    told = transitions.read_motion(resisted(), turning(np.zeros_like, slip=np.maximum(0.7 - t, 0.0)))
+    assert told.first_mode is FORWARD and kinds(told) == [(FORWARD, STICK)]
+    assert times(told) == pytest.approx([0.7], abs=1e-13)
+
+
+def test_creep_and_spin_below_the_resolution_are_stick():
+    noise = np.random.default_rng(1).uniform(-1.0, 1.0, 201)
+    told = transitions.read_motion(resisted(), turning(lambda t: 1e-3 * noise, slip=1e-4 * noise, slip_resolution=1e-4))
+    assert told.first_mode is STICK and told.transitions == ()
+
+
+def test_without_rolling_resistance_nothing_sticks():
+    case = replace(resisted(), effects=(Gravity(G), CoulombFriction(0.3), Unilateral()))
+    told = transitions.read_motion(case, turning(np.zeros_like))
+    assert told.first_mode is ROLL and told.transitions == ()
+
+
+# --- engines ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["box2d", "exudyn", "pymunk"])
+def test_bounces_of_an_engine_are_read(name):
+    adapter = pytest.importorskip(f"adapters.{name}")
+    case = cases.load("bouncing_disc")
+    refusal = adapter.refuses(case, "native")
+    if refusal:
+        pytest.skip(refusal)
+    setting = adapter.ladder(case, "native")[3]
+    told = transitions.read_motion(case, tasks.timed(adapter, case, "native", setting))
+    rows = ledger.match(motion_of(case).transitions, told.transitions)
+    assert told.first_mode is FLIGHT
+    # The first five flights last more than ten of the engines' steps; what they make of the last ones is theirs.
+    assert [row.verdict for row in rows if row.reference_time < 0.9] == ["matched"] * 4
+    assert (FLIGHT, ROLL) == kinds(told)[-1]
+    # An impact may come a step late, and leave with the speed of that step; the next comes later by twice as much.
+    first = next(row for row in rows if row.verdict == "matched")
+    assert abs(first.error) <= setting["h"]

@@ -1,0 +1,374 @@
+"""What becomes of timings: work-precision rows, orders, time to accuracy, null scores, the sentences, the figures."""
+
+import re
+from dataclasses import replace
+from math import isfinite, isnan, nan
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cases
+from adapters import Setting
+from cases import Cost, Mode, Transition
+from reports.analysis import baselines, conclusions, quantities, tables, work_precision
+from reports.analysis.work_precision import Measured
+from reports.drawing import files
+from reports.drawing.style import looks_of
+from reports.judging.distances import Distance
+from reports.judging.ledger import LedgerRow
+from reports.running import solvers, tasks, timings
+from reports.running.calls import Calls
+from reports.running.clock import Timing
+from reports.running.records import Experiment, Run, Truth
+
+BAR = 1e-14
+
+
+def timing(cpu: float, disturbed=False) -> Timing:
+    return Timing(cpu, 0.9 * cpu, 1.1 * cpu, cpu, 0.0, 0.0, 0.0, 5, 0, disturbed)
+
+
+def rung(name: str) -> Setting:
+    return Setting.of(s=name)
+
+
+def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Measured]:
+    """An experiment of one case from (solver, setting, error, CPU seconds or None for not timed)."""
+    case = cases.load("disc_on_line", mu=0.1)
+    event = Transition(0.3, Mode.SLIP_FORWARD, Mode.ROLL)
+    truth = Truth("taylor", (event,), (BAR,), Mode.SLIP_FORWARD, "completed", centre_bar=BAR)
+    runs, times = [], {}
+    for place, (solver, setting, error, cpu) in enumerate(points):
+        row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "matched")
+        distance = Distance(*9 * (abs(error),))
+        told = dict(outcome="right", ledger=(row,), cost=Cost(steps=10 * 4**place), distance=distance)
+        runs.append(Run(case.label, solver, "r", rung(setting), 1, **told))
+        if cpu is not None:
+            times[case.label, solver, "r", rung(setting)] = timing(cpu)
+    null = {"motion": "never moves", **dict.fromkeys(quantities.UNITS, 3e-3)}
+    nulls = {case.label: baselines.Baseline((null,), dict.fromkeys(quantities.UNITS, BAR))}
+    return Experiment((case,), {case.label: truth}, tuple(runs), 0.0), Measured((case.label,), times, nulls)
+
+
+def disturb(measured: Measured, *solvers: str) -> Measured:
+    told = {who: replace(t, disturbed=t.disturbed or who[1] in solvers) for who, t in measured.timings.items()}
+    return measured._replace(timings=told)
+
+
+def first(rows, accuracy: float) -> dict[str, dict]:
+    return {r["solver"]: r for r in rows if r["quantity"] == "first_transition_time" and r["accuracy"] == accuracy}
+
+
+def accuracy_rows(*points, disturbed: tuple[str, ...] = ()):
+    experiment, measured = made(*points)
+    return work_precision.time_to_accuracy_rows(
+        work_precision.work_precision_rows(experiment, disturb(measured, *disturbed))
+    )
+
+
+# --- rows -------------------------------------------------------------------------------------------------------------
+
+
+def test_cheapest_setting_that_is_accurate_enough_counts():
+    rows = accuracy_rows(("a", "coarse", 1e-3, 1.0), ("a", "fine", -1e-9, 4.0), ("b", "only", 1e-5, 2.0))
+    assert first(rows, 1e-2)["a"]["setting"] == rung("coarse") and first(rows, 1e-4)["a"]["setting"] == rung("fine")
+    assert first(rows, 1e-4)["a"]["ratio"] == 2.0 and first(rows, 1e-4)["b"]["ratio"] == 1.0
+    told = first(rows, 1e-4)["a"]
+    assert told["ratio_low"] < told["ratio"] < told["ratio_high"]
+    assert first(rows, 1e-6)["b"]["cpu_s"] == work_precision.NEVER
+
+
+def test_accuracies_of_the_table_are_the_promised_ones():
+    rows = accuracy_rows(("a", "s", 1e-9, 1.0))
+    assert sorted({row["accuracy"] for row in rows}) == [1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2]
+
+
+def test_an_accurate_setting_without_a_timing_is_not_called_never():
+    rows = accuracy_rows(("a", "fine", 1e-9, None), ("b", "only", 1e-5, 2.0))
+    assert first(rows, 1e-8)["a"]["cpu_s"] == work_precision.NOT_TIMED
+
+
+def test_times_taken_beside_other_runs_rank_nothing():
+    experiment, measured = made(("a", "s", 1e-9, None), ("b", "s", 1e-9, 2.0))
+    hasty = replace(experiment.runs[0], cost=Cost(cpu_s=1e-6, wall_s=1e-6, setup_s=0.0, steps=10))
+    points = work_precision.work_precision_rows(replace(experiment, runs=(hasty, *experiment.runs[1:])), measured)
+    rows = first(work_precision.time_to_accuracy_rows(points), 1e-2)
+    assert rows["a"]["cpu_s"] == work_precision.NOT_TIMED and rows["b"]["ratio"] == 1.0
+
+
+def test_no_accuracy_is_told_below_ten_bars_of_the_truth():
+    experiment, measured = made(("a", "s", 0.0, 1.0))
+    rows = work_precision.work_precision_rows(experiment, measured)
+    assert all(row["below_floor"] for row in rows if row["quantity"] == "first_transition_time")
+    label = experiment.cases[0].label
+    unsure = {label: replace(experiment.truths[label], error_bars=(1e-6,))}
+    rows = work_precision.time_to_accuracy_rows(
+        work_precision.work_precision_rows(replace(experiment, truths=unsure), measured)
+    )
+    assert first(rows, 1e-4)["a"]["cpu_s"] == 1.0 and first(rows, 1e-6)["a"]["cpu_s"] == work_precision.NOT_KNOWN
+
+
+def test_disturbed_timings_rank_nothing():
+    points = ("a", "s", 1e-9, 1.0), ("b", "s", 1e-9, 2.0), ("c", "s", 1e-9, 3.0)
+    rows = first(accuracy_rows(*points, disturbed=("b",)), 1e-2)
+    assert rows["b"]["cpu_s"] == work_precision.DISTURBED and isnan(rows["b"]["rank"]) and isnan(rows["b"]["ratio"])
+    # The other two are compared with each other alone.
+    assert (rows["a"]["rank"], rows["c"]["rank"], rows["c"]["ratio"]) == (1.0, 2.0, 3.0)
+
+
+def test_nothing_is_told_relative_to_a_fastest_that_may_be_a_disturbed_one():
+    rows = first(accuracy_rows(("a", "s", 1e-9, 1.0), ("b", "s", 1e-9, 2.0), disturbed=("a",)), 1e-2)
+    assert rows["b"]["cpu_s"] == 2.0 and isnan(rows["b"]["ratio"])
+
+
+def test_a_route_is_not_judged_by_a_dearer_setting_because_the_cheaper_was_disturbed():
+    experiment, measured = made(("a", "cheap", 1e-5, 1.0), ("a", "dear", 1e-9, 5.0))
+    who = (experiment.cases[0].label, "a", "r", rung("cheap"))
+    measured = measured._replace(timings={**measured.timings, who: timing(1.0, disturbed=True)})
+    rows = work_precision.time_to_accuracy_rows(work_precision.work_precision_rows(experiment, measured))
+    assert first(rows, 1e-4)["a"]["cpu_s"] == work_precision.DISTURBED and first(rows, 1e-6)["a"]["cpu_s"] == 5.0
+
+
+def test_routes_whose_intervals_meet_share_a_rank():
+    rows = first(accuracy_rows(("a", "s", 1e-9, 1.0), ("b", "s", 1e-9, 1.1), ("c", "s", 1e-9, 9.0)), 1e-2)
+    assert [rows[name]["rank"] for name in "abc"] == [1.0, 1.0, 3.0]
+
+
+def test_wrong_runs_are_praised_for_nothing():
+    experiment, measured = made(("a", "s", 1e-9, 1.0))
+    wrong = replace(experiment, runs=(replace(experiment.runs[0], outcome="wrong"),))
+    assert work_precision.work_precision_rows(wrong, measured) == [] and work_precision.fit_rows(wrong, measured) == []
+
+
+def test_every_quantity_has_rows_and_an_engine_without_a_normal_force_none_of_that():
+    experiment, measured = made(("a", "s", 1e-9, 1.0))
+    assert {row["quantity"] for row in work_precision.work_precision_rows(experiment, measured)} == set(
+        quantities.UNITS
+    )
+    mute = replace(experiment.runs[0], distance=experiment.runs[0].distance._replace(normal_force_mean=nan))
+    rows = work_precision.work_precision_rows(replace(experiment, runs=(mute,)), measured)
+    assert {row["quantity"] for row in rows} == set(quantities.UNITS) - {"normal_force_mean"}
+
+
+def test_null_score_stands_beside_each_error_and_marks_accuracies_it_reaches():
+    experiment, measured = made(("a", "s", 1e-3, 1.0))
+    rows = work_precision.work_precision_rows(experiment, measured)
+    assert {(row["null_error"], row["null_motion"]) for row in rows} == {(3e-3, "never moves")}
+    rows = work_precision.time_to_accuracy_rows(rows)
+    assert first(rows, 1e-2)["a"]["null_reaches"] and not first(rows, 1e-4)["a"]["null_reaches"]
+
+
+def test_all_transitions_are_as_wrong_as_the_worst():
+    experiment, _ = made(("a", "s", 1e-9, 1.0))
+    run = experiment.runs[0]
+    later = replace(run.ledger[0], event=2, error=-2e-5)
+    assert quantities.error(replace(run, ledger=(run.ledger[0], later)), "all_transitions") == 2e-5
+    assert isnan(quantities.error(replace(run, ledger=()), "all_transitions"))
+
+
+def test_what_the_certificate_does_not_keep_has_the_second_method_s_bar():
+    truth = Truth(centre_bar=1e-12)
+    witnessed = {"final_pose": 1e-10, "normal_force_mean": 1e-11, "energy_mean": 0.0}
+    assert quantities.bar(truth, "final_pose", witnessed) == 1e-10
+    assert quantities.bar(truth, "centre_rms", witnessed) == 1e-12
+    assert quantities.bar(truth, "normal_force_mean", witnessed) == 1e-11
+    assert 0.0 < quantities.bar(truth, "energy_mean", witnessed) < 1e-14
+    assert isnan(quantities.bar(truth, "first_transition_time", witnessed))
+
+
+def test_orders_in_steps_and_in_time_are_fitted():
+    # Four times the steps and twice the time a rung; second order in steps is fourth order in time.
+    ladder = [("a", f"h={i}", 1e-2 * 16.0**-i, 2.0**i) for i in range(4)]
+    experiment, measured = made(*ladder)
+    rows = {row["quantity"]: row for row in work_precision.fit_rows(experiment, measured)}
+    assert rows.keys() == quantities.UNITS.keys()
+    for row in rows.values():
+        assert (row["order"], row["order_in_time"]) == pytest.approx((2.0, 4.0))
+        assert row["saturation"] == "" and row["settings"] == 4
+    rows = work_precision.fit_rows(experiment, disturb(measured, "a"))
+    assert all(isnan(row["order_in_time"]) and isfinite(row["order"]) for row in rows)
+
+
+def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
+    experiment, _ = made(*[("a", f"h={i}", 1e-3, None) for i in range(timings.LEAST_SETTINGS)])
+    assert timings.chosen(experiment, full=False) == list(experiment.cases)
+    thin = replace(experiment, runs=experiment.runs[1:])
+    assert timings.chosen(thin, full=False) == [] and timings.chosen(thin, full=True) == list(experiment.cases)
+
+
+def test_a_default_report_runs_whole_ladders_of_as_many_families_as_it_times():
+    from reports.options import WHOLE
+
+    assert len(WHOLE) == timings.MOST_CASES and set(WHOLE) <= set(cases.names())
+
+
+def test_reference_and_engines_offer_enough_settings_for_a_curve():
+    case = cases.load("disc_in_circle", mu=0.2)
+    for name in ("reference", "exudyn", "pymunk"):
+        module = solvers.solver(name)
+        for route in module.routes:
+            assert len(module.ladder(case, route)) >= timings.LEAST_SETTINGS, (name, route)
+
+
+def test_two_builds_give_the_same_accuracies_to_the_last_digit():
+    case = cases.load("disc_on_line", mu=0.1)
+    truth = tasks.find_truth(case)
+    asked = []
+    for name in ("reference", "pymunk"):
+        module = solvers.solver(name)
+        asked += [(case, name, route, module.ladder(case, route)[2], 3, truth) for route in module.routes]
+    builds = []
+    for _ in range(2):
+        with Calls(1) as calls:
+            runs = tuple(answer.value for answer in calls.all("runs", tasks.perform, asked))
+        experiment = Experiment((case,), {case.label: truth}, runs, 0.0)
+        frames = tables.frames(experiment)
+        frames["trajectories"] = frames["trajectories"].drop(columns=["cpu_s", "setup_s", "run_at"])
+        builds.append({name: frame.to_csv() for name, frame in frames.items()})
+    assert len(runs) == 5 and builds[0] == builds[1]
+
+
+# --- null scores ------------------------------------------------------------------------------------------------------
+
+
+def test_null_scores_of_bowling_are_the_textbook_ones():
+    v0, mu, g = 1.0, 0.1, 9.81
+    told = baselines.baseline(cases.load("disc_on_line", mu=mu))
+    scores = {row["motion"]: row for row in told.rows}
+    turn = v0 / (3 * mu * g)
+    # It lasts twice as long: it slows down to 2/3 v0 and takes up spin, evenly, and then rolls.
+    travelled = v0 * turn - mu * g * turn**2 / 2 + (2 / 3) * v0 * turn
+    turned = 1.5 * (2 / 3) * v0 / 0.1 * turn
+    assert scores["never moves"]["final_pose"] == pytest.approx(np.hypot(travelled, turned * 0.1 / np.sqrt(2)))
+    # The level line keeps the normal force whatever friction does; a disc that never moves tells none.
+    assert scores["no friction"]["normal_force_mean"] == pytest.approx(0.0, abs=1e-12)
+    assert isnan(scores["never moves"]["normal_force_mean"])
+    # Friction takes a third of the kinetic energy, ½ m v² + ½ J ω² = ¾ m (⅔ v₀)²; on the way there, a parabola in time,
+    # less of it: in the mean over the slip ⅔ of that third. Who never moves has none of what is left.
+    lost = (2 / 3 + 1) / 2 / 3
+    assert scores["no friction"]["energy_mean"] == pytest.approx(lost, rel=1e-3)
+    assert scores["never moves"]["energy_mean"] == pytest.approx(1 - lost, rel=1e-3)
+    assert scores["rolls from the start"]["first_transition_time"] == pytest.approx(turn)
+    assert scores["no friction"]["centre_rms"] == pytest.approx(scores["rolls from the start"]["centre_rms"])
+
+
+def test_a_null_motion_that_makes_no_sense_is_told():
+    told = baselines.baseline(cases.load("frictionless_pendulum"))
+    rows = {row["motion"]: row for row in told.rows}
+    assert isnan(rows["no friction"]["final_pose"]) and rows["no friction"]["note"]
+    assert isfinite(rows["never moves"]["final_pose"])
+
+
+def test_second_method_witnesses_what_is_not_certified():
+    told = baselines.baseline(cases.load("frictionless_pendulum"))
+    assert told.witnessed.keys() == quantities.UNITS.keys() - set(quantities.TIMES)
+    # Two integrators at rtol 1e-13 over a second and a half of a pendulum.
+    assert all(0.0 <= far < 1e-11 for far in told.witnessed.values())
+
+
+# --- in words and pictures --------------------------------------------------------------------------------------------
+
+
+def test_sentence_says_plainly_where_the_reference_is_dearer():
+    cheap = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0)))
+    assert "3e+02 times r's" in cheap and "at 3 of the 3 levels" in cheap and "not on" not in cheap
+    dear = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 2.0), ("a", "s", 1e-7, 0.5)))
+    assert "at 0 of the 3 levels" in dear and "not on disc_on_line[mu=0.1] at 0.01 to 1e-06 s (a r: 0.25)" in dear
+
+
+def test_sentence_says_where_the_reference_is_cheaper_by_little():
+    told = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 1.0), ("a", "s", 1e-7, 3.0)))
+    assert "less than 100 times r's on disc_on_line[mu=0.1] at 1e-06 s (a r: 3)" in told
+
+
+def test_sentence_does_not_decide_what_intervals_leave_open():
+    told = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 1.05), ("a", "s", 1e-7, 1.0)))
+    assert "(a r: 0.95, not for sure)" in told
+
+
+def test_sentence_tells_of_a_disturbed_machine_and_ranks_nothing_by_it():
+    told = conclusions.headline(
+        accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0), disturbed=("a", "reference"))
+    )
+    assert "No case has timings" in told and "disturbed during 100%" in told and "times" not in told
+
+
+def test_set_up_and_compilation_are_told_beside_the_times():
+    experiment, measured = made(("reference", "s", 1e-13, 0.01), ("reference", "t", 1e-13, 0.01), ("a", "s", 1e-7, 3.0))
+    slow = {who: replace(t, setup_s=0.1, compile_s=0.4) for who, t in measured.timings.items() if who[1] == "reference"}
+    points = work_precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
+    assert "reference 1 s, a 0 s." in conclusions.set_up(points)
+    assert conclusions.set_up([]) == ""
+
+
+def test_figures_that_fail_are_told_in_their_place(tmp_path):
+    from reports.drawing import figures
+
+    experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
+    with Calls(1) as calls:
+        (told,) = figures.draw(experiment, tmp_path, calls)
+    assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
+
+
+def drawn_heights(figure) -> list[float]:
+    return [y for ax in figure.axes for line in ax.lines for y in line.get_ydata() if not isnan(y)]
+
+
+def test_figures_draw_nothing_below_ten_bars_of_the_truth(tmp_path):
+    from reports.drawing import work_precision as precision_figures
+
+    experiment, measured = made(("reference", "s", 1e-15, 0.01), ("a", "s", 1e-7, 3.0))
+    points = work_precision.work_precision_rows(experiment, measured)
+    figure = precision_figures.case_figure(experiment, experiment.cases[0].label, points, looks_of(experiment))
+    heights = drawn_heights(figure)
+    assert min(heights) >= 10 * BAR and 1e-7 in heights
+    drawn = list(precision_figures.draw(experiment, measured, tmp_path))
+    assert [d.name for d in drawn] == ["work_precision", "work_precision_disc_on_line_mu_0.1"]
+
+
+def points_of(path: str) -> list[tuple[float, float]]:
+    """The corners of a path of M, L, l and z, by the rules of SVG."""
+    told, command, here = [], "", (0.0, 0.0)
+    numbers: list[float] = []
+    for word in re.findall(r"[MLlz]|-?[0-9.]+(?:e-?[0-9]+)?", path):
+        if word.isalpha():
+            command = word
+            continue
+        numbers.append(float(word))
+        if len(numbers) == 2:
+            x, y = numbers
+            here = (here[0] + x, here[1] + y) if command == "l" else (x, y)
+            told.append(here)
+            numbers.clear()
+    return told
+
+
+@settings(deadline=None)  # a busy machine is no failure
+@given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)), min_size=2, max_size=100))
+def test_small_paths_go_through_the_same_points(points):
+    text = "M " + " \nL ".join(f"{x:.6f} {y:.6f}" for x, y in points) + " \nz\n"
+    told = files._path(text)
+    assert np.abs(np.array(points_of(told)) - points).max() <= 0.01 and told.endswith("z")
+
+
+def test_small_files_keep_their_picture():
+    svg = (
+        '<?xml version="1.0"?>\n<svg viewBox="0 0 10 10">\n <style type="text/css">*{a: b}</style>\n'
+        ' <g id="line2d_1">\n  <path id="m7f" d="M 1.23456 -0.00001 \nL 2.5 1e-05 \nL 3 -1" style="fill: none"/>\n'
+        '  <path d="M 0.125 3 \nC 1 2 3 4.56789 5 6" style="fill: none"/>\n  <use xlink:href="#m7f" x="1.239"/>\n'
+        "  <text style=\"font: 9px 'DejaVu Sans', sans-serif; text-anchor: end\">0.123456</text>\n </g>\n</svg>\n"
+    )
+    told = files.minify(svg)
+    assert 'd="M1.23 0l1.27 0 0.5-1"' in told and 'd="M0.12 3C1 2 3 4.57 5 6"' in told
+    assert '<use xlink:href="#i0" x="1.24"/>' in told and 'id="i0"' in told
+    assert ">0.123456<" in told and "line2d_1" not in told and "<?xml" not in told
+    assert told.count("fill: none") == 1 and told.count('class="c0"') == 2
+
+
+def test_a_solver_has_the_same_colour_whoever_else_takes_part():
+    few, _ = made(("pymunk", "s", 1e-9, None))
+    many, _ = made(("reference", "s", 1e-9, None), ("exudyn", "s", 1e-9, None), ("pymunk", "s", 1e-9, None))
+    assert looks_of(few).colour("pymunk") == looks_of(many).colour("pymunk")
+    assert len({looks_of(many).colour(run.solver) for run in many.runs}) == 3
