@@ -175,9 +175,15 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, to
     integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
     times: list[float] = [t]
     coefficients: list[np.ndarray] = []
-    guard = _leave_start(integrator, phase, t, y, end, real, times, coefficients)
+    _set(integrator, t, y, real)
+    integrator.step(real(0.0), True)
+    series = integrator.tc.astype(float)
+    _set(integrator, t, y, real)
+    guard = _leave_start(integrator, phase, series, t, y, end, real, times, coefficients)
+    most = _most(series)
     while integrator.time < end and guard is None:
-        outcome = _step(integrator, phase, end, real, tolerance)
+        outcome = _step(integrator, phase, min(real(end) - integrator.time, real(most)), real, tolerance)
+        most = np.inf
         with np.errstate(over="ignore"):
             coefficients.append(integrator.tc.astype(float))
         times.append(float(integrator.time))
@@ -192,10 +198,10 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, to
     return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
 
 
-def _step(integrator, phase: Phase, end: float, real: type, tolerance: float):
-    """One step; again from its start, and shorter, where it passes a feature or does not satisfy the equations."""
+def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
+    """One step of at most `longest`; again from its start, and shorter, where it passes a feature or does not satisfy the equations."""
     start, before = integrator.time, integrator.state.copy()
-    outcome, _ = integrator.step(real(end) - start, True)
+    outcome, _ = integrator.step(longest, True)
     while phase.features and np.all(np.isfinite(integrator.tc.astype(float))):
         length = float(integrator.time - start)
         part = _good_part(phase, float(start), length, integrator.tc.astype(float), tolerance)
@@ -232,20 +238,28 @@ def _broken(phase: Phase, times, coefficients, y) -> Arc:
     return Arc(phase, np.array(times[: steps + 1]), states, stop, len(coefficients))
 
 
-def _leave_start(integrator, phase: Phase, t, y, end, real, times: list, coefficients: list) -> str | None:
+def _most(series: np.ndarray) -> float:
+    """The longest step that the upper half of a series' terms allows.
+
+    heyoka's rule (Jorba & Zou 2005, Experimental Mathematics 14, 99) looks at the last two terms, relative to the
+    state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
+    """
+    powers = np.arange(series.shape[1])[series.shape[1] // 2 :]
+    terms = np.max(np.abs(series[:, powers]), axis=0) / max(1.0, float(np.max(np.abs(series[:, 0]))))
+    fastest = float(np.max(terms ** (1.0 / powers), initial=0.0))
+    return np.exp(-2.0) / fastest if fastest else np.inf
+
+
+def _leave_start(integrator, phase: Phase, series, t, y, end, real, times: list, coefficients: list) -> str | None:
     """The first, tiny part of a phase, by its Taylor polynomial alone; a guard if one reaches zero within it.
 
     A phase begins with a guard at zero that the decision found to grow, often with the square of time; event
     detection would find that root again, and a cool-down after it would hide the next.
     """
-    _set(integrator, t, y, real)
-    if not phase.system.guards:
-        return None
-    integrator.step(real(0.0), True)
-    series = integrator.tc.astype(float)
-    _set(integrator, t, y, real)
     if not np.all(np.isfinite(series)):
         return BREAKDOWN
+    if not phase.system.guards:
+        return None
     reach = _reach(phase, series, t, y)
     if not np.isfinite(reach):
         return None  # nothing moves and nothing presses: no guard leaves zero
