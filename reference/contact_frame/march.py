@@ -333,10 +333,10 @@ class _March:
     # --- off the track ----------------------------------------------------------------------------------------------
 
     def _flight(self, now: Flying) -> Touching | Flying | Stopped:
-        after: Landing | Stopped | None = self._short(now.leap) if now.leap and now.leap.short else None
-        if after is None:
+        hop = self._short(now.leap) if now.leap and now.leap.short else None
+        if hop is None:
             self.bounces.clear()  # no bounce of an accumulation yet
-            after = self._long(now)
+        after = hop or self._long(now)
         return self._landing(after) if isinstance(after, Landing) else after
 
     def _short(self, leap: Leap) -> Landing | None:
