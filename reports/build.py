@@ -31,11 +31,11 @@ COMMAND = "reports.build"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
-    written, 130 if it was stopped."""
+    written, 3 if it is written and no solver could run a case that was named, 130 if it was stopped."""
     return options.status(COMMAND, _work, argv)
 
 
-def _work(words: list[str]) -> None:
+def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
         "case", "case_file", "solver", "trajectory", "quick", "full", "jobs", "store", "fresh", "list", out="report",
@@ -44,8 +44,8 @@ def _work(words: list[str]) -> None:
     given = parser.parse_args(words)
     if given.list:
         print(listing(given.case_file))
-        return
-    print(_build(options.plan_of(given, words)))
+        return 0
+    return _build(options.plan_of(given, words))
 
 
 def report(
@@ -63,7 +63,7 @@ def report(
     what makes no sense, and OSError if the report cannot be written.
     """
     plan = options.plan_by_hand(given, solvers, Path(out), effort, jobs, None if store is None else Path(store), fresh)
-    print(_build(plan))
+    _build(plan)
     return plan.out / "index.html"
 
 
@@ -91,8 +91,8 @@ def listing(files: Sequence[str]) -> str:
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def _build(plan: Plan) -> str:
-    """Make and write the report; what was written and what came out, for the terminal."""
+def _build(plan: Plan) -> int:
+    """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
     from .page import folder
     from .running import experiment, external
     from .running.calls import Calls
@@ -116,7 +116,18 @@ def _build(plan: Plan) -> str:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    return _summary(plan, shown, store)
+    print(_summary(plan, shown, store))
+    idle = _run_by_nobody(shown) if plan.named else []
+    for sentence in idle:
+        _say(f"{COMMAND}: {sentence}")
+    return 3 if idle else 0
+
+
+def _run_by_nobody(shown: Experiment) -> list[str]:
+    """A sentence for each case of which no run is a motion, with what the first solver says of it."""
+    moved = {run.case for run in shown.runs if run.outcome in ("right", "wrong")}
+    first = {run.case: run for run in reversed(shown.runs) if run.case not in moved}
+    return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
 
 
 def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:

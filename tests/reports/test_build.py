@@ -16,6 +16,7 @@ from adapters import Setting
 from reports import build, options
 from reports.analysis import tables
 from reports.page import folder, text
+from reports.running.records import Experiment, Run, Truth
 
 from .. import fake_adapter
 
@@ -292,3 +293,21 @@ def test_what_came_from_outside_is_not_kept(failing):
     told = json.loads((failing / "manifest.json").read_text())
     # Six settings came to an end of their own or to that of their time; one was killed, one not tried.
     assert told["store"]["kept"]["run"] == 6 and told["store"]["taken"] == {}
+
+
+@pytest.mark.parametrize(("outcome", "status"), [("right", 0), ("wrong", 0), ("refused", 3), ("crashed", 3)])
+def test_a_named_case_that_no_solver_could_run_is_told_by_the_exit_status(
+    outcome, status, tmp_path, monkeypatch, capsys
+):
+    case = cases.load("disc_on_line[mu=0.1]")
+    runs = (
+        Run(case.label, "reference", "taylor", Setting.of(), 0, "refused", "it has no series for that curve"),
+        Run(case.label, "pymunk", "native", Setting.of(), 0, outcome),
+    )
+    found = Experiment((case,), {case.label: Truth()}, runs, 0.0)
+    monkeypatch.setattr("reports.running.experiment.run", lambda *_: found)
+    monkeypatch.setattr(build, "_write", lambda *arguments: None)
+    argv = ["--quick", "--case", case.label, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]
+    assert build.main(argv) == status
+    told = "no solver could run disc_on_line[mu=0.1]; reference refused: it has no series" in capsys.readouterr().err
+    assert told == (status == 3)
