@@ -12,7 +12,7 @@ An adapter is one module, or a package, with
     read(model) -> Trajectory                       untimed; raises EngineFailure for a run that is no motion
     version() -> str                                of the engine
 
-and, if errors are to be taken apart by what causes them (`reports.error_parts`),
+and, if errors are to be taken apart by what causes them (`reports.study error_parts`),
 
     grid(case, route) -> tuple[Setting, ...]        every combination of a few values of the step `h` and of one or
                                                     more knobs of the model; each knob's values appear from coarse to

@@ -45,24 +45,7 @@ def _work(words: list[str]) -> int:
     if given.list:
         print(listing(given.case_file))
         return 0
-    plan = options.plan_of(given, words)
-    summary, shown = _build(plan)
-    print(summary)
-    idle = _run_by_nobody(shown) if plan.named else []
-    for sentence in idle:
-        print(f"{COMMAND}: {sentence}", file=sys.stderr)
-    return 3 if idle else 0
-
-
-def _run_by_nobody(shown: Experiment) -> list[str]:
-    """A sentence for each case of which no run is a motion, with what the first solver says of it."""
-    moved = {run.case for run in shown.runs if run.outcome in ("right", "wrong")}
-    first = {run.case: run for run in reversed(shown.runs)}
-    return [
-        f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}"
-        for label, run in first.items()
-        if label not in moved
-    ]
+    return _build(options.plan_of(given, words))
 
 
 def report(
@@ -80,7 +63,7 @@ def report(
     what makes no sense, and OSError if the report cannot be written.
     """
     plan = options.plan_by_hand(given, solvers, Path(out), effort, jobs, None if store is None else Path(store), fresh)
-    print(_build(plan)[0])
+    _build(plan)
     return plan.out / "index.html"
 
 
@@ -108,8 +91,8 @@ def listing(files: Sequence[str]) -> str:
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def _build(plan: Plan) -> tuple[str, Experiment]:
-    """Make and write the report; what was written and what came out, for the terminal, and the runs."""
+def _build(plan: Plan) -> int:
+    """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
     from .page import folder
     from .running import experiment, external
     from .running.calls import Calls
@@ -133,7 +116,18 @@ def _build(plan: Plan) -> tuple[str, Experiment]:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    return _summary(plan, shown, store), shown
+    print(_summary(plan, shown, store))
+    idle = _run_by_nobody(shown) if plan.named else []
+    for sentence in idle:
+        _say(f"{COMMAND}: {sentence}")
+    return 3 if idle else 0
+
+
+def _run_by_nobody(shown: Experiment) -> list[str]:
+    """A sentence for each case of which no run is a motion, with what the first solver says of it."""
+    moved = {run.case for run in shown.runs if run.outcome in ("right", "wrong")}
+    first = {run.case: run for run in reversed(shown.runs) if run.case not in moved}
+    return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
 
 
 def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:

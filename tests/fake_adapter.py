@@ -1,7 +1,8 @@
 """An adapter for tests of what happens to a run: a disc bowled on a line, exactly, but for the ways to fail it offers.
 
 A test copies this file to a folder of its own and installs it there (`install`); `ladder.json` beside the copy says
-what its settings are, `log.txt` what it ran.
+what its settings are, `log.txt` what it ran. `break_down` makes a copy fail in one of its parts; `callers.txt` names
+the processes in which any part of any copy ran.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import json
 import os
 import shutil
 import signal
+import sys
 import time
 from pathlib import Path
 
@@ -24,19 +26,44 @@ HERE = Path(__file__).parent
 CASE = "disc_on_line[mu=0.1]"
 
 
+def part(name: str) -> None:
+    """What happens wherever a part of the adapter is called: it is noted by whom, and fails if it was made to."""
+    with open(HERE / "callers.txt", "a") as callers:
+        callers.write(f"{os.getpid()}\n")
+    habits = HERE / f"{Path(__file__).stem}.json"
+    way = json.loads(habits.read_text()).get(name) if habits.exists() else None
+    if way == "segfault":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    elif way == "hang":
+        while True:
+            time.sleep(1.0)
+    elif way == "prints":
+        os.write(1, b"all is well\n")
+        print("all is well", file=sys.stderr)
+
+
 def refuses(case, route):
+    part("refuses")
     return None
 
 
 def ladder(case, route):
+    part("ladder")
     return tuple(Setting.of(how=how) for how in json.loads((HERE / "ladder.json").read_text()))
 
 
+def grid(case, route):
+    part("grid")
+    return tuple(Setting.of(h=h, k=k, how="wait 0") for h in (0.02, 0.01) for k in (1, 2))
+
+
 def build(case, route, setting):
+    part("build")
     return case, setting["how"]
 
 
 def run(model):
+    part("run")
     how = model[1]
     if how.startswith("wait"):  # for so many milliseconds
         time.sleep(int(how.partition(" ")[2]) / 1000)
@@ -57,6 +84,7 @@ def run(model):
 
 
 def read(model):
+    part("read")
     case, how = model
     if how == "gives up":
         raise EngineFailure("Newton gave up")
@@ -71,6 +99,7 @@ def read(model):
 
 
 def version():
+    part("version")
     return "1.0"
 
 
@@ -89,6 +118,9 @@ def bowled(case, t) -> Trajectory:
     return Trajectory(t=t, **state._asdict())
 
 
+part("import")
+
+
 # --- for the tests ----------------------------------------------------------------------------------------------------
 
 
@@ -103,6 +135,11 @@ def install(folder: Path, settings: list[str], name: str = NAME, works: bool = T
     (told / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
     (told / "entry_points.txt").write_text(f"[slip_to_roll.adapters]\n{name} = {module}\n")
     ladder_is(folder, settings)
+
+
+def break_down(folder: Path, name: str, where: str, way: str) -> None:
+    """Make an installed copy "segfault", "hang" or say something ("prints") where one of its parts is called."""
+    (folder / f"{name}_adapter_of_tests.json").write_text(json.dumps({where: way}))
 
 
 def ladder_is(folder: Path, settings: list[str]) -> None:

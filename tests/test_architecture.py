@@ -1,6 +1,7 @@
-"""The direction of the arrows: who may import whom. Rooms of the suite, and the floors of `reports`."""
+"""The direction of the arrows: who may import whom. The rooms of the suite, the floors of `reports`, and their page."""
 
 import ast
+import re
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -115,3 +116,32 @@ def test_parts_of_the_reference_import_only_what_stands_below_them():
         part = name.split(".")[1]
         below = {other.split(".")[1] for other in imported(file) & known.keys() - {"reference"}}
         assert below <= PARTS[part] | {part}, f"{name} imports {below}"
+
+
+# --- what is said of it -----------------------------------------------------------------------------------------------
+
+TEXT = (ROOT / "docs" / "architecture.md").read_text()
+
+
+def test_every_place_that_is_named_is_there():
+    facts = [line for line in TEXT.splitlines() if line.startswith("|") and "`" in line]
+    assert len(facts) >= 20
+    for line in facts:
+        places = re.findall(r"`([^`]+)`", line.split("|")[2])
+        assert places and all((ROOT / place).exists() for place in places), line
+
+
+def test_the_picture_shows_every_room_in_its_order():
+    words = TEXT.split("```")[1].split()
+    for upper, lower in zip(FLOORS, FLOORS[1:], strict=False):
+        assert max(map(words.index, upper)) < min(map(words.index, lower))
+    folders = {path.name for path in (ROOT / "reports").iterdir() if path.is_dir()} - {"__pycache__"}
+    assert folders == set().union(*FLOORS[2:])
+
+
+def test_the_way_of_a_case_enters_no_room_twice_but_the_workers():
+    way = re.findall(r"^\d\. (.*?)(?=^\d\. |^No adapter)", TEXT, flags=re.M | re.S)
+    rooms = [
+        room for step in way for room in dict.fromkeys(re.findall(r"`(page|analysis|drawing|judging|options)", step))
+    ]
+    assert len(way) == 6 and len(rooms) == len(set(rooms)) == 5

@@ -470,7 +470,7 @@ def told_by(command, words) -> tuple[int, str, str]:
 def desk(tmp_path, monkeypatch):
     """An empty working folder; commands plan and refuse, and do not run what takes minutes."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(build, "_build", lambda *_: "built")
+    monkeypatch.setattr(build, "_build", lambda *_: 0)
     monkeypatch.setattr(compare, "compare", lambda *_: "judged")
     monkeypatch.setattr(study, "_make", lambda *_: None)
     monkeypatch.setattr(commands, "entry_points", lambda group, name: [])

@@ -159,26 +159,13 @@ def time_to_accuracy_rows(points: Sequence[dict[str, Any]]) -> list[dict[str, An
             ranked = [p for p in found if not p["disturbed"] and isfinite(p["cpu_low_s"])]
             fastest = min(found, key=lambda p: p["cpu_s"], default=None)
             for (solver, route), point in best.items():
-                told: dict[str, Any] = {
-                    "case": case,
-                    "quantity": quantity,
-                    "accuracy": accuracy,
-                    "solver": solver,
-                    "route": route,
-                    "cpu_s": DISTURBED,
-                    "cpu_low_s": nan,
-                    "cpu_high_s": nan,
-                    "setting": "",
-                    "ratio": nan,
-                    "ratio_low": nan,
-                    "ratio_high": nan,
-                    "rank": nan,
-                }
+                who = {"case": case, "quantity": quantity, "accuracy": accuracy, "solver": solver, "route": route}
+                times = {"cpu_s": DISTURBED, "cpu_low_s": nan, "cpu_high_s": nan, "setting": ""}
+                told: dict[str, Any] = who | times | dict.fromkeys(("ratio", "ratio_low", "ratio_high", "rank"), nan)
                 if isinstance(point, str):
                     told["cpu_s"] = point
                 elif not point["disturbed"]:
-                    told |= {"cpu_s": point["cpu_s"], "setting": point["setting"]}
-                    told |= {"cpu_low_s": point["cpu_low_s"], "cpu_high_s": point["cpu_high_s"]}
+                    told |= {name: point[name] for name in times}
                     if isfinite(point["cpu_low_s"]):
                         told["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
                     # Who is the fastest is not known if it may be one that was disturbed.

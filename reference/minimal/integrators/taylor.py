@@ -199,7 +199,7 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, to
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
-    """One step of at most `longest`; again from its start, shorter, where it passes a feature or misses the equations."""
+    """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations."""
     start, before = integrator.time, integrator.state.copy()
     outcome, _ = integrator.step(longest, True)
     while phase.features and np.all(np.isfinite(integrator.tc.astype(float))):

@@ -228,7 +228,7 @@ def _plan(case: Case, name: str, offer: Offer, scene: Scene, full: bool):
 
 def _few(settings: Sequence[Setting]) -> list[Setting]:
     ladder = [s for s in settings if not s.is_default]
-    return [*(s for s in settings if s.is_default), *(ladder[i] for i in _RUNGS if i < len(ladder))]
+    return [*(s for s in settings if s.is_default), *(ladder[min(i, len(ladder) - 1)] for i in _RUNGS if ladder)]
 
 
 def _middle(settings: Sequence[Setting]) -> Setting | None:

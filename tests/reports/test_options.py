@@ -1,0 +1,119 @@
+"""One parser for all commands: help answers at once and does nothing else, nonsense is refused in one sentence."""
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import cases
+from cases import CaseError, CoulombFriction, Gravity, Start, Unilateral, disc
+from cases.library import line
+from reports import build, compare, options, show, study
+
+ROOT = Path(__file__).parents[2]
+COMMANDS = ("build", "compare", "study", "show", "export")
+# What a command needs to run something, and a second to import.
+SLOW = {"exudyn", "pymunk", "heyoka", "pybullet", "matplotlib", "pandas", "reference", "scipy"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_answers_within_a_second_and_does_nothing_else(command, tmp_path):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    told = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", f"reports.{command}", "--help"],
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    # Its own time, not that of what runs beside it; importing SymPy is most of it.
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 1.0
+    assert told.stdout.startswith("usage: python -m ") and list(tmp_path.iterdir()) == []
+    imported = {line.rpartition("|")[2].strip().partition(".")[0] for line in told.stderr.splitlines()}
+    assert not imported & SLOW
+
+
+@pytest.mark.parametrize("main", [build.main, compare.main, study.main, lambda words: show_main(words)])
+@pytest.mark.parametrize(
+    "words", [["--colour"], ["--jobs"], ["stability", "a", "b", "c"], ["--case-file", "no.py", "x", "y"]]
+)
+def test_every_command_refuses_what_it_does_not_know_in_one_sentence(main, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and told.err.count("\n") == 1 and list(tmp_path.iterdir()) == []
+
+
+def show_main(words) -> int:
+    return options.status("cases", show.run, words)
+
+
+def test_an_option_means_the_same_in_every_command():
+    assert all(set(how) <= {"metavar", "nargs", "action", "default", "help"} for how in options._OPTIONS.values())
+    many = options.parser("x", "", "solver", "jobs").parse_args(["--solver", "a", "b", "--solver", "c"])
+    assert (many.solver, many.jobs) == (["a", "b", "c"], "2")
+
+
+# --- cases made by hand -----------------------------------------------------------------------------------------------
+
+EFFECTS = (Gravity(9.81), CoulombFriction(0.2), Unilateral())
+
+
+def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
+    values = dict(track=line(), plate=disc(0.1, 1.0), effects=EFFECTS, start=Start(0.0, slip=1.0), duration=0.5)
+    return cases.Case(**values | changes, name=name)
+
+
+@pytest.mark.parametrize(
+    "given, more, hint",
+    [
+        ([], {}, "no case is given"),
+        ([by_hand(), by_hand()], {}, "give each a name="),
+        (["disc_on_line"], {}, "is no Case"),
+        ([by_hand()], dict(solvers=["pymonk"]), "pymunk"),
+        ([by_hand()], dict(effort="some"), "quick"),
+        ([by_hand()], dict(jobs=0), "at least 1"),
+        ([by_hand()], dict(out="."), "inside it"),
+    ],
+)
+def test_a_report_that_makes_no_sense_is_refused_before_anything_runs(given, more, hint, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CaseError, match=hint):
+        build.report(given, **more)
+    assert list(tmp_path.iterdir()) == []
+
+
+SCRIPT = """
+from cases import Case, CoulombFriction, Gravity, Start, Unilateral, disc
+from cases.library import line
+from reports.build import report
+
+print("begins")
+effects = (Gravity(9.81), CoulombFriction(0.2), Unilateral())
+made = [
+    # The second bears the name of a case of the catalogue, and is another.
+    Case(line(), disc(0.1, 1.0), effects, Start(0.0, slip=v), 0.5, name=name)
+    for name, v in (("bowled_by_hand", 1.0), ("disc_on_line", 0.8))
+]
+print(report(made, solvers=["reference", "pymunk"], out="report", effort="quick"))
+"""
+
+
+@pytest.mark.slow
+def test_cases_made_by_hand_in_a_script_are_reported(tmp_path):
+    import pandas as pd
+
+    (tmp_path / "script.py").write_text(SCRIPT)
+    told = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert told.returncode == 0, told.stderr
+    assert told.stdout.startswith("begins\n") and told.stdout.count("begins") == 1
+    assert told.stdout.endswith(f"{tmp_path}/report/index.html\n")
+    rows = pd.read_csv(tmp_path / "report" / "tables" / "transitions.csv")
+    for name, v in (("bowled_by_hand", 1.0), ("disc_on_line", 0.8)):
+        own = rows[(rows.case == name) & (rows.solver == "reference")]
+        assert own.reference_time.to_numpy() == pytest.approx(v / (3 * 0.2 * 9.81), abs=1e-12)
+    assert set(rows.solver) == {"reference", "pymunk"}

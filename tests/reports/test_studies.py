@@ -1,0 +1,71 @@
+"""Every study says what its tables hold: a table or column without words is refused here, not after a report's runs."""
+
+from math import nan
+
+import pytest
+
+import cases
+from adapters import Setting
+from reports import studies
+from reports.judging.residuals import Residuals
+from reports.running.clock import UNTIMED
+from reports.running.records import Run, Truth
+from reports.studies import reference_cost
+from reports.studies.effect_costs import measure as effect_costs
+from reports.studies.error_parts import measure as error_parts
+from reports.studies.formulations import measure as formulations
+from reports.studies.stability import measure as stability
+from reports.studies.stability.sensitivity import Conditioning, Spread
+from reports.studies.stability.step_limit import Bracket
+
+CASE = cases.load("disc_on_line", mu=0.1)
+ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
+SCENE = stability.Scene(
+    Truth(), Truth(), None, Conditioning(nan, nan, nan), Spread("", nan, nan), ((ROW, Residuals()),)
+)
+WHO = (0, "engine", "native")
+# Of each study what it may have found where next to nothing came of it.
+FOUND = {
+    "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.Probe("refused")}, {})],
+    "error_parts": [error_parts.Cell(CASE.label, "engine", "native", Setting.of(), "refused", "No such curve.")],
+    "formulations": [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations._nothing("crashed", "")],
+    "reference_cost": [reference_cost._row("all", UNTIMED, reason="It blew up.")],
+    "stability": stability.Stability(
+        (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)
+    ),
+}  # fmt: skip
+
+
+def test_every_study_is_known_by_its_place():
+    assert set(studies.names()) == FOUND.keys()
+
+
+@pytest.mark.parametrize("name", studies.names())
+def test_every_study_has_its_words(name):
+    study = studies.study(name)
+    assert study.TITLE and study.QUESTION.endswith(".") and set(study.TAKES) <= {"case", "solver"}
+    assert study.IN_REPORT in (True, False) and callable(study.run) and callable(study.draw)
+    tables = study.rows(FOUND[name])
+    assert tables.keys() == study.TABLES.keys()
+    for table, rows in tables.items():
+        words = study.TABLES[table]
+        assert words.holds and all(words.columns.values())
+        for row in rows:
+            assert list(row) == list(words.columns), table
+
+
+def test_a_study_that_fails_is_said_in_its_result(monkeypatch):
+    study = studies.study("formulations")
+
+    def run(request, calls):
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(study, "run", run)
+    result = studies.run("formulations", studies.Request(), None, "the command")
+    assert (result.failure, result.frames, result.command) == ("ZeroDivisionError: by zero", {}, "the command")
+
+
+def test_a_picture_that_fails_leaves_the_numbers(tmp_path):
+    study = studies.study("stability")
+    (drawn,) = studies.Result("stability", study, "", found=None).draw(tmp_path)
+    assert drawn.name == "" and "could not be drawn" in drawn.caption

@@ -1,0 +1,71 @@
+"""The wheel is whole: built, installed in an empty environment, it makes a report from another folder."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+ROOMS = ("cases", "reference", "adapters", "reports")
+# What a room holds beside code.
+DATA = (".csv", ".json", ".html", ".css")
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    """The wheel, built from a copy of the sources so that nothing is left beside them."""
+    pytest.importorskip("setuptools", minversion="70.1")  # the first that makes wheels by itself
+    source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
+    for room in ROOMS:
+        shutil.copytree(ROOT / room, source / room, ignore=shutil.ignore_patterns("__pycache__"))
+    for file in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / file, source)
+    build = f"from setuptools import build_meta; print(build_meta.build_wheel({str(out)!r}))"
+    subprocess.run([sys.executable, "-c", build], cwd=source, check=True, capture_output=True)
+    (built,) = out.glob("*.whl")
+    return built
+
+
+@pytest.mark.slow
+def test_every_module_and_every_data_file_is_in_the_wheel(wheel):
+    here = {
+        file.relative_to(ROOT).as_posix()
+        for room in ROOMS
+        for file in (ROOT / room).rglob("*")
+        if file.suffix in (".py", *DATA)
+    }
+    assert {Path(name).suffix for name in here} == {".py", *DATA}
+    assert here <= set(zipfile.ZipFile(wheel).namelist())
+
+
+@pytest.mark.slow
+def test_an_installed_suite_makes_a_report_in_any_folder(wheel, tmp_path):
+    venv.create(tmp_path / "env", with_pip=False)
+    python = tmp_path / "env" / "bin" / "python"
+    (packages,) = (tmp_path / "env" / "lib").glob("python*/site-packages")
+    zipfile.ZipFile(wheel).extractall(packages)  # a wheel of pure Python is installed by unpacking it
+    # What it depends on comes from here: a path in a .pth file is not searched for further ones, such as ours.
+    (packages / "borrowed.pth").write_text("\n".join(path for path in sys.path if path.endswith("site-packages")))
+    desk = tmp_path / "desk"
+    desk.mkdir()
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+    def run(*words: str) -> str:
+        told = subprocess.run([python, *words], cwd=desk, env=environment, capture_output=True, text=True)
+        assert told.returncode == 0, told.stderr
+        return told.stdout
+
+    assert str(packages) in run("-c", "import reports; print(reports.__file__)")
+    run("-m", "reports.build", "--quick", "--case", "disc_on_line", "--solver", "reference", "pymunk")
+    manifest = json.loads((desk / "report" / "manifest.json").read_text())
+    assert {p.relative_to(desk / "report").as_posix() for p in (desk / "report").rglob("*.*")} == set(manifest["files"])
+    assert "<style>" in (desk / "report" / "index.html").read_text()
+    # The kept truth is there: a certificate made anew would have been kept in the store as well, seconds later.
+    assert "[mu=0.3]" in (desk / "report" / "tables" / "truth.csv").read_text()
+    assert "reference: runs it" in run("-m", "cases", "show", "disc_on_line")
