@@ -35,7 +35,7 @@ from cases import (
     registry,
 )
 from reports import build, compare, study
-from tests.test_atlas import within
+from tests.reference.test_atlas import within
 
 # What people, files and programs put where a number belongs; some of it is one.
 ODD = (

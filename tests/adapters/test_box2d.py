@@ -26,7 +26,7 @@ from cases import (
 )
 from reports.judging.slip_phases import read_transitions
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
-from tests.scenes import ellipse
+from tests.scenes.elliptic import ellipse
 
 box2d = pytest.importorskip("adapters.box2d")
 

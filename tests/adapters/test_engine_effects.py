@@ -26,7 +26,7 @@ from cases import (
     disc,
 )
 from cases.library import circle, hill, line
-from tests.scenes import ellipse
+from tests.scenes.elliptic import ellipse
 
 G, PUSH = Gravity(9.81), Unilateral()
 # An inertia of its own, so that ½ m r² cannot hide.

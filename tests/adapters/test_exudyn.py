@@ -14,7 +14,7 @@ from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, UnknownNa
 from cases import Unilateral as Pushes
 from reports.judging import slip_phases
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
-from tests.scenes import ellipse
+from tests.scenes.elliptic import ellipse
 
 exudyn = pytest.importorskip("adapters.exudyn")
 

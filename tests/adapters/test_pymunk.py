@@ -14,7 +14,7 @@ import reference
 from adapters import EngineFailure, Setting, engine
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
-from tests.scenes import ellipse
+from tests.scenes.elliptic import ellipse
 
 G, PUSH = Gravity(9.81), Unilateral()
 adapter = engine("pymunk")

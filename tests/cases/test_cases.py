@@ -27,7 +27,7 @@ from cases.contact import find, follow, overlap, pose, slip_velocity, start_moti
 from cases.library import line
 from cases.shapes import as_circle, as_line
 from reference import METHODS, simulate
-from tests.scenes import ellipse, elliptic_scenes
+from tests.scenes.elliptic import ellipse, elliptic_scenes
 
 
 def one_sentence(error) -> str:

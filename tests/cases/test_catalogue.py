@@ -15,7 +15,7 @@ from cases.contact import overlap, start_motion
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
 from tests.authorities.facts import Basis
-from tests.motions import energy, in_other_units, mirrored, motion_of, work_done
+from tests.scenes.motions import energy, in_other_units, mirrored, motion_of, work_done
 
 FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FACTS]
 SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}

@@ -9,7 +9,7 @@ import cases
 import reference
 from cases import Case, Gravity, State, Trajectory, Unilateral, mechanics
 from reports.judging import distances
-from tests.motions import sampled
+from tests.scenes.motions import sampled
 
 PAPER = cases.load("disc_in_circle", mu=0.2)
 

@@ -10,7 +10,7 @@ import cases
 import reference
 from cases import Mode, State, Trajectory, Transition
 from reports.judging import ledger, slip_phases
-from tests.motions import sampled
+from tests.scenes.motions import sampled
 
 MU, G = 0.1, 9.81
 FORWARD, BACKWARD, ROLL, FLIGHT = Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD, Mode.ROLL, Mode.FLIGHT

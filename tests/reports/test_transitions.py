@@ -26,7 +26,7 @@ from cases import (
 from cases.library import line
 from reports.judging import ledger, slip_phases, transitions
 from reports.running import tasks
-from tests.motions import motion_of
+from tests.scenes.motions import motion_of
 
 FORWARD, ROLL, STICK, FLIGHT = Mode.SLIP_FORWARD, Mode.ROLL, Mode.STICK, Mode.FLIGHT
 G, R = 9.81, 0.1

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 
 from reference.minimal import series
 from reference.minimal.series import Series
-from tests.scenes import numbers
+from tests.scenes.elliptic import numbers
 
 FUNCTIONS = {
     "sin": (series.sin, mpmath.sin), "cos": (series.cos, mpmath.cos), "exp": (series.exp, mpmath.exp),

@@ -19,19 +19,7 @@ from scipy.optimize import brentq
 
 import cases
 import reference
-from cases import (
-    Case,
-    CoulombFriction,
-    Curve,
-    Flight,
-    Gravity,
-    Impact,
-    Mode,
-    PerfectlyRough,
-    Plate,
-    Start,
-    Unilateral,
-)
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Mode, PerfectlyRough, Plate, Start, Unilateral
 from cases import curves as c
 from cases.library import line
 from reference import contact_frame

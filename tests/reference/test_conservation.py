@@ -10,7 +10,7 @@ import reference
 from cases import Case, Curve, Gravity, Start, disc
 from cases import curves as c
 from cases.contact import find
-from tests.scenes import ellipse_in_ellipse
+from tests.scenes.elliptic import ellipse_in_ellipse
 
 
 def mechanical_energy(case, state):

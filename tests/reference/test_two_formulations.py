@@ -11,7 +11,7 @@ import cases
 import reference
 from cases import Case, Flight, Impact, Load, RollingResistance
 from reference import contact_frame
-from tests.scenes import ellipse_in_ellipse, elliptic_scenes, numbers
+from tests.scenes.elliptic import ellipse_in_ellipse, elliptic_scenes, numbers
 
 
 def sequence(transitions):

@@ -16,7 +16,7 @@ from reports.studies import Request
 from reports.studies.paper import figure as drawing
 from reports.studies.paper import measure, study
 
-PAGE = (Path(__file__).parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parent.parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
 
 
 def rows_below(heading: str) -> list[list[str]]:
@@ -40,11 +40,11 @@ def test_every_place_of_the_code_that_is_named_exists(place):
 
 
 def test_other_code_that_the_page_names_exists():
-    words = set(re.findall(r"`(reference\.[a-z_.]+|tests/[a-z_]+\.py)`", PAGE))
-    assert {"reference.literal", "reference.errata", "tests/test_errata.py"} <= words
+    words = set(re.findall(r"`(reference\.[a-z_.]+|tests/[a-z_/]+\.py)`", PAGE))
+    assert {"reference.literal", "reference.errata", "tests/reference/test_errata.py"} <= words
     for word in words - {"reference.simulate"}:
         if word.endswith(".py"):
-            assert (Path(__file__).parent.parent / word).exists(), word
+            assert (Path(__file__).parent.parent.parent / word).exists(), word
         else:
             importlib.import_module(word)
 

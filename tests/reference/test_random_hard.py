@@ -7,9 +7,9 @@ import pytest
 
 import reference
 from reference import contact_frame
-from tests.hard_scenes import KINDS, hard_scene
-from tests.test_atlas import within
-from tests.test_two_formulations import ill_conditioned, sequence
+from tests.reference.test_atlas import within
+from tests.reference.test_two_formulations import ill_conditioned, sequence
+from tests.scenes.hard import KINDS, hard_scene
 
 # Seconds for one scene by both formulations; ordinary ones take a tenth of one.
 PATIENCE = 60

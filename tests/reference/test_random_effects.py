@@ -23,9 +23,9 @@ from cases import (
 from cases.contact import slip_velocity
 from cases.nearest import nearest
 from reference import contact_frame
-from tests.motions import energy
-from tests.scenes import ellipse_in_ellipse, numbers
-from tests.test_two_formulations import check_agreement
+from tests.reference.test_two_formulations import check_agreement
+from tests.scenes.elliptic import ellipse_in_ellipse, numbers
+from tests.scenes.motions import energy
 
 # Each set of effects has equations of its own to derive and compile, a second or two; to shrink a failing scene would
 # take minutes, and it is a few numbers already.

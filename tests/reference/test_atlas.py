@@ -16,7 +16,7 @@ from reference import contact_frame
 from reports.judging import residuals
 from reports.studies.stability import sensitivity
 from tests.authorities.paper_application import FIRST_TRANSITION
-from tests.hard_scenes import shifted_ellipse
+from tests.scenes.hard import shifted_ellipse
 
 # A hard scene of a second or so takes the reference well below a second; on a busy machine, and with the derivation of
 # its equations, a few.

@@ -16,9 +16,9 @@ import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, PerfectlyRough, Start, Unilateral, disc
 from cases.library import line
 from reference import contact_frame
-from tests.scenes import ellipse_in_ellipse, numbers
-from tests.test_random_effects import UNHURRIED
-from tests.test_two_formulations import ill_conditioned, sequence
+from tests.reference.test_random_effects import UNHURRIED
+from tests.reference.test_two_formulations import ill_conditioned, sequence
+from tests.scenes.elliptic import ellipse_in_ellipse, numbers
 
 HORIZON = 1.0
 

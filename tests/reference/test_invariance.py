@@ -14,7 +14,7 @@ from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Uni
 from cases import curves as c
 from cases.expressions import PARAMETER
 from reference.minimal.integrators import taylor
-from tests.scenes import elliptic_scenes, numbers
+from tests.scenes.elliptic import elliptic_scenes, numbers
 
 OTHER_HAND = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 

@@ -32,7 +32,7 @@ from reference.minimal.eliminated import Motion
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
 from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_augmented, uniqueness
 from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate
-from tests.scenes import elliptic_scenes
+from tests.scenes.elliptic import elliptic_scenes
 
 
 def modes(case):
@@ -224,7 +224,7 @@ def test_flight_is_the_papers_equation_without_a_multiplier():
 
 
 def test_determinant_vanishes_where_the_rod_meets_the_paradox():
-    # A uniform rod on its end: 1 + 3 cos²φ − 3 μ sin φ cos φ = 0 (derived in tests/test_atlas.py).
+    # A uniform rod on its end: 1 + 3 cos²φ − 3 μ sin φ cos φ = 0 (derived in tests/reference/test_atlas.py).
     case = cases.load("rod_into_the_paradox", mu=2)
     motion = reference.simulate(case, method="augmented")
     assert motion.status == "paradox"

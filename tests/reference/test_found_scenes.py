@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from cases import CoulombFriction, Gravity, Load, PerfectlyRough, RollingResistance, Unilateral
-from tests.scenes import ellipse_in_ellipse
-from tests.test_random_effects import check_physics, with_effects
-from tests.test_two_formulations import bouncing, check_agreement
+from tests.reference.test_random_effects import check_physics, with_effects
+from tests.reference.test_two_formulations import bouncing, check_agreement
+from tests.scenes.elliptic import ellipse_in_ellipse
 
 
 def dragged(case, arm, stiffness):

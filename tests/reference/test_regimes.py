@@ -12,7 +12,7 @@ from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Uni
 from cases import curves as c
 from reference.minimal.eliminated import Motion
 from reference.minimal.modes import Regime, phase
-from tests.scenes import ellipse
+from tests.scenes.elliptic import ellipse
 
 
 def valley(depth: float) -> Curve:

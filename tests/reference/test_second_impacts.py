@@ -27,7 +27,7 @@ from cases import curves as c
 from cases.library import circle, ellipse, line
 from reference import contact_frame
 from reference.contact_frame import bouncing
-from tests.scenes import numbers
+from tests.scenes.elliptic import numbers
 
 G = 9.81
 FLYING = (Gravity(G), Unilateral(), Flight())
