@@ -3,6 +3,7 @@
 Impacts and bounces have a file of their own, `test_second_impacts.py`. Closed forms are derived where they stand.
 """
 
+import re
 from dataclasses import replace
 from math import atan, cos, exp, pi, sin, sqrt
 
@@ -504,9 +505,11 @@ def test_what_no_double_holds_ends_in_one_sentence(make):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("load", ["1/(1 - t)", "1/(t - 1)**2", "tan(3*t)"])
+@pytest.mark.parametrize("load, pole", [("1/(1 - t)", 1.0), ("1/(t - 1)**2", 1.0), ("tan(3*t)", pi / 6)])
 @pytest.mark.parametrize("effects", [(), (CoulombFriction(0.3),)])
-def test_a_load_with_a_pole_inside_the_motion_is_not_passed_over(load, effects):
+def test_a_load_with_a_pole_inside_the_motion_is_not_passed_over(load, pole, effects):
     case = on_line(*GRIP, *effects, Load(fx=load), duration=2.0)
-    with pytest.raises(FloatingPointError, match="t = (1|0.5236)|leave|turns once"):
+    with pytest.raises(FloatingPointError) as problem:
         contact_frame.solve(case)
+    stopped = re.search(r"t = (\S+) s", str(problem.value))
+    assert stopped and float(stopped[1]) == pytest.approx(pole, abs=1e-6)
