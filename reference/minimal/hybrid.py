@@ -345,7 +345,7 @@ def _after_flight(case: Case, arcs: list[Arc], landing: Landing | None, bounces:
     if after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
         return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "landing")
     listed = bounces.add(float(arcs[0].times[0]), landing, after, pull)
-    limit = bounces.limit()
+    limit = None if listed else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
         settled = (*flown, bounces.settling(last.phase, limit))
         return _rest(case, settled, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest")
@@ -365,7 +365,10 @@ def _rest(case: Case, arcs, t: float, place, theta: float, touch: Touch, cause: 
     y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
     moves = senses(case, y, touch.slip, touch.omega, LOCATED)
     following = decide(case, t, y, LOCATED, able(case, *moves))
-    return Step(arcs, t, place, cause, y, following) if following else _leave(case, arcs, t, y, cause)
+    if following:
+        return Step(arcs, t, place, cause, y, following)
+    # What leaves at once has no speed to be listed by.
+    return _leave(case, arcs, t, y, cause)._replace(listed=False)
 
 
 def _until(arc: Arc, landing: Landing) -> Arc:
