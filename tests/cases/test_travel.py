@@ -10,7 +10,7 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 import sympy as sp
-from reports.fingerprint import content
+from reports.running.fingerprint import content
 
 import cases
 from cases import Case, CoulombFriction, Curve, Gravity, Load, Plate, Start, Unilateral
