@@ -40,7 +40,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         raise BadValue(
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )
-    points = plate.outline.point(np.linspace(*plate.outline.look, 721))
+    points = plate.outline.point(np.linspace(*plate.outline.span, 721))
     # An open outline may be a small part of its plate: the tip of a rod, whose centre of mass is far from it.
     extent = float(max(np.ptp(points, axis=1).max(), plate.reach))
     if not SMALLEST <= extent <= LARGEST:

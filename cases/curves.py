@@ -30,7 +30,7 @@ SAMPLES = 720
 
 # The range looked at when a curve without a domain has no period: a hundred units of its parameter either way would
 # already overflow a cosh; ten are what a drawing shows.
-UNBOUNDED_LOOK = (-10.0, 10.0)
+UNBOUNDED_SPAN = (-10.0, 10.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +172,11 @@ class Curve:
         return float(length) if closed else None
 
     @cached_property
-    def look(self) -> tuple[float, float]:
+    def span(self) -> tuple[float, float]:
         """A range of the parameter that shows the whole curve (one turn of a closed one)."""
         if self.domain is not None:
             return self.domain
-        return (0.0, self.period) if self.period else UNBOUNDED_LOOK
+        return (0.0, self.period) if self.period else UNBOUNDED_SPAN
 
     @cached_property
     def features(self) -> features.Features | None:
@@ -203,11 +203,11 @@ class Curve:
     def _rough_tangent_angle(self, s: np.ndarray) -> np.ndarray:
         """The continuous tangent angle to within much less than half a turn, from a table."""
         if self.period:
-            start = self.look[0]
+            start = self.span[0]
             turns = np.floor((s - start) / self.period)
-            grid, angles = self._angle_table(self.look)
+            grid, angles = self._angle_table(self.span)
             return np.interp(s - turns * self.period, grid, angles) + turns * (angles[-1] - angles[0])
-        low, high = self.look
+        low, high = self.span
         if self.domain is None and s.size:
             while s.min() < low or s.max() > high:
                 low, high = 2 * low, 2 * high
@@ -222,12 +222,12 @@ class Curve:
         grid = np.linspace(*span, count)
         d = self.jets(grid)[2:4]
         angles = np.unwrap(np.arctan2(d[1], d[0]))
-        # The branch is fixed where the look begins, so that wider tables agree with narrower ones.
-        anchor = np.interp(self.look[0], grid, angles)
+        # The branch is fixed where the span begins, so that wider tables agree with narrower ones.
+        anchor = np.interp(self.span[0], grid, angles)
         return grid, angles - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
 
     def _check_regular(self) -> None:
-        s = np.linspace(*self._first_look(), SAMPLES)
+        s = np.linspace(*self._first_span(), SAMPLES)
         try:
             jets = self.jets(s)
         except Exception as problem:
@@ -265,7 +265,7 @@ class Curve:
         """Raises BadCurve if the curve crosses itself, looked at as a polygon of 240 sides."""
         if self.domain is None and not self.period:
             return  # without ends: nothing says how far to look
-        grid = np.linspace(*self.look, 241)
+        grid = np.linspace(*self.span, 241)
         if self.period:
             grid += 0.37 * (grid[1] - grid[0])  # so that symmetric curves do not cross exactly at two corners
         turns = np.abs(np.diff(self.tangent_angle(grid)))
@@ -290,7 +290,7 @@ class Curve:
                 f"the curve crosses itself between s = {grid[i[0]]:.4g} and s = {grid[j[0]]:.4g}; give a shorter domain"
             )
 
-    def _first_look(self) -> tuple[float, float]:
+    def _first_span(self) -> tuple[float, float]:
         return self.domain if self.domain is not None else (0.0, 2 * np.pi)
 
 
@@ -358,7 +358,7 @@ def _features(curve: Curve) -> features.Features:
         speed = np.hypot(xp, yp)
         return np.array([(xp * ys - yp * xs) / speed**3, speed]), np.array([np.hypot(xs, ys) / speed**2, speed])
 
-    ends = curve.look if curve.domain is not None or curve.period else None
+    ends = curve.span if curve.domain is not None or curve.period else None
     centres = features.centres(curve.expression, PARAMETER)
     return features.Features(bend_and_speed, centres, ends, bool(curve.period))
 

@@ -87,7 +87,7 @@ def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
     Raises DoesNotFit if there is none or more than one (an outline that is not convex), which asks for xi2.
     """
     direction = track.tangent_angle(xi1)
-    low, high = outline.look
+    low, high = outline.span
     grid = np.linspace(low, high, 721)
     # Whole turns between the two tangents, as a continuous function of the outline's parameter: zero mod 1 is wanted.
     turns = (outline.tangent_angle(grid) - direction) / (2 * pi)

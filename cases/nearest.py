@@ -98,7 +98,7 @@ def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[_Track, _Gue
 
 def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarray]:
     """Samples of the track, which of them are nearest to the points `there`, and whether these are its ends."""
-    low, high = case.track.look
+    low, high = case.track.span
     while True:
         track = _track(case.track, low, high, _size(case.plate.outline))
         _, places = track.tree.query(np.clip(there, -FARTHEST, FARTHEST))
@@ -135,9 +135,9 @@ def _outside(curve: Curve, parameter: float) -> bool:
 @lru_cache(maxsize=64)
 def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray, KDTree]:
     """Samples of an outline: parameters (n,), points (2, n), left normals (n, 2), and a tree to look points up in."""
-    parameters = np.linspace(*outline.look, OUTLINE_POINTS + 1)
+    parameters = np.linspace(*outline.span, OUTLINE_POINTS + 1)
     if outline.features:
-        parameters = np.union1d(parameters, outline.features.places(*outline.look))
+        parameters = np.union1d(parameters, outline.features.places(*outline.span))
     parameters = parameters[:-1] if outline.period else parameters
     points = outline.point(parameters)
     return parameters, points, outline.normal(parameters).T, KDTree(points.T)
@@ -146,7 +146,7 @@ def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray, KDTree
 @lru_cache(maxsize=64)
 def _size(outline: Curve) -> float:
     """The largest extent of the outline, m."""
-    return float(np.ptp(outline.point(np.linspace(*outline.look, 65)), axis=1).max())
+    return float(np.ptp(outline.point(np.linspace(*outline.span, 65)), axis=1).max())
 
 
 @lru_cache(maxsize=64)

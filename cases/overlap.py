@@ -79,7 +79,7 @@ def first_overlap(
 
 @lru_cache(maxsize=64)
 def _polygon(outline: Curve) -> _Polygon:
-    low, high = outline.look
+    low, high = outline.span
     places = np.linspace(low, high, CORNERS + 1)
     if outline.features:
         places = np.union1d(places, outline.features.places(low, high))
@@ -113,7 +113,7 @@ def span(track: Curve, xi1, reach: float) -> tuple[float, float]:
 
     Of a track without ends it is rounded up to powers of two, so that what is worked out for it is kept.
     """
-    low, high = track.look
+    low, high = track.span
     if track.domain is None and not track.period:
         first, last = float(np.min(xi1)), float(np.max(xi1))
         first -= 4.0 * reach / float(track.speed(first))

@@ -30,7 +30,7 @@ class Plate:
         object.__setattr__(self, "mass", positive("mass of the plate", self.mass))
         object.__setattr__(self, "inertia", positive("inertia of the plate", self.inertia))
         if self.outline.period:
-            low, high = self.outline.look
+            low, high = self.outline.span
             if self.outline.tangent_angle(high) < self.outline.tangent_angle(low):
                 raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
 
@@ -52,12 +52,12 @@ class Plate:
     @property
     def _distances(self) -> np.ndarray:
         # Half a degree apart; distances are level at their extremes, so that these are off by 1e-5 or so.
-        return np.hypot(*self.outline.point(np.linspace(*self.outline.look, 721)))
+        return np.hypot(*self.outline.point(np.linspace(*self.outline.span, 721)))
 
     @cached_property
     def radius(self) -> float | None:
         """Radius in metres if the outline is a circle about the centre of mass, else None."""
-        s = np.linspace(*self.outline.look, 17)
+        s = np.linspace(*self.outline.span, 17)
         r = np.hypot(*self.outline.point(s))
         bend = self.outline.curvature(s)
         # Rounding of a handful of operations; a real outline that round is a disc for every purpose here.

@@ -10,7 +10,7 @@ from .curves import Curve
 
 
 class Line(NamedTuple):
-    """A straight line: its point at parameter zero of the look, and its unit direction of increasing parameter."""
+    """A straight line: its point at parameter zero of the span, and its unit direction of increasing parameter."""
 
     point: np.ndarray
     direction: np.ndarray
@@ -31,7 +31,7 @@ _SAMPLES, _ROUNDING = 17, 1e-12
 
 def as_line(curve: Curve) -> Line | None:
     """The line that the curve is, or None."""
-    s = np.linspace(*curve.look, _SAMPLES)
+    s = np.linspace(*curve.span, _SAMPLES)
     tangents = curve.tangent(s)
     if np.abs(tangents - tangents[:, :1]).max() > _ROUNDING:
         return None
@@ -40,7 +40,7 @@ def as_line(curve: Curve) -> Line | None:
 
 def as_circle(curve: Curve) -> Circle | None:
     """The circle (or arc of one) that the curve is, or None."""
-    s = np.linspace(*curve.look, _SAMPLES)
+    s = np.linspace(*curve.span, _SAMPLES)
     bend = curve.curvature(s)
     if bend[0] == 0.0 or np.ptp(bend) > _ROUNDING * abs(bend[0]):
         return None

@@ -44,7 +44,7 @@ def export(case: Case, folder: Path) -> list[Path]:
 
 def sampled(curve: Curve) -> np.ndarray:
     """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6)."""
-    s = np.linspace(*curve.look, SAMPLES)
+    s = np.linspace(*curve.span, SAMPLES)
     return np.column_stack([s, *curve.point(s), *curve.normal(s), curve.curvature(s)])
 
 

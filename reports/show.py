@@ -69,9 +69,9 @@ def draw(case: Case, motion: Trajectory, path: Path) -> None:
     state = motion(times)
     xs, ys, angles = (np.asarray(values) for values in (state.x, state.y, state.theta))
     figure, (scene, slip, force) = plt.subplots(3, 1, figsize=(7, 9), height_ratios=(2.5, 1, 1), layout="constrained")
-    outline = case.plate.outline.point(np.linspace(*case.plate.outline.look, 200))
+    outline = case.plate.outline.point(np.linspace(*case.plate.outline.span, 200))
     size = 1.5 * float(np.ptp(outline))
-    track = case.track.point(np.linspace(*case.track.look, 2000))
+    track = case.track.point(np.linspace(*case.track.span, 2000))
     scene.plot(*track, color="black", linewidth=1)
     for i in np.linspace(0, len(times) - 1, 8).astype(int):
         c, s = np.cos(angles[i]), np.sin(angles[i])

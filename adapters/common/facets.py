@@ -46,7 +46,7 @@ def sway(outline: Curve) -> float:
 
     Times the spin squared, it is what a plate that rolls on a level line asks of the normal force beside its weight.
     """
-    s = np.linspace(*outline.look, 721)
+    s = np.linspace(*outline.span, 721)
     point, inwards, bend = outline.point(s), outline.normal(s), outline.curvature(s)
     reach = float(np.hypot(*point).max())
     with np.errstate(divide="ignore"):
@@ -147,7 +147,7 @@ def polygon(case: Case, count: int) -> np.ndarray:
     Equal turns put the corners where the outline bends most, so that every corner costs the same.
     """
     outline = case.plate.outline
-    s = np.linspace(*outline.look, 64 * 721)
+    s = np.linspace(*outline.span, 64 * 721)
     angle = outline.tangent_angle(s)
     corners = outline.point(np.interp(angle[0] + 2 * pi * np.arange(count) / count, angle, s))
     return np.sqrt(_area(*outline.point(s[:-1])) / _area(*corners)) * corners
@@ -159,7 +159,7 @@ def _area(x: np.ndarray, y: np.ndarray) -> float:
 
 def is_convex(outline: Curve) -> bool:
     """Whether the outline is closed and bends one way everywhere: what a polygon of an engine's can be."""
-    return bool(outline.period) and bool(np.all(outline.curvature(np.linspace(*outline.look, 721)) > 0.0))
+    return bool(outline.period) and bool(np.all(outline.curvature(np.linspace(*outline.span, 721)) > 0.0))
 
 
 def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
@@ -170,7 +170,7 @@ def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
         bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()
         off += float(bend) * (part.length / facets) ** 2 / 8
     if vertices:
-        bend = case.plate.outline.curvature(np.linspace(*case.plate.outline.look, 721)).min()
+        bend = case.plate.outline.curvature(np.linspace(*case.plate.outline.span, 721)).min()
         # Corners at equal turns: the longest facet is where the outline bends least.
         off += (2 * pi / vertices) ** 2 / (8 * float(bend))
     return off

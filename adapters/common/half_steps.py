@@ -296,7 +296,7 @@ def _hop(noted: Noted, samples: _Samples) -> float:
     """
     case, plate = noted.case, noted.case.plate
     if case.effect(Flight):
-        bend = float(np.abs(case.track.curvature(np.linspace(*case.track.look, 721))).max())
+        bend = float(np.abs(case.track.curvature(np.linspace(*case.track.span, 721))).max())
         speed, spin = np.hypot(*samples.rates[:, :2].T).max(), np.abs(samples.rates[:, 2]).max()
         push = bend * float(speed) ** 2 + sway(plate.outline) * float(spin) ** 2
     else:

@@ -110,7 +110,7 @@ def roundings(case: Case, witness: Witness, times: np.ndarray) -> dict[str, np.n
 def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
     """The size of the terms that each quantity is worked out from, the largest of the motion."""
     outline, track = case.plate.outline, case.track
-    reach = float(np.hypot(*outline.point(np.linspace(*outline.look, 721))).max())
+    reach = float(np.hypot(*outline.point(np.linspace(*outline.span, 721))).max())
     state = witness.states(times)
     place = float(np.max(np.hypot(state["x"], state["y"])))
     turned, slip, omega = (float(np.nanmax(np.abs(np.append(state[q], 0.0)))) for q in ("theta", "slip", "omega"))

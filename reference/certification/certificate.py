@@ -144,7 +144,7 @@ def _whose_fault(moves: Shares, spreads: bool = False) -> str:
 def _of_use(case: Case, certificate: Certificate, able: list[Witness], moves: Shares) -> None:
     """Raises NotCertified where a bar on the plate's place or angle is too wide to be of use."""
     outline = case.plate.outline
-    size = float(np.ptp(outline.point(np.linspace(*outline.look, 721)), axis=1).max())
+    size = float(np.ptp(outline.point(np.linspace(*outline.span, 721)), axis=1).max())
     for quantity, unit, limit in (("x", "m", COARSEST * size), ("y", "m", COARSEST * size), ("theta", "rad", COARSEST)):
         found = certificate.samples[quantity]
         i = int(np.argmax([one.bar for one in found]))

@@ -112,7 +112,7 @@ class Scene:
         self.in_time = [(None, load.features)] if load and load.features else []
         curves = [(0, self.track.features), (1, self.outline.features)]
         self.in_contact = [*self.in_time, *((row, found) for row, found in curves if found)]
-        self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.look, TRACK_LOOKS))).max())
+        self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.span, TRACK_LOOKS))).max())
         self.is_disc = case.plate.radius is not None
         self.grain = self._grain()
 
@@ -121,7 +121,7 @@ class Scene:
 
         A circle's is its radius, that of a line with ends their distance; any other curve's is at most the plate's.
         """
-        places = np.linspace(*self.track.look, TRACK_LOOKS)
+        places = np.linspace(*self.track.span, TRACK_LOOKS)
         bends = np.abs(np.asarray(self.track.curvature(places)))
         bend = float(bends.max())
         if bend * self.reach <= EVEN:

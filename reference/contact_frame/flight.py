@@ -106,9 +106,9 @@ class Surroundings:
     def __init__(self, scene: Scene, xi1: float):
         self.scene = scene
         self.fine = np.zeros(0, dtype=int)
-        self.params2, _ = _even(scene.outline, *scene.outline.look, OUTLINE_POINTS)
+        self.params2, _ = _even(scene.outline, *scene.outline.span, OUTLINE_POINTS)
         if scene.outline.features:
-            self.params2 = np.union1d(self.params2, scene.outline.features.places(*scene.outline.look))
+            self.params2 = np.union1d(self.params2, scene.outline.features.places(*scene.outline.span))
         self.points = scene.outline.point(self.params2)
         self.closed = bool(scene.outline.period)
         if self.closed:
@@ -125,7 +125,7 @@ class Surroundings:
             margin = 8.0 * self.size / float(track.speed(xi1))
             self._sample(xi1 - margin, xi1 + margin)
         else:
-            self._sample(*track.look)
+            self._sample(*track.span)
 
     def _sample(self, low: float, high: float) -> None:
         track = self.scene.track

@@ -79,7 +79,7 @@ def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) ->
         return _landing(case, arc, before, near)  # by a rounding
     leaves = not under_way and before.gap <= 1e-12 * size  # on the track, to the rounding of positions
     if before.contact and leaves:
-        first = _first_look(case, arc, before, size)
+        first = _first_span(case, arc, before, size)
         if first is None:
             return _landing(case, arc, before, near)
         if not isnan(first.beyond):
@@ -98,7 +98,7 @@ def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) ->
     return None
 
 
-def _first_look(case: Case, arc: Arc, start: _Look, size: float) -> _Look | None:
+def _first_span(case: Case, arc: Arc, start: _Look, size: float) -> _Look | None:
     """A look soon after the start at which the gap is positive and grows, or a hop's landing; None if it closes."""
     part = _time_for(arc, start, 0.0, size)
     soonest = SOONEST * part
@@ -162,7 +162,7 @@ def _uneven(case: Case, arc: Arc, start: _Look, lasts: float) -> float:
 @lru_cache(maxsize=256)
 def _reach(case: Case) -> float:
     """The farthest point of the outline from the centre of mass, m."""
-    return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
+    return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.span, 65))).max())
 
 
 def _time_for(arc: Arc, look: _Look, gap: float, size: float) -> float:

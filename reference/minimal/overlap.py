@@ -67,7 +67,7 @@ def fits_everywhere(case: Case, arcs: Sequence[Arc]) -> bool:
 def _fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
     if not outline.period:
         return True  # an outline without an inside is only its contact arc
-    bends, bend = _bends(outline, *outline.look), _bends(track, low, high)
+    bends, bend = _bends(outline, *outline.span), _bends(track, low, high)
     if bends.min() <= max(bend.max(), 0.0):
         return False  # not convex, or tighter than the track somewhere
     turning = track.tangent_angle(high) - track.tangent_angle(low)
@@ -79,7 +79,7 @@ def _fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
 @lru_cache(maxsize=256)
 def _reach(outline: Curve) -> float:
     """The farthest point of the outline from the centre of mass, m."""
-    return float(np.hypot(*outline.point(np.linspace(*outline.look, 65))).max())
+    return float(np.hypot(*outline.point(np.linspace(*outline.span, 65))).max())
 
 
 def _bends(curve: Curve, low: float, high: float) -> np.ndarray:
@@ -137,7 +137,7 @@ def _locate(
         found = overlap(case, *pose_at(middle), near=place)
         low, high, place = (low, middle, found) if found is not None else (middle, high, place)
     x, y, theta = pose_at(high)
-    parameters = np.linspace(*outline.look, 721)[:-1]
+    parameters = np.linspace(*outline.span, 721)[:-1]
     X, Y = case.track.point(place)
     c, s = np.cos(theta), np.sin(theta)
     u, v = outline.point(parameters)

@@ -317,7 +317,7 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
     track = case.track.point(_visible(case, shown))
     ax.plot(*track, color=TRUTH, linewidth=1.6)
-    outline = case.plate.outline.point(np.linspace(*case.plate.outline.look, _CORNERS))
+    outline = case.plate.outline.point(np.linspace(*case.plate.outline.span, _CORNERS))
     for shade, i in _instants(experiment.truths[case.label]):
         x, y, theta = (float(shown[name][i]) for name in ("x", "y", "theta"))
         turn = np.array([[cos(theta), -sin(theta)], [sin(theta), cos(theta)]])
@@ -342,10 +342,10 @@ def scene(experiment: Experiment, case: Case) -> Figure:
 def _visible(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
     """Track parameters worth drawing: all of a closed track, else what the plate visits and a little more."""
     if case.track.period:
-        return np.linspace(*case.track.look, 361)
+        return np.linspace(*case.track.span, 361)
     below = np.where(np.isfinite(shown["xi1"]), shown["xi1"], _below(case, shown))
     low, high = float(np.min(below)), float(np.max(below))
-    size = float(np.ptp(case.plate.outline.point(np.linspace(*case.plate.outline.look, 181)), axis=1).max())
+    size = float(np.ptp(case.plate.outline.point(np.linspace(*case.plate.outline.span, 181)), axis=1).max())
     more = 1.2 * size / float(case.track.speed(0.5 * (low + high)))
     domain = case.track.domain or (-np.inf, np.inf)
     return np.linspace(max(low - more, domain[0]), min(high + more, domain[1]), 361)
@@ -353,7 +353,7 @@ def _visible(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
 
 def _below(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
     """Roughly the track parameter that is nearest to the centre, for each sample."""
-    grid = np.linspace(*case.track.look, 1001)
+    grid = np.linspace(*case.track.span, 1001)
     X, Y = case.track.point(grid)
     return np.array([grid[np.argmin(np.hypot(X - x, Y - y))] for x, y in zip(shown["x"], shown["y"], strict=True)])
 

@@ -10,12 +10,12 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 import sympy as sp
-from reports.fingerprint import content
 
 import cases
 from cases import Case, CoulombFriction, Curve, Gravity, Load, Plate, Start, Unilateral
 from cases.contact import start_motion
 from cases.curves import cos, sin
+from reports.running.fingerprint import content
 
 
 @pytest.fixture(scope="module")

@@ -31,7 +31,7 @@ def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[
 def told(cells: list[Cell], h: float, n: int, quantity: str = "first_transition_time") -> dict:
     """The row of one setting."""
     rows = error_parts.rows(cells)
-    return next(r for r in rows if r["quantity"] == quantity and r["setting"] == f"h={h:g} facets={n}")
+    return next(r for r in rows if r["quantity"] == quantity and str(r["setting"]) == f"h={h:g} facets={n}")
 
 
 def test_parts_of_a_separable_error_are_its_terms():
