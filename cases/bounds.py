@@ -69,7 +69,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         "mass of the plate": plate.mass,
         "slip of Start": start.slip,
         "omega of Start": start.omega,
-        "lift of Start": start.lift,
+        "gap_rate of Start": start.gap_rate,
         "gap of Start": start.gap,
         "g of Gravity": gravity.g if gravity else 0.0,
         "duration of the case": duration,

@@ -163,7 +163,7 @@ class Unilateral:
 class Flight:
     """After lift-off the plate flies on until its outline meets the track again; without it lift-off is the end.
 
-    Without `Impact` the landing is the end. A start may then lie off the track (`gap`, `lift` of Start).
+    Without `Impact` the landing is the end. A start may then lie off the track (`gap`, `gap_rate` of Start).
     """
 
 

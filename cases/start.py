@@ -20,7 +20,7 @@ class Start:
     `xi1`, `xi2`: contact parameters on track and outline (xi2=None: such that θ = 0); `slip`: slip velocity along
     the track's unit tangent in m/s; `omega`: angular velocity in rad/s. A start off the track (Flight): `gap`, the
     distance in m of the outline's point from the track's along the track's left normal, their tangents parallel;
-    `lift`, the velocity in m/s of the outline's point along that normal (negative with gap = 0: it begins with an
+    `gap_rate`, the velocity in m/s of the outline's point along that normal (negative with gap = 0: it begins with an
     impact).
     """
 
@@ -29,7 +29,7 @@ class Start:
     slip: float = 0.0
     omega: float = 0.0
     gap: float = 0.0
-    lift: float = 0.0
+    gap_rate: float = 0.0
 
     def __post_init__(self):
         object.__setattr__(self, "xi1", finite("xi1 of Start", self.xi1))
@@ -38,19 +38,19 @@ class Start:
         object.__setattr__(self, "slip", finite("slip of Start", self.slip))
         object.__setattr__(self, "omega", finite("omega of Start", self.omega))
         object.__setattr__(self, "gap", not_negative("gap of Start", self.gap))
-        object.__setattr__(self, "lift", finite("lift of Start", self.lift))
+        object.__setattr__(self, "gap_rate", finite("gap_rate of Start", self.gap_rate))
 
     @property
     def in_contact(self) -> bool:
         """Whether the plate begins on its track, neither apart from it nor about to hit or leave it."""
-        return self.gap == 0.0 and self.lift == 0.0
+        return self.gap == 0.0 and self.gap_rate == 0.0
 
     def motion(self, track: Curve, outline: Curve) -> geometry.Motion:
         """The start as pose, velocities and contact rates. Raises DoesNotFit for an xi2 that cannot be guessed."""
         xi2 = self._outline_parameter(track, outline)
         if self.in_contact:
             return geometry.velocity(track, outline, self.xi1, xi2, self.slip, self.omega)
-        moves = self.slip, self.omega, self.gap, self.lift
+        moves = self.slip, self.omega, self.gap, self.gap_rate
         return geometry.velocity_apart(track, outline, self.xi1, xi2, *moves)
 
     def _outline_parameter(self, track: Curve, outline: Curve) -> float:
@@ -79,11 +79,14 @@ class Start:
             )
 
     def _check_effects(self, kinds: tuple[type, ...]) -> None:
-        if (self.gap > 0.0 or self.lift > 0.0) and Flight not in kinds:
-            raise BadValue("gap and lift of Start begin off the track; add Flight to the effects or leave them at 0")
-        if self.gap == 0.0 and self.lift < 0.0 and Impact not in kinds:
+        if (self.gap > 0.0 or self.gap_rate > 0.0) and Flight not in kinds:
             raise BadValue(
-                f"lift = {self.lift:g} of Start begins with an impact; add Impact to the effects or give lift=0"
+                "gap and gap_rate of Start begin off the track; add Flight to the effects or leave them at 0"
+            )
+        if self.gap == 0.0 and self.gap_rate < 0.0 and Impact not in kinds:
+            raise BadValue(
+                f"gap_rate = {self.gap_rate:g} of Start begins with an impact; "
+                "add Impact to the effects or give gap_rate=0"
             )
         if self.in_contact and self.slip != 0.0 and PerfectlyRough in kinds:
             raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {self.slip:g}")

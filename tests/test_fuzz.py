@@ -101,7 +101,7 @@ MAKERS = {
     "RollingResistance": (RollingResistance, dict(arm=0.01)),
     "Impact": (Impact, dict(restitution=0.5, law="poisson")),
     "Load": (Load, dict(fx="sin(t)", fy=1.0, moment=0.0)),
-    "Start": (Start, dict(xi1=0.1, xi2=0.0, slip=0.0, omega=1.0, gap=0.0, lift=0.0)),
+    "Start": (Start, dict(xi1=0.1, xi2=0.0, slip=0.0, omega=1.0, gap=0.0, gap_rate=0.0)),
     "disc": (disc, dict(radius=0.1, mass=1.0, inertia=0.005)),
     "Plate": (Plate, dict(outline=CIRCLE, mass=1.0, inertia=1.0)),
     "Case": (Case, dict(track=CIRCLE, plate=DISC, effects=(Gravity(9.81),), start=Start(0.1), duration=1.0)),

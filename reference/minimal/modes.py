@@ -171,7 +171,7 @@ def in_contact(case: Case, xi1: float, xi2: float, slip: float, omega: float, th
 
 
 def in_flight(case: Case, y: Sequence[float], slip: float, omega: float, lift: float) -> tuple[float, ...]:
-    """The full state of flight that begins at a contact's place with its slip and spin; `lift` as in `cases.Start`."""
+    """The full state of flight that begins at a contact's place with its slip, spin and `lift`, Start's gap_rate."""
     x, y0, theta = (float(v) for v in pose(case, y[0], y[1]))
     (tx, ty), (X, Y) = case.track.tangent(y[0]), case.track.point(y[0])
     vx = slip * tx - lift * ty + omega * (Y - y0)

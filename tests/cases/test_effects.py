@@ -36,8 +36,8 @@ def level(effects, **start):
         (lambda: level((Gravity(9.81), Unilateral(), Impact(0.5))), "asks for Flight"),
         (lambda: level((CoulombFriction(0.1), PerfectlyRough())), "contradict"),
         (lambda: level(ROUGH, gap=0.1), "add Flight"),
-        (lambda: level(ROUGH, lift=0.1), "add Flight"),
-        (lambda: level((*ROUGH, Flight()), lift=-0.1), "add Impact"),
+        (lambda: level(ROUGH, gap_rate=0.1), "add Flight"),
+        (lambda: level((*ROUGH, Flight()), gap_rate=-0.1), "add Impact"),
         (lambda: level((Gravity(9.81), PerfectlyRough()), slip=0.1), "slip=0"),
         (lambda: Impact(1.5), "between 0 and 1"),
         (lambda: Impact(0.5, law="hertz"), "poisson"),
@@ -64,7 +64,7 @@ def test_load_is_a_number_a_text_or_an_expression():
 
 
 def test_start_off_the_track_has_its_gap_and_its_point_its_velocity():
-    case = level((*ROUGH, Flight()), gap=0.3, lift=0.7, slip=-0.2, omega=1.5)
+    case = level((*ROUGH, Flight()), gap=0.3, gap_rate=0.7, slip=-0.2, omega=1.5)
     start = start_motion(case)
     assert (start.x, start.y) == (0.0, 0.8)
     assert find(case, start.x, start.y, start.theta, (0.0, start.xi2)).gap == pytest.approx(0.3, abs=1e-15)

@@ -65,7 +65,7 @@ def on_a_slope(slope, law, e, restitution, gap, lift, slip, omega, duration) -> 
     """A disc that falls or is thrown onto a line."""
     rough = PerfectlyRough() in law and gap == lift == 0.0
     effects = (Gravity(9.81), *law, Unilateral(), Flight(), Impact(e, restitution))
-    start = Start(0.0, slip=0.0 if rough else slip, omega=omega, gap=gap, lift=lift)
+    start = Start(0.0, slip=0.0 if rough else slip, omega=omega, gap=gap, gap_rate=lift)
     return Case(line(slope), disc(0.1, 1.0), effects, start, duration)
 
 

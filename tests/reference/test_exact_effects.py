@@ -215,7 +215,7 @@ def test_loads_that_differ_in_numbers_share_their_equations():
 @METHODS
 def test_flight_from_a_hill_lands_where_the_parabola_meets_the_slope(method):
     # y = 1/cosh-like hill is no use here: a smooth ramp that ends in a slope known exactly far below.
-    case = level((Gravity(G), Unilateral(), Flight()), 5.0, radians(30), gap=0.7, slip=2.0, lift=1.0)
+    case = level((Gravity(G), Unilateral(), Flight()), 5.0, radians(30), gap=0.7, slip=2.0, gap_rate=1.0)
     motion = reference.simulate(case, method=method, rtol=1e-12)
     # In the slope's own axes: gap + lift t − ½ g cos α t² = 0.
     normal = G * cos(radians(30))
@@ -244,7 +244,7 @@ def test_flight_across_a_valley_lands_on_its_other_side(method):
     # A disc leaves one flank of a wide valley horizontally and meets the other: y = x²/(4 f).
     f, radius = 0.25, 0.05
     track = Curve(lambda s: (s, s**2 / (4 * f)), (-4, 4))
-    start = Start(xi1=-1.0, gap=0.3, slip=0.0, lift=3.0)
+    start = Start(xi1=-1.0, gap=0.3, slip=0.0, gap_rate=3.0)
     case = Case(track, disc(radius, M), (Gravity(G), Unilateral(), Flight()), start, 5.0)
     motion = reference.simulate(case, method=method, rtol=1e-12)
     x0, y0, vx, vy = motion.x[0], motion.y[0], motion.vx[0], motion.vy[0]

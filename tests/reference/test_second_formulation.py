@@ -183,7 +183,7 @@ def test_torsion_spring_swings_a_frictionless_disc_through_several_turns():
 def test_load_acts_in_flight_and_brings_the_plate_down_at_its_own_time():
     # Wind from above: m ÿ = −m g − 5, a moment that turns it, and drag along x that leaves vx₀ e^(−t/2).
     case = on_line(
-        *GRIP, Flight(), Load(fx="-vx", fy=-5, moment=0.03), gap=0.4, slip=1.0, lift=1.0, omega=-2.0, duration=3.0
+        *GRIP, Flight(), Load(fx="-vx", fy=-5, moment=0.03), gap=0.4, slip=1.0, gap_rate=1.0, omega=-2.0, duration=3.0
     )
     answer = solve(case, [0.3])
     a = G + 2.5
@@ -255,7 +255,7 @@ def test_friction_on_a_guide_uses_the_magnitude_of_a_normal_force_that_changes_s
 
 @pytest.mark.parametrize("slope", [0.0, 0.4])
 def test_ski_jump_lands_after_twice_the_normal_velocity_over_the_normal_gravity(slope):
-    case = on_line(*GRIP, Flight(), slope=slope, slip=3.0, lift=2.0, omega=-15.0, duration=3.0)
+    case = on_line(*GRIP, Flight(), slope=slope, slip=3.0, gap_rate=2.0, omega=-15.0, duration=3.0)
     answer = solve(case)
     assert (answer.status, answer.transitions) == ("landing", ())
     assert answer.end == pytest.approx(4.0 / (G * cos(slope)), abs=TIGHT)
@@ -298,7 +298,7 @@ def test_disc_leaving_a_crest_lands_on_the_next_slope_where_its_parabola_meets_i
 def tumbling(omega: float) -> Case:
     plate = Plate(ellipse(0.3, 0.1), 1.0, 0.025)
     return on_line(
-        *GRIP, Flight(), plate=plate, xi2=-pi / 2 + 0.3, gap=1.0, lift=1.0, slip=0.5, omega=omega, duration=3.0
+        *GRIP, Flight(), plate=plate, xi2=-pi / 2 + 0.3, gap=1.0, gap_rate=1.0, slip=0.5, omega=omega, duration=3.0
     )
 
 
@@ -325,7 +325,7 @@ def test_tumbling_ellipse_lands_where_its_support_function_meets_the_line(omega,
 
 def test_disc_thrown_across_a_valley_lands_on_its_far_side():
     track = cosine(0.5, 2.0, reach=2.0)
-    case = Case(track, disc(0.1, 1.0), (*GRIP, Flight()), Start(-1.2, slip=0.3, lift=4.5), 3.0)
+    case = Case(track, disc(0.1, 1.0), (*GRIP, Flight()), Start(-1.2, slip=0.3, gap_rate=4.5), 3.0)
     answer = solve(case)
     begin = start_motion(case)
 
@@ -361,7 +361,7 @@ def test_plate_held_off_its_track_flies_on_to_the_end():
 
 def test_a_plate_that_flies_past_the_end_of_an_open_track_falls():
     track = Curve(lambda s: (s, 0), domain=(-0.5, 0.5))
-    case = Case(track, disc(0.1, 1.0), (*GRIP, Flight()), Start(0.0, slip=4.0, lift=1.5), 1.0)
+    case = Case(track, disc(0.1, 1.0), (*GRIP, Flight()), Start(0.0, slip=4.0, gap_rate=1.5), 1.0)
     answer = solve(case, [1.0])
     assert answer.status == "completed"
     assert answer.motions[1, 0] < -1
@@ -373,7 +373,7 @@ def test_every_landing_is_a_touch_and_no_pose_before_it_overlaps():
     track = cosine(0.3, 3.0, reach=3.0)
     for _ in range(6):
         there = dict(xi1=rng.uniform(-1, 1), xi2=-pi / 2 + rng.uniform(-1, 1), gap=0.02)
-        start = Start(**there, slip=rng.uniform(-2, 2), omega=rng.uniform(-9, 9), lift=2.0)
+        start = Start(**there, slip=rng.uniform(-2, 2), omega=rng.uniform(-9, 9), gap_rate=2.0)
         case = Case(track, plate, (*GRIP, Flight()), start, 2.0)
         end = solve(case).end
         times = np.linspace(0, end, 40)
@@ -487,7 +487,7 @@ def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
         lambda: in_a_ring(CoulombFriction(0.2), omega=1e200),
         lambda: in_a_ring(CoulombFriction(0.2), omega=1e30),
         lambda: in_a_ring(CoulombFriction(0.2), size=1e-30),
-        lambda: on_line(*GRIP, CoulombFriction(0.2), Flight(), Impact(0.9), lift=-1e160),
+        lambda: on_line(*GRIP, CoulombFriction(0.2), Flight(), Impact(0.9), gap_rate=-1e160),
         pytest.param(
             lambda: on_line(*GRIP, Flight(), Impact(0.9), plate=disc(1e-30, 1.0), gap=0.3, slip=1.0),
             marks=pytest.mark.slow,  # ten seconds until the track's window has grown

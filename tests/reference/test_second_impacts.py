@@ -54,7 +54,7 @@ class Velocities(NamedTuple):
 
 def hit(plate: Plate, xi2: float, before: Velocities, *effects) -> Velocities:
     """The velocities of the contact point right after an impact at time zero on a level line."""
-    start = Start(0.0, xi2, slip=before.slip, omega=before.spin, lift=before.lift)
+    start = Start(0.0, xi2, slip=before.slip, omega=before.spin, gap_rate=before.lift)
     x, y, _, vx, vy, omega, _ = solve(Case(line(), plate, (*FLYING, *effects), start, 1e-3), [0.0]).motions[:, 0]
     return Velocities(vx + omega * y, vy - omega * x, omega)
 
@@ -195,7 +195,7 @@ def test_poissons_law_never_creates_energy(xi2, before, mu, e, arm):
 def test_newtons_law_that_creates_energy_ends_the_motion():
     # Kane & Levinson are said to have met it in a double pendulum (not looked up); a slender plate that sticks on the
     # way does as well.
-    start = Start(0.0, -2.9, slip=0.96, omega=-0.14, lift=-2.7)
+    start = Start(0.0, -2.9, slip=0.96, omega=-0.14, gap_rate=-2.7)
     make = lambda law: Case(  # noqa: E731
         line(), PLATE, (*FLYING, CoulombFriction(0.76), Impact(0.94, law)), start, 0.1
     )
@@ -320,7 +320,7 @@ def test_perfect_restitution_lists_every_bounce_of_minutes():
 def test_a_start_that_begins_with_an_impact_rebounds(speed, e, law):
     # Flights of 2 e v/g, 2 e² v/g, …, the first from time zero: at rest at 2 v e/(g (1 − e)).
     duration = 2.5 * speed * e / G
-    start = Start(0.0, lift=-speed)
+    start = Start(0.0, gap_rate=-speed)
     answer = solve(Case(line(), DISC, (*FLYING, Impact(e, law)), start, duration), [0.0])
     assert answer.motions[4, 0] == pytest.approx(e * speed, rel=1e-13)
     assert modes(answer)[:2] == [(Mode.FLIGHT, Mode.FLIGHT)] * 2

@@ -64,7 +64,7 @@ def mirrored(case: Case) -> Case:
         track=_mirrored_curve(case.track),
         plate=replace(case.plate, outline=_mirrored_curve(case.plate.outline)),
         effects=_effects(case, {Gravity: lambda e: Gravity(e.g, pi - e.direction), Load: _mirrored_load}),
-        start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega, case.start.gap, case.start.lift),
+        start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega, case.start.gap, case.start.gap_rate),
     )
 
 
@@ -98,7 +98,7 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
             start.slip * length / time,
             start.omega / time,
             case.start.gap * length,
-            case.start.lift * length / time,
+            case.start.gap_rate * length / time,
         ),
         duration=case.duration * time,
     )

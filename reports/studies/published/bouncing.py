@@ -197,7 +197,7 @@ def _kratos(degrees: float, spin: float, kept: float, spin_off: float = 0.0, kep
 
     def case() -> Case:
         effects = (CoulombFriction(mu), Unilateral(), Flight(), Impact(e))
-        start = Start(xi1=0.0, gap=r, lift=-v * cos(angle), slip=v * sin(angle))
+        start = Start(xi1=0.0, gap=r, gap_rate=-v * cos(angle), slip=v * sin(angle))
         return Case(line(), sphere(r), effects, start, 4 * r / (v * cos(angle)))
 
     return Publication(

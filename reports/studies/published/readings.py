@@ -19,7 +19,7 @@ def sphere(radius: float, mass: float = 1.0) -> Plate:
 def bouncing(gap: float, e: float, g: float, duration: float, radius: float = 0.1, lift: float = 0.0) -> Case:
     """A ball without friction above a level floor."""
     effects = (Gravity(g), Unilateral(), Flight(), Impact(e))
-    return Case(line(), sphere(radius), effects, Start(xi1=0.0, gap=gap, lift=lift), duration)
+    return Case(line(), sphere(radius), effects, Start(xi1=0.0, gap=gap, gap_rate=lift), duration)
 
 
 def sliding(radius: float, mu: float, v0: float, duration: float, g: float = 9.81) -> Case:
