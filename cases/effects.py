@@ -142,7 +142,7 @@ class RollingResistance:
     """A couple arm·N against the plate's rotation on its track, at most arm·N while it does not turn; `arm` in m.
 
     (The lever-arm model.) A plate that neither
-    slips nor turns is in the mode `stick`.
+    slips nor turns is in the mode `rest`.
     """
 
     arm: float

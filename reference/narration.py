@@ -11,7 +11,7 @@ DOES = {
     Mode.SLIP_FORWARD: "slides forward",
     Mode.SLIP_BACKWARD: "slides backward",
     Mode.ROLL: "rolls",
-    Mode.STICK: "rests",
+    Mode.REST: "rests",
     Mode.FLIGHT: "flies",
 }
 # More changes than a reader takes in at a glance are counted.

@@ -52,7 +52,7 @@ class Phase(NamedTuple):
             return Mode.SLIDE
         if self.slip:
             return Mode.SLIP_FORWARD if self.slip > 0 else Mode.SLIP_BACKWARD
-        return Mode.STICK if self.turn == 0 else Mode.ROLL
+        return Mode.REST if self.turn == 0 else Mode.ROLL
 
 
 class Forces(NamedTuple):

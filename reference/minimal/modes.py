@@ -38,7 +38,7 @@ class Regime(NamedTuple):
     @property
     def kind(self) -> Kind:
         """The rows of its equations."""
-        return Kind(self.mode not in (Mode.ROLL, Mode.STICK), self.turn == 0)
+        return Kind(self.mode not in (Mode.ROLL, Mode.REST), self.turn == 0)
 
 
 FLIGHT = Regime(Mode.FLIGHT)
@@ -67,7 +67,7 @@ def candidates(case: Case) -> tuple[Regime, ...]:
     law = laws(case)
     sides = (1, -1) if law.sided else (1,)
     return tuple(
-        Regime(Mode.STICK if mode is Mode.ROLL and turn == 0 else mode, side, turn)
+        Regime(Mode.REST if mode is Mode.ROLL and turn == 0 else mode, side, turn)
         for mode in law.friction.modes
         for turn in law.resistance.turns
         for side in sides
@@ -79,7 +79,7 @@ def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
     return tuple(
         r
         for r in candidates(case)
-        if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.STICK))
+        if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.REST))
         and (not turn or r.turn is None or r.turn == turn)
     )
 

@@ -29,7 +29,7 @@ from .kinematics import I2, Kinematics, U, kinematics
 
 # (30): the friction coefficient's sign is opposite to the slip velocity's.
 SIGN = {Mode.SLIP_FORWARD: -1.0, Mode.SLIP_BACKWARD: +1.0}
-WITHOUT_SLIP = (Mode.ROLL, Mode.STICK)
+WITHOUT_SLIP = (Mode.ROLL, Mode.REST)
 
 
 class Solution(NamedTuple):
@@ -180,7 +180,7 @@ def _resistance(case: Case, mode: Mode, side: int, turn: int | None, k: Kinemati
     if resistance is None:
         return 0.0, False
     turn = int(np.sign(k.theta_dot)) if turn is None else turn
-    if turn == 0 or mode is Mode.STICK:
+    if turn == 0 or mode is Mode.REST:
         return 0.0, True
     return -turn * side * resistance.arm, False
 

@@ -49,7 +49,7 @@ _MODE_WORDS = {
     Mode.SLIP_FORWARD: "slip v > 0",
     Mode.SLIP_BACKWARD: "slip v < 0",
     Mode.ROLL: "rolls",
-    Mode.STICK: "rests",
+    Mode.REST: "rests",
     Mode.FLIGHT: "flies",
 }
 

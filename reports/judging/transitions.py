@@ -301,7 +301,7 @@ def _turning(part: Trajectory, inside: np.ndarray, reach: float) -> Reading:
     spin = reach * part.omega[inside]
     if len(inside) < _FEWEST:
         still = len(inside) > 0 and np.all(np.abs(spin) <= slip_phases.SURELY * part.slip_resolution)
-        return Reading(Mode.STICK if still else Mode.ROLL, (), ())
+        return Reading(Mode.REST if still else Mode.ROLL, (), ())
     values = {name: getattr(part, name)[inside] for name in State._fields} | {"slip": spin}
     told = slip_phases.read_contact(replace(part, t=part.t[inside], **values, status="completed"), None)
     rows = [
@@ -313,8 +313,8 @@ def _turning(part: Trajectory, inside: np.ndarray, reach: float) -> Reading:
     return Reading(_turns(told.first_mode), tuple(event for event, _ in rows), tuple(spread for _, spread in rows))
 
 
-_TURNING = {(Mode.ROLL, Mode.STICK): "turning ends", (Mode.STICK, Mode.ROLL): "turning begins"}
+_TURNING = {(Mode.ROLL, Mode.REST): "turning ends", (Mode.REST, Mode.ROLL): "turning begins"}
 
 
 def _turns(mode: Mode) -> Mode:
-    return Mode.STICK if mode is Mode.ROLL else Mode.ROLL
+    return Mode.REST if mode is Mode.ROLL else Mode.ROLL

@@ -207,11 +207,11 @@ def test_rolling_resistance_and_rest_are_rows_and_columns_of_their_own():
     rolling = solve_augmented(case, Mode.ROLL, y)
     assert rolling.q1_ddot[2] == pytest.approx(0.01 * 9.81 / 0.015, rel=1e-13)
     assert rolling.couple == pytest.approx(0.01 * 2.0 * 9.81, rel=1e-13)
-    resting = solve_augmented(case, Mode.STICK, (*y[:2], 0.0, 0.0))
+    resting = solve_augmented(case, Mode.REST, (*y[:2], 0.0, 0.0))
     assert [*resting.q1_ddot, *resting.q2_ddot, resting.friction_force, resting.couple] == pytest.approx([0.0] * 7)
     assert resting.normal_force == pytest.approx(2.0 * 9.81, rel=1e-14)
-    sizes = {mode: len(augmented_system(case, mode, y)[0]) for mode in (Mode.SLIP_FORWARD, Mode.ROLL, Mode.STICK)}
-    assert sizes == {Mode.SLIP_FORWARD: 6, Mode.ROLL: 7, Mode.STICK: 8}
+    sizes = {mode: len(augmented_system(case, mode, y)[0]) for mode in (Mode.SLIP_FORWARD, Mode.ROLL, Mode.REST)}
+    assert sizes == {Mode.SLIP_FORWARD: 6, Mode.ROLL: 7, Mode.REST: 8}
 
 
 def test_flight_is_the_papers_equation_without_a_multiplier():

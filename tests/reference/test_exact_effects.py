@@ -55,7 +55,7 @@ def test_rolling_resistance_stops_a_rolling_disc_at_its_exact_time_and_holds_it(
     # Moments about the contact: (J + m r²) ω̇ = m g·arm against ω.
     deceleration = M * G * arm / (0.5 * M * R**2 + M * R**2)
     stop = abs(omega) / deceleration
-    assert modes(motion) == [Mode.ROLL, Mode.STICK]
+    assert modes(motion) == [Mode.ROLL, Mode.REST]
     assert motion.transitions[0].time == pytest.approx(stop, rel=CLOSE[method])
     halfway = motion(stop / 2)
     assert halfway.omega == pytest.approx(omega / 2, rel=CLOSE[method])
@@ -64,7 +64,7 @@ def test_rolling_resistance_stops_a_rolling_disc_at_its_exact_time_and_holds_it(
 
 def _held(slope, arm=0.02):
     case = level((Gravity(G), CoulombFriction(0.9), Unilateral(), RollingResistance(arm)), 1.0, slope)
-    return reference.simulate(case).first_mode is Mode.STICK
+    return reference.simulate(case).first_mode is Mode.REST
 
 
 def test_disc_with_rolling_resistance_stays_on_an_incline_up_to_its_angle():
@@ -102,7 +102,7 @@ def test_friction_too_weak_for_the_couple_slides_a_disc_without_turning_it():
     assert modes(motion) == [Mode.SLIP_FORWARD]
     assert np.all(np.abs(motion.omega) <= 1e-14)
     long = reference.simulate(level(case.effects, 3.0, slip=1.0), rtol=1e-12)
-    assert modes(long) == [Mode.SLIP_FORWARD, Mode.STICK]
+    assert modes(long) == [Mode.SLIP_FORWARD, Mode.REST]
     assert long.transitions[0].time == pytest.approx(1.0 / (0.05 * G), rel=1e-13)
 
 

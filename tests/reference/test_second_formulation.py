@@ -64,7 +64,7 @@ def test_rolling_resistance_stops_a_disc_on_a_level_line_for_good(accuracy):
     case = on_line(*GRIP, CoulombFriction(0.3), RollingResistance(arm), omega=-omega, duration=3.0)
     times = np.array([0.5, stop + 0.1, 3.0])
     answer = solve(case, times)
-    assert modes(answer) == [(Mode.ROLL, Mode.STICK)]
+    assert modes(answer) == [(Mode.ROLL, Mode.REST)]
     common = dict(case="rolling resistance on a line", solver="reference", route="contact_frame")
     accuracy(**common, quantity="stopping time / s", error=answer.transitions[0].time - stop, tolerance=TIGHT)
     x, omega_now = answer.motions[0], answer.motions[5]
@@ -76,7 +76,7 @@ def test_rolling_resistance_stops_a_disc_on_a_level_line_for_good(accuracy):
 @pytest.mark.parametrize("r, arm", [(0.1, 0.01), (0.3, 0.05)])
 def test_resisted_disc_sticks_on_an_incline_up_to_tan_equal_arm_over_radius_and_rolls_beyond(r, arm):
     # At rest the couple about the contact is m g r sin α against at most arm m g cos α.
-    for slope, mode in ((atan(arm / r) - 1e-9, Mode.STICK), (atan(arm / r) + 1e-9, Mode.ROLL)):
+    for slope, mode in ((atan(arm / r) - 1e-9, Mode.REST), (atan(arm / r) + 1e-9, Mode.ROLL)):
         case = on_line(*GRIP, CoulombFriction(0.5), RollingResistance(arm), slope=slope, plate=disc(r, 2.0))
         answer = solve(case, [1.0])
         assert not answer.transitions
@@ -93,7 +93,7 @@ def test_growing_push_turns_a_resisted_disc_when_its_moment_exceeds_the_couple()
     case = on_line(*GRIP, CoulombFriction(0.5), RollingResistance(arm), Load(fx=f"{p}*t"), duration=2.0)
     answer = solve(case, [2.0])
     begins = arm * 2.0 * G / (p * r)
-    assert modes(answer) == [(Mode.STICK, Mode.ROLL)]
+    assert modes(answer) == [(Mode.REST, Mode.ROLL)]
     assert answer.transitions[0].time == pytest.approx(begins, abs=TIGHT)
     # From then on 3/2 m a = p (t − t₀), which is the push less the couple's share.
     assert answer.motions[3, 0] == pytest.approx(p * (2.0 - begins) ** 2 / 2 / (1.5 * 2.0), rel=1e-11)
@@ -105,7 +105,7 @@ def test_push_that_exceeds_the_cone_first_makes_a_resisted_disc_slide_without_tu
     case = on_line(*GRIP, CoulombFriction(mu, static), RollingResistance(0.05), Load(fx=f"{p}*t"), duration=1.0)
     answer = solve(case, [1.0])
     begins = static * 2.0 * G / p
-    assert modes(answer) == [(Mode.STICK, Mode.SLIP_FORWARD)]
+    assert modes(answer) == [(Mode.REST, Mode.SLIP_FORWARD)]
     assert answer.transitions[0].time == pytest.approx(begins, abs=TIGHT)
     speed = p * (1.0 - begins**2) / 4.0 - mu * G * (1.0 - begins)
     assert answer.motions[[3, 5], 0] == pytest.approx([speed, 0.0], abs=TIGHT)

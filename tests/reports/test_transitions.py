@@ -28,7 +28,7 @@ from reports.judging import ledger, slip_phases, transitions
 from reports.running import tasks
 from tests.scenes.motions import motion_of
 
-FORWARD, ROLL, STICK, FLIGHT = Mode.SLIP_FORWARD, Mode.ROLL, Mode.STICK, Mode.FLIGHT
+FORWARD, ROLL, STICK, FLIGHT = Mode.SLIP_FORWARD, Mode.ROLL, Mode.REST, Mode.FLIGHT
 G, R = 9.81, 0.1
 FALL = np.array([0.0, -G])
 
