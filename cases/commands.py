@@ -46,7 +46,7 @@ def {name}(depth=0.3, mu=0.1):
         track=Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3)),
         # The plate: a disc, or Plate(outline, mass, inertia) with an outline about the centre of mass.
         plate=disc(radius=0.1, mass=1.0),
-        # Leave out CoulombFriction for no friction, Unilateral for a two-sided guide.
+        # Leave out CoulombFriction for no friction, Unilateral for a bilateral guide.
         effects=(Gravity(9.81), CoulombFriction(mu), Unilateral()),
         # At rest unless slip= (m/s) and omega= (rad/s) say otherwise; xi2= for outlines that are no circle.
         start=Start(xi1=-1.0),

@@ -155,7 +155,7 @@ class RollingResistance:
 class Unilateral:
     """The track pushes and never pulls: contact ends (lift-off) where the normal force would change sign.
 
-    Without it the contact is a two-sided guide; its friction uses the magnitude of the normal force.
+    Without it the contact is a bilateral guide; its friction uses the magnitude of the normal force.
     """
 
 
@@ -193,7 +193,7 @@ Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance |
 # What an effect needs beside it, any one of them, and why.
 _NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
     RollingResistance: ((CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
-    Flight: ((Unilateral,), "a two-sided guide never lets go"),
+    Flight: ((Unilateral,), "a bilateral guide never lets go"),
     Impact: ((Flight,), "a plate that does not fly does not land"),
 }
 # Pairs that contradict each other, and why.

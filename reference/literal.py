@@ -17,7 +17,7 @@ import numpy as np
 from cases import Case, CoulombFriction, RollingResistance
 
 from .minimal.integrators import dop853
-from .minimal.integrators.segment import Arc
+from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
 from .minimal.system import PARADOX, System
 from .paper.augmented import Filled, Solution, condition, fill, flight_acceleration, solution, uniqueness
@@ -144,21 +144,21 @@ def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     phase.case.plate.outline.jet(0.0)
 
 
-def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
+def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """As `dop853.integrate`, with the paper's matrix in place of the phase's own equations."""
     # All that the loop and the record ask of a system; nothing here is symbolic.
     literal = cast(System, LiteralSystem(phase.case, phase))
     return dop853.integrate(phase._replace(system=literal), t, y, end, rtol)
 
 
-def warning(arcs: Sequence[Arc]) -> str:
+def warning(segments: Sequence[Segment]) -> str:
     """A sentence where (27) was nearly singular at a step of a literal motion, else nothing."""
     worst, when = 0.0, 0.0
-    for arc in arcs:
-        system: object = arc.phase.system
-        if not isinstance(system, LiteralSystem) or arc.phase.regime == FLIGHT:
+    for segment in segments:
+        system: object = segment.phase.system
+        if not isinstance(system, LiteralSystem) or segment.phase.regime == FLIGHT:
             continue
-        for t, y in zip(arc.times.tolist(), arc.states(arc.times).T.tolist(), strict=True):
+        for t, y in zip(segment.times.tolist(), segment.states(segment.times).T.tolist(), strict=True):
             now = condition(system.case, system.filled(t, y))
             if now > worst:
                 worst, when = now, t

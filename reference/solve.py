@@ -18,7 +18,7 @@ from . import literal
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import LOCATED, run, undecidable
 from .minimal.integrators import dop853, taylor
-from .minimal.integrators.segment import Arc
+from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .minimal.overlap import until_second_contact
 
@@ -60,23 +60,27 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         return sampled(case, [], [], undecidable(0.0))
     setup = time.perf_counter() - began_setup
     cpu, wall = time.process_time(), time.perf_counter()
-    arcs, transitions, ending = solved(case, regime, start, rtol, integrate)
+    segments, transitions, ending = solved(case, regime, start, rtol, integrate)
     spent = time.process_time() - cpu, time.perf_counter() - wall
-    return sampled(case, arcs, transitions, ending, Cost(*spent, setup_s=setup))
+    return sampled(case, segments, transitions, ending, Cost(*spent, setup_s=setup))
 
 
 def solved(case: Case, regime: Regime | None, start, rtol: float, integrate):
-    """All that decides the motion: (arcs, transitions, (status, sentence)), cut at a second contact."""
+    """All that decides the motion: (segments, transitions, (status, sentence)), cut at a second contact."""
     return until_second_contact(case, run(case, regime, start, rtol, integrate))
 
 
-def sampled(case: Case, arcs: list[Arc], transitions, ending: tuple[str, str], cost: Cost = _FREE) -> Trajectory:
+def sampled(
+    case: Case, segments: list[Segment], transitions, ending: tuple[str, str], cost: Cost = _FREE
+) -> Trajectory:
     """What `solved` returned, as a trajectory: sampled; `cost` is filled up with the work."""
     cost = replace(
-        cost, steps=sum(len(arc.times) - 1 for arc in arcs), evaluations=sum(arc.evaluations for arc in arcs)
+        cost,
+        steps=sum(len(segment.times) - 1 for segment in segments),
+        evaluations=sum(segment.evaluations for segment in segments),
     )
-    motion = _trajectory(case, arcs, transitions, *ending, cost)
-    warning = literal.warning(arcs)
+    motion = _trajectory(case, segments, transitions, *ending, cost)
+    warning = literal.warning(segments)
     return replace(motion, reason=f"{motion.reason} {warning}") if warning else motion
 
 
@@ -120,29 +124,29 @@ def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
         prepare_phase(phase(case, regime), rtol)
 
 
-def _trajectory(case: Case, arcs: list[Arc], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
-    """Samples at the integrator's steps, both sides of each transition, and a dense output over all arcs."""
+def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
+    """Samples at the integrator's steps, both sides of each transition, and a dense output over all segments."""
     told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost)
-    if not arcs:
+    if not segments:
         # Nothing moves and nothing presses: the plate leaves at once, or no force is consistent.
         now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)
         start = _observe(case, now, nothing, np.array(state_in(now, start_state(case)))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
         return Trajectory(t=np.zeros(1), **start._asdict(), **told)
-    states = [_observe(case, arc.phase, arc.times, arc.states(arc.times)) for arc in arcs]
+    states = [_observe(case, segment.phase, segment.times, segment.states(segment.times)) for segment in segments]
     samples = State(*(np.concatenate(column) for column in zip(*states, strict=True)))
-    starts = np.array([arc.times[0] for arc in arcs])
+    starts = np.array([segment.times[0] for segment in segments])
 
     def dense(when: np.ndarray) -> State:
-        which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(arcs) - 1)
+        which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(segments) - 1)
         values = np.empty((len(State._fields), len(when)))
         for i in np.unique(which):
             chosen = which == i
-            values[:, chosen] = _observe(case, arcs[i].phase, when[chosen], arcs[i].states(when[chosen]))
+            values[:, chosen] = _observe(case, segments[i].phase, when[chosen], segments[i].states(when[chosen]))
         return State(*values)
 
-    first_mode = arcs[0].phase.regime.mode
-    times = np.concatenate([arc.times for arc in arcs])
+    first_mode = segments[0].phase.regime.mode
+    times = np.concatenate([segment.times for segment in segments])
     return Trajectory(t=times, **samples._asdict(), **told, first_mode=first_mode, dense=dense)
 
 

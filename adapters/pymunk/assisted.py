@@ -43,7 +43,7 @@ class Guide:
         self.lost = False
         self.problem: Exception | None = None
         self._case, self._body, self._h = case, body, h
-        self._two_sided = case.effect(Unilateral) is None
+        self._bilateral = case.effect(Unilateral) is None
         self._here, self._ahead = Follower(case), Follower(case)
         self._before = _velocities(start_motion(case))
         gx, gy = gravity(case)
@@ -88,7 +88,7 @@ class Guide:
         velocity = change * tangent - wanted * normal
         # A guide on both sides pushes from the one that is needed; without a push there is no friction either, so the
         # free motion alone decides.
-        if self._two_sided and self._free(point).dot(normal) > wanted:
+        if self._bilateral and self._free(point).dot(normal) > wanted:
             normal = -normal
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
         arbiter.surface_velocity = velocity

@@ -104,7 +104,7 @@ def rough_disc_in_circle(R=1.0, r=0.1, m=1.0, xi1=0.0, g=9.81, duration=2.5):
 
 @case
 def guided_loop(ratio=4.0, mu=0.05, R=1.0, r=0.1, m=1.0, g=9.81, duration=1.5):
-    """A disc in a two-sided guide goes through the top of a loop, too slow for a one-sided one.
+    """A disc in a bilateral guide goes through the top of a loop, too slow for a unilateral one.
 
     Why: the normal force changes sign, and friction goes on with its magnitude.
     Source: posed here; the roller coaster with wheels on both sides of its rail.

@@ -125,9 +125,9 @@ def moved(case: Case, component: int, roundings: float, method: str) -> Witness:
 
     start = start_state(case)
     regime = solve.first_regime(case, start)
-    arcs, transitions, ending = hybrid.run(case, regime, start, rtol, shifted)
+    segments, transitions, ending = hybrid.run(case, regime, start, rtol, shifted)
     return _told(
-        f"component {component} moved by {roundings:g} roundings", solve.sampled(case, arcs, transitions, ending)
+        f"component {component} moved by {roundings:g} roundings", solve.sampled(case, segments, transitions, ending)
     )
 
 

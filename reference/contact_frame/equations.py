@@ -58,7 +58,7 @@ class Phase(NamedTuple):
 class Forces(NamedTuple):
     """Contact forces (N) and couple (N m), rates of spin and slip.
 
-    `push` (N/kg) has the normal force's sign wherever `division` is positive; `division` is Painlevé's number.
+    `push` (N/kg) has the normal force's sign wherever `inverse_mass` is positive; `inverse_mass` is Painlevé's number.
     """
 
     normal: float
@@ -67,7 +67,7 @@ class Forces(NamedTuple):
     spin_rate: float
     slip_rate: float
     push: float
-    division: float
+    inverse_mass: float
 
 
 class Place(NamedTuple):
@@ -107,7 +107,7 @@ class Scene:
             self.laws = Laws(inf, inf, arm)
         else:
             self.laws = Laws(friction.mu, friction.stick, arm) if friction else Laws(None, 0.0, arm)
-        self.one_sided = case.effect(Unilateral) is not None
+        self.unilateral = case.effect(Unilateral) is not None
         # What a step may pass over unseen: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
         curves = [(0, self.track.features), (1, self.outline.features)]
@@ -173,25 +173,25 @@ class Scene:
         # Per mass N = down − ω̇ arm_t for every phase; v̇ = −back + T − ω̇ arm_n; J ω̇ = arm_t N − arm_n T + couple.
         friction, couple = ratios(self.laws, phase)
         if phase.turn == 0:
-            N, spin_rate, push, division = down, 0.0, down, 1.0
+            N, spin_rate, push, inverse_mass = down, 0.0, down, 1.0
             T = back if phase.slip == 0 else friction * N
             couple_now = an * T - at * N - spin_pull
         elif phase.slip == 0:
             free = J + an * an
-            division = 1.0 + at * (at + couple) / free
+            inverse_mass = 1.0 + at * (at + couple) / free
             push = down + at * (an * back - spin_pull) / free
-            spin_rate = ((at + couple) * down - an * back + spin_pull) / (free * division)
+            spin_rate = ((at + couple) * down - an * back + spin_pull) / (free * inverse_mass)
             N, T = down - spin_rate * at, back + spin_rate * an
             couple_now = couple * N
         else:
             lever = at - friction * an + couple
-            division = 1.0 + at * lever / J
+            inverse_mass = 1.0 + at * lever / J
             push = down - at * spin_pull / J
-            N = push / division
+            N = push / inverse_mass
             T, spin_rate = friction * N, (lever * N + spin_pull) / J
             couple_now = couple * N
         slip_rate = 0.0 if phase.slip == 0 else T - back - spin_rate * an
-        return Forces(self.m * N, self.m * T, self.m * couple_now, spin_rate, slip_rate, push, division)
+        return Forces(self.m * N, self.m * T, self.m * couple_now, spin_rate, slip_rate, push, inverse_mass)
 
     def scale(self, t: float, z, turns: int) -> float:
         """A force of the scene's size, N: what rounding of its forces is measured by."""
@@ -309,17 +309,17 @@ def decide(scene: Scene, t: float, z, turns: int, may_stick: bool = True, may_ho
 
     def needed(phase: Phase) -> Held:
         f = scene.forces(t, z, sided(phase), turns)
-        # A one-sided contact holds nothing by a pull.
-        return Held(max(f.normal, 0.0) if scene.one_sided else f.normal, f.friction, f.couple)
+        # A unilateral contact holds nothing by a pull.
+        return Held(max(f.normal, 0.0) if scene.unilateral else f.normal, f.friction, f.couple)
 
     def sided(phase: Phase) -> Phase:
-        if scene.one_sided or scene.forces(t, z, phase, turns).push >= 0.0:
+        if scene.unilateral or scene.forces(t, z, phase, turns).push >= 0.0:
             return phase
         return phase._replace(side=-1)
 
     for phase in map(sided, admissible(scene.laws, z[3], z[2], needed, may_stick, may_hold)):
         f = scene.forces(t, z, phase, turns)
-        if f.division > 0.0 and (abs(f.normal) > tolerance or _soon(scene, t, z, phase, turns) >= -tolerance):
+        if f.inverse_mass > 0.0 and (abs(f.normal) > tolerance or _soon(scene, t, z, phase, turns) >= -tolerance):
             if phase.side * f.normal >= -tolerance:
                 return phase
     return None

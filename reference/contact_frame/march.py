@@ -245,7 +245,7 @@ class _March:
         """Whether the normal force has vanished: by itself, or together with the friction that it bounds."""
         if "normal_force" in fired:
             return True
-        if not self.scene.one_sided or not any(name.startswith("cone") for name in fired):
+        if not self.scene.unilateral or not any(name.startswith("cone") for name in fired):
             return False
         return self._forceless(phase, z, turns)
 
@@ -264,7 +264,7 @@ class _March:
             z[2] = 0.0
         cone = any(name.startswith("cone") for name in fired)
         couple = any(name.startswith("couple") for name in fired)
-        if couple and not self.scene.one_sided and self._forceless(phase, z, turns):
+        if couple and not self.scene.unilateral and self._forceless(phase, z, turns):
             return Touching(z, turns, phase._replace(side=-phase.side))  # the couple's bound vanished, and grows again
         return self._touching(z, turns, may_stick=not cone, may_hold=not couple)
 
@@ -288,11 +288,11 @@ class _March:
         if phase.turn:
             guards["turn"] = lambda t, z: phase.turn * z[2]
         if phase.slip or phase.turn:
-            guards["painleve"] = lambda t, z: forces(t, z).division
-        if scene.one_sided and not (phase.slip == 0 and laws.stick < inf):
+            guards["painleve"] = lambda t, z: forces(t, z).inverse_mass
+        if scene.unilateral and not (phase.slip == 0 and laws.stick < inf):
             # Where friction holds, its cone closes before the normal force vanishes.
             guards["normal_force"] = lambda t, z: forces(t, z).normal
-        if not scene.one_sided and (phase.slip is not None or phase.turn is not None):
+        if not scene.unilateral and (phase.slip is not None or phase.turn is not None):
             guards["side"] = lambda t, z: phase.side * forces(t, z).push
         guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
         if self.overlaps:
@@ -306,7 +306,7 @@ class _March:
     def _integrate(self, now: Touching, guards: dict[str, Callable]):
         scene, phase, turns, start = self.scene, now.phase, now.turns, self.t
         just_begun = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
-        if not scene.one_sided and self._forceless(phase, now.z, turns):
+        if not scene.unilateral and self._forceless(phase, now.z, turns):
             just_begun |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
         pace = scene.pace(start, now.z, turns)
         blind = BLIND / pace if pace > 0.0 else inf

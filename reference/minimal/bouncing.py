@@ -20,7 +20,7 @@ from cases import Case
 from cases.contact import pose
 
 from .impact import Touch
-from .integrators.segment import Arc, Stop
+from .integrators.segment import Event, Segment
 from .landing import Landing
 from .modes import Phase, in_flight
 
@@ -117,7 +117,7 @@ class Bounces:
         touch = Touch(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)
         return Limit(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
 
-    def settling(self, flight: Phase, limit: Limit) -> Arc:
+    def settling(self, flight: Phase, limit: Limit) -> Segment:
         """The time between the last impact that was stepped through and the limit: too short for a flight to show."""
         assert self.last is not None
         landing, after = self.last.landing, self.last.after
@@ -131,7 +131,7 @@ class Bounces:
             return first[:, None] + np.outer(last - first, part)
 
         times = np.array([landing.time, limit.time])
-        return Arc(flight, times, states, Stop(None, limit.time, tuple(last.tolist())), 0)
+        return Segment(flight, times, states, Event(None, limit.time, tuple(last.tolist())), 0)
 
 
 def extrapolated(at: Sequence[float], values: Sequence[float]) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 A regime follows if, along its own motion, its own conditions hold just after. "Just after" is the sign of the first
 derivative that does not vanish, from Taylor series whose coefficients carry bounds on their rounding. The same rule
-serves the start, slip that vanishes and a normal force that vanishes in a two-sided guide.
+serves the start, slip that vanishes and a normal force that vanishes in a bilateral guide.
 """
 
 from __future__ import annotations

@@ -158,12 +158,12 @@ class Laws(NamedTuple):
     loads: tuple[Weight | Applied, ...]
     friction: Frictionless
     resistance: NoResistance
-    one_sided: bool
+    unilateral: bool
 
     @property
     def sided(self) -> bool:
         """Whether the law of the contact depends on which side of the track presses."""
-        return not self.one_sided and (self.friction.by_magnitude or self.resistance.by_magnitude)
+        return not self.unilateral and (self.friction.by_magnitude or self.resistance.by_magnitude)
 
     @property
     def side(self) -> sp.Expr:

@@ -35,8 +35,10 @@ class Motion(NamedTuple):
     slip: sp.Expr
     slip_dot: sp.Expr
     couple: sp.Expr  # what resists the rotation, per mass
-    division: sp.Expr  # the coefficient of the normal force in its equation, in units of its first term: Painlevé's
-    closing: sp.Expr  # what the normal force has to balance: how fast the contact would close without any force in it
+    inverse_mass: sp.Expr  # the coefficient of the normal force in its equation, in units of its first term: Painlevé's
+    free_approach: (
+        sp.Expr
+    )  # what the normal force has to balance: how fast the contact would close without any force in it
 
 
 class Torsor(NamedTuple):
@@ -71,19 +73,19 @@ def sliding(f: Frame, h: Frame, force: Torsor, ratio, resistance) -> Motion:
     omega = spin(f, h, U1, U2)
     along, C_t, C_n, C_3 = _rates(f, h, U1, U2, omega)
     lever = short(h.ht - h.hn * ratio + resistance)
-    division = short(1 + h.ht * lever / GYRATION)
-    closing = _closing(h, force, C_n)
+    inverse_mass = short(1 + h.ht * lever / GYRATION)
+    free_approach = _free_approach(h, force, C_n)
     omega_dot = (force.moment + NORMAL * lever) / GYRATION
-    last = resistance * NORMAL, division, closing
+    last = resistance * NORMAL, inverse_mass, free_approach
     motion = _slipping(f, h, force, ratio, (omega, omega_dot), (along, C_t, C_3), last)
-    return _with_normal_force(motion, closing / division)
+    return _with_normal_force(motion, free_approach / inverse_mass)
 
 
 def translating(f: Frame, h: Frame, force: Torsor, ratio) -> Motion:
     """(27) with one multiplier and the row ω̇ = 0: it slips and does not turn; the couple is what that takes."""
     along, C_t, C_n, C_3 = _rates(f, h, U1, U2, ZERO)
     couple = -force.moment - NORMAL * short(h.ht - h.hn * ratio)
-    last = couple, ONE, _closing(h, force, C_n)
+    last = couple, ONE, _free_approach(h, force, C_n)
     motion = _slipping(f, h, force, ratio, (ZERO, ZERO), (along, C_t, C_3), last)
     return _with_normal_force(motion, C_n - force.n)
 
@@ -99,7 +101,7 @@ def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, last) -> M
     return Motion(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, sigma + along, *last)
 
 
-def _closing(h: Frame, force: Torsor, C_n) -> sp.Expr:
+def _free_approach(h: Frame, force: Torsor, C_n) -> sp.Expr:
     return C_n - h.ht * force.moment / GYRATION - force.n
 
 
@@ -122,12 +124,14 @@ def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Motion:
     u2_dot = (u1_dot * f.P + along) / h.P
     N = C_n - omega_dot * h.ht - force.n
     friction = omega**2 * h.ht + omega_dot * h.hn - force.t
-    division = short(1 + resistance * h.ht / inertia)
-    closing = _closing(h, force, C_n)
-    return Motion(u1_dot, u2_dot, N, friction, short(omega), omega_dot, ZERO, ZERO, resistance * N, division, closing)
+    inverse_mass = short(1 + resistance * h.ht / inertia)
+    free_approach = _free_approach(h, force, C_n)
+    return Motion(
+        u1_dot, u2_dot, N, friction, short(omega), omega_dot, ZERO, ZERO, resistance * N, inverse_mass, free_approach
+    )
 
 
 def resting(h: Frame, force: Torsor) -> Motion:
     """(27) with the rows v̇ = 0 and ω̇ = 0 at rest: the contact carries the whole load."""
     couple = force.n * h.ht - force.t * h.hn - force.moment
-    return Motion(ZERO, ZERO, -force.n, -force.t, ZERO, ZERO, ZERO, ZERO, couple, ONE, _closing(h, force, ZERO))
+    return Motion(ZERO, ZERO, -force.n, -force.t, ZERO, ZERO, ZERO, ZERO, couple, ONE, _free_approach(h, force, ZERO))

@@ -15,7 +15,7 @@ from .bouncing import Bounces
 from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
-from .integrators.segment import BREAKDOWN, Arc
+from .integrators.segment import BREAKDOWN, Segment
 from .landing import Landing, first_landing
 from .modes import (
     FLIGHT,
@@ -95,10 +95,10 @@ CAUSES = {
 
 
 class Step(NamedTuple):
-    """What came of a phase: its arcs, when and where it ended (ξ₁, ξ₂) and why, the full state and regime that follow,
+    """What came of a phase: its segments, when and where (ξ₁, ξ₂) it ended and why, the full state and regime to follow,
     or the ending."""
 
-    arcs: tuple[Arc, ...]
+    segments: tuple[Segment, ...]
     time: float
     place: tuple[float, float] = (np.nan, np.nan)
     cause: str = ""
@@ -108,41 +108,41 @@ class Step(NamedTuple):
     listed: bool = True  # a rebound that is too small is a change of mode nobody lists
 
 
-def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Arc]):
-    """Phase after phase until the end of time or a status: (arcs, transitions, (status, sentence))."""
+def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
+    """Phase after phase until the end of time or a status: (segments, transitions, (status, sentence))."""
     t, y = 0.0, start
-    arcs: list[Arc] = []
+    segments: list[Segment] = []
     transitions: list[Transition] = []
     if regime is None:
         step = _leave(case, (), t, y, "")
         if step.regime is None:
-            return arcs, transitions, step.ending
+            return segments, transitions, step.ending
         regime, y = step.regime, step.state
     bounces, progress, near, idle = Bounces(case), _Progress(), case.start.xi1, 0
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
         if progress.none(t, frequency(now, t, y)):
-            return arcs, transitions, ACCUMULATION
+            return segments, transitions, ACCUMULATION
         try:
             if regime == FLIGHT:
                 step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
             else:
                 step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
         except Undecidable:
-            return arcs, transitions, undecidable(t)
+            return segments, transitions, undecidable(t)
         idle = idle + 1 if step.time == t else 0
         if idle > IDLE and step.regime not in (None, FLIGHT):
             step = _moved_on(case, regime, step)
-        arcs.extend(step.arcs)
+        segments.extend(step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime and step.listed):
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
-            return arcs, transitions, step.ending
+            return segments, transitions, step.ending
         t, y, regime, near = step.time, step.state, step.regime, step.place[0]
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
-    return arcs, transitions, ("unfinished", sentence)
+    return segments, transitions, ("unfinished", sentence)
 
 
 def undecidable(t: float) -> Ending:
@@ -179,20 +179,20 @@ def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
 # --- after contact ----------------------------------------------------------------------------------------------------
 
 
-def _after_contact(case: Case, arc: Arc, error: float) -> Step:
+def _after_contact(case: Case, segment: Segment, error: float) -> Step:
     """What follows where a guard reached zero, in a motion known to that relative error."""
-    now, guard, t = arc.phase, arc.stop.guard, arc.stop.time
+    now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
-        return Step((arc,), t)
-    across = over_touch(arc, error, case.duration) if guard == "normal_force" else None
+        return Step((segment,), t)
+    across = over_touch(segment, error, case.duration) if guard == "normal_force" else None
     if across:
-        t, y = across.stop.time, full_state(case, now, across.stop.state)
-        return Step((arc, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
-    y = full_state(case, now, arc.stop.state)
+        t, y = across.event.time, full_state(case, now, across.event.state)
+        return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
+    y = full_state(case, now, segment.event.state)
     if guard in ENDS:
-        return Step((arc,), t, ending=ENDS[guard])
+        return Step((segment,), t, ending=ENDS[guard])
     if guard == BREAKDOWN:
-        return Step((arc,), t, ending=_breakdown(now, arc))
+        return Step((segment,), t, ending=_breakdown(now, segment))
     if guard == "slip":
         y = (*y[:3], without_slip(case, *y[:3]), *y[4:])
         if now.regime.turn == 0:
@@ -201,8 +201,8 @@ def _after_contact(case: Case, arc: Arc, error: float) -> Step:
         y = without_turning(case, y)
     following = _following(case, now.regime, guard, t, y)
     if following is None:
-        return _leave(case, (arc,), t, y, guard)
-    return Step((arc,), t, (y[0], y[1]), guard, y, following)
+        return _leave(case, (segment,), t, y, guard)
+    return Step((segment,), t, (y[0], y[1]), guard, y, following)
 
 
 def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[float]) -> Regime | None:
@@ -237,13 +237,13 @@ def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
 _BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
 
 
-def _leave(case: Case, arcs: tuple[Arc, ...], t: float, y: Sequence[float], guard: str) -> Step:
+def _leave(case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str) -> Step:
     """No contact follows: the plate flies, or that is the end."""
     ending = _nothing_follows(case, t, y)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = _moves(case, y)
-        return Step(arcs, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
-    return Step(arcs, t, (y[0], y[1]), guard, ending=ending)
+        return Step(segments, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
+    return Step(segments, t, (y[0], y[1]), guard, ending=ending)
 
 
 def _moves(case: Case, y: Sequence[float]) -> tuple[float, float]:
@@ -254,18 +254,18 @@ def _moves(case: Case, y: Sequence[float]) -> tuple[float, float]:
     return along_track - along_outline, bends[0] * along_track - bends[1] * along_outline
 
 
-def _breakdown(now: Phase, arc: Arc) -> Ending:
+def _breakdown(now: Phase, segment: Segment) -> Ending:
     """The limit of the formulation at which the equations became singular."""
     names = list(now.system.guards)
     first, last = (
-        now.system.guards_of_numbers(float(t), arc.states(np.array([t]))[:, 0].tolist(), now.parameters)
-        for t in (arc.times[0], arc.times[-1])
+        now.system.guards_of_numbers(float(t), segment.states(np.array([t]))[:, 0].tolist(), now.parameters)
+        for t in (segment.times[0], segment.times[-1])
     )
     for limit in ("fit", "painleve"):
         # Steps vanish where a divisor does; a hundredth of its first value is well on the way there.
         if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
             return ENDS[limit]
-    return BREAKDOWN, f"The equations became singular at t = {arc.times[-1]:.9g} s, and no step was small enough."
+    return BREAKDOWN, f"The equations became singular at t = {segment.times[-1]:.9g} s, and no step was small enough."
 
 
 def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
@@ -279,20 +279,20 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
         return NO_MODE
     now, m = phase(case, candidates(case)[-1]), _free(case, t, y)
     state = state_in(now, y)
-    if not np.isfinite(m.closing):
+    if not np.isfinite(m.free_approach):
         raise Undecidable
     fastest = max(
         (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
     )
     scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
     # At a lift-off the normal force has vanished, to the location's error and the growth of what it is a difference of.
-    if m.closing <= 1e6 * LOCATED * scale:
+    if m.free_approach <= 1e6 * LOCATED * scale:
         return LIFT_OFF
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 
 
 def _free(case: Case, t: float, y: Sequence[float]) -> Motion:
-    """What the equations of the contact say of a full state; its `closing` needs no contact to be there."""
+    """What the equations of the contact say of a full state; its `free_approach` needs no contact to be there."""
     now = phase(case, candidates(case)[-1])
     return Motion(*now.system.observed_of_numbers(t, state_in(now, y), now.parameters))
 
@@ -302,21 +302,21 @@ def _free(case: Case, t: float, y: Sequence[float]) -> Motion:
 
 def _flown(
     case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate
-) -> tuple[list[Arc], Landing | None]:
-    """A flight's arcs up to its landing, and that; `near` is where the track was touched last.
+) -> tuple[list[Segment], Landing | None]:
+    """A flight's segments up to its landing, and that; `near` is where the track was touched last.
 
     It is integrated as far as it may last by its own scales, and twice as far as often as it takes.
     """
-    arcs: list[Arc] = []
+    segments: list[Segment] = []
     lasts = _may_last(now, t, y)
     while True:
         until = max(t + lasts, t + 1e3 * np.spacing(t))
-        arc = integrate(now, t, y, min(until, case.duration), rtol)
-        landing = first_landing(case, arc, near, under_way=bool(arcs))
-        arcs.append(_until(arc, landing) if landing else arc)
-        if landing or arc.stop.guard or arc.stop.time >= case.duration:
-            return arcs, landing
-        t, y, lasts = arc.stop.time, arc.stop.state, 2.0 * lasts
+        segment = integrate(now, t, y, min(until, case.duration), rtol)
+        landing = first_landing(case, segment, near, under_way=bool(segments))
+        segments.append(_until(segment, landing) if landing else segment)
+        if landing or segment.event.guard or segment.event.time >= case.duration:
+            return segments, landing
+        t, y, lasts = segment.event.time, segment.event.state, 2.0 * lasts
 
 
 def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
@@ -328,12 +328,14 @@ def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
     return max(back, 4.0 / often if often else np.inf)
 
 
-def _after_flight(case: Case, arcs: list[Arc], landing: Landing | None, bounces: Bounces) -> Step:
+def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, bounces: Bounces) -> Step:
     """What the impact makes of a landing."""
-    last = arcs[-1]
+    last = segments[-1]
     if landing is None:
-        return Step(tuple(arcs), last.stop.time, ending=_breakdown(last.phase, last) if last.stop.guard else COMPLETED)
-    flown, place = tuple(arcs), (landing.xi1, landing.xi2)
+        return Step(
+            tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETED
+        )
+    flown, place = tuple(segments), (landing.xi1, landing.xi2)
     if case.effect(Impact) is None:
         return Step(flown, landing.time, place, "landing", ending=LANDED)
     law = law_of(case, landing.arm_t, landing.arm_n)
@@ -341,10 +343,10 @@ def _after_flight(case: Case, arcs: list[Arc], landing: Landing | None, bounces:
     if not law.poisson and energy(law, after) > (1.0 + 1e-12) * energy(law, landing.touch):  # more than by rounding
         return Step(flown, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
-    pull = _free(case, landing.time, y).closing if after.lift > 0.0 else np.inf
+    pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
     if after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
         return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "landing")
-    listed = bounces.add(float(arcs[0].times[0]), landing, after, pull)
+    listed = bounces.add(float(segments[0].times[0]), landing, after, pull)
     limit = None if listed else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
         settled = (*flown, bounces.settling(last.phase, limit))
@@ -360,18 +362,18 @@ def _drowns(case: Case, lift: float, pull: float, place: tuple[float, float]) ->
     return lift * lift <= 2.0 * pull * known
 
 
-def _rest(case: Case, arcs, t: float, place, theta: float, touch: Touch, cause: str) -> Step:
+def _rest(case: Case, segments, t: float, place, theta: float, touch: Touch, cause: str) -> Step:
     """Contact that neither opens nor closes: the mode that follows, or flight where none does."""
     y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
     moves = senses(case, y, touch.slip, touch.omega, LOCATED)
     following = decide(case, t, y, LOCATED, able(case, *moves))
     if following:
-        return Step(arcs, t, place, cause, y, following)
+        return Step(segments, t, place, cause, y, following)
     # What leaves at once has no speed to be listed by.
-    return _leave(case, arcs, t, y, cause)._replace(listed=False)
+    return _leave(case, segments, t, y, cause)._replace(listed=False)
 
 
-def _until(arc: Arc, landing: Landing) -> Arc:
-    """The arc up to its landing."""
-    times = np.append(arc.times[arc.times < landing.time], landing.time)
-    return Arc(arc.phase, times, arc.states, arc.stop._replace(time=landing.time), arc.evaluations)
+def _until(segment: Segment, landing: Landing) -> Segment:
+    """The segment up to its landing."""
+    times = np.append(segment.times[segment.times < landing.time], landing.time)
+    return Segment(segment.phase, times, segment.states, segment.event._replace(time=landing.time), segment.evaluations)

@@ -24,7 +24,7 @@ from cases.contact import Contact, pose
 from cases.nearest import nearest
 
 from .impact import Touch
-from .integrators.segment import Arc
+from .integrators.segment import Segment
 from .series import EPS
 
 # Between two looks the plate moves by this part of its size, at most, while it is near its track.
@@ -66,46 +66,46 @@ class _Look(NamedTuple):
         return self.contact.gap if self.contact else np.inf
 
 
-def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) -> Landing | None:
-    """The first landing of a flight's arc; None if it flies on.
+def first_landing(case: Case, segment: Segment, near: float, under_way: bool = False) -> Landing | None:
+    """The first landing of a flight's segment; None if it flies on.
 
-    The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: the arc
+    The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: it
     goes on with a flight that did not land until then.
     """
     size = _reach(case)
-    start, end = float(arc.times[0]), float(arc.times[-1])
-    before = _look(case, arc, start)
+    start, end = float(segment.times[0]), float(segment.times[-1])
+    before = _look(case, segment, start)
     if under_way and before.contact and before.gap <= 0.0:
-        return _landing(case, arc, before, near)  # by a rounding
+        return _landing(case, segment, before, near)  # by a rounding
     leaves = not under_way and before.gap <= 1e-12 * size  # on the track, to the rounding of positions
     if before.contact and leaves:
-        first = _first_span(case, arc, before, size)
+        first = _first_span(case, segment, before, size)
         if first is None:
-            return _landing(case, arc, before, near)
+            return _landing(case, segment, before, near)
         if not isnan(first.beyond):
-            return _landing(case, arc, first, near)
+            return _landing(case, segment, first, near)
         before = first
     while before.time < end:
-        step = _time_for(arc, before, min(before.gap, max(1e6 * size, before.far)), size)
+        step = _time_for(segment, before, min(before.gap, max(1e6 * size, before.far)), size)
         if leaves:
             step = min(step, before.time - start)  # what has just begun may end as soon
-        now = _look(case, arc, min(before.time + step, end))
-        turned = _turning(case, arc, before, now) if before.rate < 0.0 < now.rate and now.gap > 0.0 else None
+        now = _look(case, segment, min(before.time + step, end))
+        turned = _turning(case, segment, before, now) if before.rate < 0.0 < now.rate and now.gap > 0.0 else None
         for look in (turned, now):
             if look is not None and look.gap <= 0.0:
-                return _locate(case, arc, before, look, near)
+                return _locate(case, segment, before, look, near)
         before = now
     return None
 
 
-def _first_span(case: Case, arc: Arc, start: _Look, size: float) -> _Look | None:
+def _first_span(case: Case, segment: Segment, start: _Look, size: float) -> _Look | None:
     """A look soon after the start at which the gap is positive and grows, or a hop's landing; None if it closes."""
-    part = _time_for(arc, start, 0.0, size)
+    part = _time_for(segment, start, 0.0, size)
     soonest = SOONEST * part
     while part > soonest:
-        look = _look(case, arc, start.time + part)
+        look = _look(case, segment, start.time + part)
         if start.rate > 0.0 > look.rate:
-            hop = _hop(case, arc, start, look)
+            hop = _hop(case, segment, start, look)
             if hop is not None:
                 return hop
         if look.rate > 0.0 and look.gap > 0.0:
@@ -116,7 +116,7 @@ def _first_span(case: Case, arc: Arc, start: _Look, size: float) -> _Look | None
     return None
 
 
-def _hop(case: Case, arc: Arc, start: _Look, ahead: _Look) -> _Look | None:
+def _hop(case: Case, segment: Segment, start: _Look, ahead: _Look) -> _Look | None:
     """The landing of a flight that begins at `start` on the track, if it is a hop over before `ahead`.
 
     A rate that falls evenly vanishes half-way; where a polynomial through a few looks is as good as the rates
@@ -131,24 +131,24 @@ def _hop(case: Case, arc: Arc, start: _Look, ahead: _Look) -> _Look | None:
             return None
         if abs(lasts - before) <= 0.5 * (HOP - 1.0) * lasts:
             break
-        whole = _look(case, arc, start.time + lasts)
-    half = _look(case, arc, start.time + 0.5 * lasts)
+        whole = _look(case, segment, start.time + lasts)
+    half = _look(case, segment, start.time + 0.5 * lasts)
     # Times are rounded, what is between them is not.
     fall = (start.rate - whole.rate) / (whole.time - start.time)
     if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.speed:
         lasts = 2.0 * start.rate / fall
     else:
-        lasts = _uneven(case, arc, start, lasts)
+        lasts = _uneven(case, segment, start, lasts)
     if isnan(lasts):
         return None
-    landing = _look(case, arc, start.time + lasts)
+    landing = _look(case, segment, start.time + lasts)
     beyond = lasts - (landing.time - start.time)
     return landing._replace(beyond=beyond) if landing.contact is not None and landing.rate < 0.0 else None
 
 
-def _uneven(case: Case, arc: Arc, start: _Look, lasts: float) -> float:
+def _uneven(case: Case, segment: Segment, start: _Look, lasts: float) -> float:
     """How long a hop lasts whose rate falls unevenly, about `lasts`; NaN where a polynomial does not tell."""
-    looks = [start, *(_look(case, arc, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
+    looks = [start, *(_look(case, segment, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
     parts = [(look.time - start.time) / (HOP * lasts) for look in looks]
     rate = Chebyshev.fit(parts, [look.rate for look in looks], len(looks) - 1, domain=(0.0, 1.0))
     if not np.max(np.abs(rate.coef[-2:])) <= 10.0 * EVEN * start.speed:
@@ -165,11 +165,11 @@ def _reach(case: Case) -> float:
     return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.span, 65))).max())
 
 
-def _time_for(arc: Arc, look: _Look, gap: float, size: float) -> float:
+def _time_for(segment: Segment, look: _Look, gap: float, size: float) -> float:
     """How long the plate's points take for the gap, or a small part of its size, from the speeds before and after."""
-    left = float(arc.times[-1]) - look.time
+    left = float(segment.times[-1]) - look.time
     step = min(max(gap, CLOSE * size) / max(look.speed, 1e-300), left)
-    while step * _speed(_state(arc, look.time + step), size) > max(gap, 2.0 * CLOSE * size):
+    while step * _speed(_state(segment, look.time + step), size) > max(gap, 2.0 * CLOSE * size):
         step *= 0.5  # a plate that is let go has no speed yet, and gains it
     return step
 
@@ -180,13 +180,13 @@ def _speed(state: list[float], size: float) -> float:
     return hypot(vx, vy) + abs(omega) * size
 
 
-def _state(arc: Arc, t: float) -> list[float]:
+def _state(segment: Segment, t: float) -> list[float]:
     """(x, y, θ, vx, vy, ω)."""
-    return arc.states(np.array([t]))[:, 0].tolist()
+    return segment.states(np.array([t]))[:, 0].tolist()
 
 
-def _look(case: Case, arc: Arc, t: float) -> _Look:
-    state = _state(arc, t)
+def _look(case: Case, segment: Segment, t: float) -> _Look:
+    state = _state(segment, t)
     contact = nearest(case, *state[:3])
     rate = _touch(case, state, contact)[0].lift if contact else 0.0
     return _Look(t, contact, rate, _speed(state, _reach(case)), 0.5 * hypot(*state[:2]))
@@ -204,39 +204,41 @@ def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, flo
     return Touch(px * tx + py * ty, py * tx - px * ty, omega), rx * tx + ry * ty, ry * tx - rx * ty
 
 
-def _turning(case: Case, arc: Arc, before: _Look, now: _Look) -> _Look:
+def _turning(case: Case, segment: Segment, before: _Look, now: _Look) -> _Look:
     """The look at which the gap stops closing between two looks."""
-    return _look(case, arc, brentq(lambda t: _look(case, arc, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16))
+    return _look(
+        case, segment, brentq(lambda t: _look(case, segment, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16)
+    )
 
 
-def _locate(case: Case, arc: Arc, above: _Look, below: _Look, near: float) -> Landing:
+def _locate(case: Case, segment: Segment, above: _Look, below: _Look, near: float) -> Landing:
     """The zero of the gap between a look above and one below the track: Newton's method, kept between the two.
 
     Each look is at the pair that is the nearest at that time: one followed from elsewhere may lead to another.
     """
-    x, y, *_ = _state(arc, below.time)
+    x, y, *_ = _state(segment, below.time)
     rounding = 0.5 * EPS * (_reach(case) + abs(x) + abs(y))
     now, low, high = below, above.time, below.time
     while abs(now.gap) > rounding and above.gap > 0.0:
         time = now.time - now.gap / now.rate if now.rate < 0.0 else low
         if abs(time - now.time) <= np.spacing(high) or high - low <= 2.0 * np.spacing(high):
             break
-        now = _look(case, arc, time if low < time < high else 0.5 * (low + high))
+        now = _look(case, segment, time if low < time < high else 0.5 * (low + high))
         low, high = (now.time, high) if now.gap > 0.0 else (low, now.time)
     now = now if now.contact else below
     near_enough = now.rate < 0.0 and abs(now.gap) <= -4.0 * now.rate * np.spacing(high)
-    return _landing(case, arc, now._replace(beyond=-now.gap / now.rate if near_enough else nan), near)
+    return _landing(case, segment, now._replace(beyond=-now.gap / now.rate if near_enough else nan), near)
 
 
-def _landing(case: Case, arc: Arc, look: _Look, near: float) -> Landing:
+def _landing(case: Case, segment: Segment, look: _Look, near: float) -> Landing:
     """The landing at a look, whose time is rounded: what is left of it moves the state on.
 
     Rounded times alone would change the energy of a plate that bounces for long.
     """
-    t, contact, state = look.time, look.contact, _state(arc, look.time)
+    t, contact, state = look.time, look.contact, _state(segment, look.time)
     assert contact is not None  # it has a gap
     if not isnan(look.beyond):
-        rates = arc.phase.system.rates_of_numbers(t, state, arc.phase.parameters)
+        rates = segment.phase.system.rates_of_numbers(t, state, segment.phase.parameters)
         state = [value + look.beyond * rate for value, rate in zip(state, rates, strict=True)]
     touch, arm_t, arm_n = _touch(case, state, contact)
     return Landing(t, *_counted_on(case, contact, state[2], near), state[2], touch, arm_t, arm_n)

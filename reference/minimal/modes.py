@@ -1,6 +1,6 @@
 """What a contact can do, and the numbers that go with it.
 
-A `Regime` is a mode, the side of the track that presses (−1 only in a two-sided guide) and, where something resists
+A `Regime` is a mode, the side of the track that presses (−1 only in a bilateral guide) and, where something resists
 the rotation, its sense. It fixes the runtime parameters of the mode's equations.
 
 The full state in contact is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), with θ behind it where a load asks for the angle; in flight it is

@@ -18,7 +18,7 @@ from cases import Case, Curve, DoesNotFit, Transition
 from cases.contact import Contact, find, overlap, pose
 from cases.overlap import first_overlap, span
 
-from .integrators.segment import Arc
+from .integrators.segment import Segment
 from .modes import FLIGHT
 
 # Looks to a step, at least, and the part of the plate's reach that its points move between two looks, at most: what
@@ -33,32 +33,32 @@ class Meeting(NamedTuple):
     xi1: float
 
 
-Solution = tuple[list[Arc], list[Transition], tuple[str, str]]
+Solution = tuple[list[Segment], list[Transition], tuple[str, str]]
 
 
 def until_second_contact(case: Case, solution: Solution) -> Solution:
     """Arcs, transitions and ending of a motion, cut where the plate meets its track in a second place, if it does."""
-    arcs, transitions, _ = solution
-    touching = [arc for arc in arcs if arc.phase.regime != FLIGHT]  # in flight landings are looked for
+    segments, transitions, _ = solution
+    touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # in flight landings are looked for
     if not touching or fits_everywhere(case, touching):
         return solution
     meeting = first_meeting(case, touching)
     if meeting is None:
         return solution
-    number = max(i for i, arc in enumerate(arcs) if arc.times[0] < meeting.time)
-    last = arcs[number]
+    number = max(i for i, segment in enumerate(segments) if segment.times[0] < meeting.time)
+    last = segments[number]
     times = np.append(last.times[last.times < meeting.time], meeting.time)
     # What was integrated beyond the meeting was work all the same.
-    work = sum(arc.evaluations for arc in arcs[number:])
-    stop = last.stop._replace(time=meeting.time)
-    kept = [*arcs[:number], replace(last, times=times, stop=stop, evaluations=work)]
+    work = sum(segment.evaluations for segment in segments[number:])
+    event = last.event._replace(time=meeting.time)
+    kept = [*segments[:number], replace(last, times=times, event=event, evaluations=work)]
     reason = f"The plate meets its track in a second place, xi1 = {meeting.xi1:.9g}, at t = {meeting.time:.9g} s."
     return kept, [t for t in transitions if t.time < meeting.time], ("second_contact", reason)
 
 
-def fits_everywhere(case: Case, arcs: Sequence[Arc]) -> bool:
+def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
     """Whether a second contact is impossible on the way, by the curvatures alone."""
-    xi1 = np.concatenate([arc.states(arc.times)[0] for arc in arcs])
+    xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
     outline = case.plate.outline
     return _fits(case.track, outline, *span(case.track, xi1, _reach(outline)))
 
@@ -89,18 +89,18 @@ def _bends(curve: Curve, low: float, high: float) -> np.ndarray:
     return np.asarray(curve.curvature(places))
 
 
-def first_meeting(case: Case, arcs: Sequence[Arc]) -> Meeting | None:
-    """The first second contact along arcs of contact, looked for between their steps and located; None if none."""
+def first_meeting(case: Case, segments: Sequence[Segment]) -> Meeting | None:
+    """The first second contact along segments of contact, looked for between their steps and located; None if none."""
     reach = _reach(case.plate.outline)
-    for arc in arcs:
-        times = _divided(arc.times, np.full(len(arc.times) - 1, LOOKS))
-        x, y, theta, _ = _poses(case, arc, times)
+    for segment in segments:
+        times = _divided(segment.times, np.full(len(segment.times) - 1, LOOKS))
+        x, y, theta, _ = _poses(case, segment, times)
         way = np.hypot(np.diff(x), np.diff(y)) + reach * np.abs(np.diff(theta))
         times = _divided(times, np.maximum(np.ceil(way / (CLOSE * reach)), 1.0).astype(int))
-        found = first_overlap(case.track, case.plate.outline, *_poses(case, arc, times))
+        found = first_overlap(case.track, case.plate.outline, *_poses(case, segment, times))
         if found is not None:
             before = float(times[max(found[0] - 1, 0)])
-            return _locate(case, before, float(times[found[0]]), found[1], partial(_pose, case, arc))
+            return _locate(case, before, float(times[found[0]]), found[1], partial(_pose, case, segment))
     return None
 
 
@@ -114,14 +114,14 @@ def _divided(times: np.ndarray, parts: np.ndarray) -> np.ndarray:
     return np.append(inside, times[-1])
 
 
-def _poses(case: Case, arc: Arc, times: np.ndarray):
+def _poses(case: Case, segment: Segment, times: np.ndarray):
     """(x, y, θ, ξ₁) of the plate in contact, each of shape (n,)."""
-    states = arc.states(times)
+    states = segment.states(times)
     return *pose(case, states[0], states[1]), states[0]
 
 
-def _pose(case: Case, arc: Arc, t: float) -> tuple[float, float, float]:
-    x, y, theta, _ = _poses(case, arc, np.array([t]))
+def _pose(case: Case, segment: Segment, t: float) -> tuple[float, float, float]:
+    x, y, theta, _ = _poses(case, segment, np.array([t]))
     return float(x[0]), float(y[0]), float(theta[0])
 
 

@@ -154,7 +154,7 @@ def _in_contact(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kin
         motion = rolling(f, h, force, law.resistance.couple)
     conditions = law.friction.conditions(kind.slips, motion, law.side)
     conditions |= law.resistance.conditions(kind.held, motion, law.side)
-    if (law.one_sided or law.sided) and "cone_forward" not in conditions:  # inside the cone the force is not negative
+    if (law.unilateral or law.sided) and "cone_forward" not in conditions:  # inside the cone the force is not negative
         conditions["normal_force"] = law.side * motion.normal
     velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sp.sqrt(GYRATION)}
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
@@ -164,7 +164,7 @@ def _in_contact(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kin
     rests = not _STATES[kind]
     rates = tuple(ZERO if rests else known[v] for v in variables)
     moving = {T} if rests else {*variables, T}
-    limits = {"fit": h.curvature - f.curvature, "painleve": motion.division - PARADOX, **_ends(bounded)}
+    limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(bounded)}
     guards = {name: g for name, g in (conditions | limits).items() if g.free_symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
     return System(variables, len(positions), rates, motion, conditions, rates_of, guards)

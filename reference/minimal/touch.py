@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 
 from . import series
-from .integrators.segment import Arc, Stop
+from .integrators.segment import Event, Segment
 from .modes import Phase
 
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
@@ -19,20 +19,20 @@ ORDER = 8
 GUARD = "normal_force"
 
 
-def over_touch(arc: Arc, error: float, end: float) -> Arc | None:
-    """The same motion across a dip of the normal force that ended the arc; None if the contact ends there indeed.
+def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
+    """The same motion across a dip of the normal force that ended the segment; None if the contact ends there indeed.
 
-    A dip is none if it is no deeper than the relative `error` of the greatest normal force of the arc. The motion
+    A dip is none if it is no deeper than the relative `error` of the greatest normal force of the segment. The motion
     across has no length where the force only reaches zero, and does not go beyond the time `end`.
     """
-    now, t, y = arc.phase, arc.stop.time, arc.stop.state
+    now, t, y = segment.phase, segment.event.time, segment.event.state
     motion, force = _expanded(now, t, y)
     value, slope, bend = force[:3]
     if not bend > 0.0:
         return None
     depth = slope * slope / (4.0 * bend) - value
     index = list(now.system.guards).index(GUARD)
-    along = now.system.guards_of_arrays(arc.times, arc.states(arc.times), now.parameters)[index]
+    along = now.system.guards_of_arrays(segment.times, segment.states(segment.times), now.parameters)[index]
     if depth > error * np.max(np.abs(along)):
         return None
     # To the dip's end and as far again: there the force is clear of zero.
@@ -46,7 +46,7 @@ def over_touch(arc: Arc, error: float, end: float) -> Arc | None:
     def states(times: np.ndarray) -> np.ndarray:
         return np.polynomial.polynomial.polyval(times - t, motion.T)
 
-    return Arc(now, np.array([t, t + lasts]), states, Stop(None, t + lasts, tuple(last.tolist())), 1)
+    return Segment(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
 
 
 def _expanded(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:

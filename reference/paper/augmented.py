@@ -138,7 +138,7 @@ def fill(
     """(27) for a contact in that mode.
 
     `state` is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), with θ (rad) behind it where a load counts whole turns; `side` is the sign of the
-    normal force (−1 only in a two-sided guide), on whose magnitude friction and rolling resistance depend; `turn` is
+    normal force (−1 only in a bilateral guide), on whose magnitude friction and rolling resistance depend; `turn` is
     the sense of a rotation that is resisted, 0 where it is held (None: the sign of θ̇); `time` (s) is for loads.
     """
     k = kinematics(case, *state[:4])

@@ -101,7 +101,7 @@ def first_slip(mu: float, method: str, rtol: float) -> Callable[[], float]:
     case = cases.load("disc_in_circle", mu=mu)
     _, integrate = solve.INTEGRATORS[method]
     now, start = phase(case, Regime(cases.Mode.SLIP_FORWARD)), start_state(case)
-    return lambda: integrate(now, 0.0, start, case.duration, rtol).stop.time
+    return lambda: integrate(now, 0.0, start, case.duration, rtol).event.time
 
 
 def whole_motion(method: str, rtol: float) -> Callable[[], int]:

@@ -58,7 +58,7 @@ def test_engine_as_it_comes_is_the_first_rung_and_told_so():
     assert all(fine["h"] < coarse["h"] for coarse, fine in zip(others, others[1:], strict=False))
 
 
-def test_plate_that_is_no_disc_and_two_sided_guide_are_refused():
+def test_plate_that_is_no_disc_and_bilateral_guide_are_refused():
     circle = Curve(lambda s: (1.0 * cases.curves.cos(s), 1.0 * cases.curves.sin(s)))
     guided = Case(circle, disc(0.1, 1.0), (Gravity(9.81),), Start(0.0), 1.0)
     plate = cases.Plate(ellipse(0.2, 0.1), 1.0, 0.0125)

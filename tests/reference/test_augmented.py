@@ -131,7 +131,7 @@ LOADS = st.sampled_from(
 
 @st.composite
 def scenes_with_effects(draw):
-    """Elliptic scenes with loads, rolling resistance, two-sided guides and perfectly rough contact."""
+    """Elliptic scenes with loads, rolling resistance, bilateral guides and perfectly rough contact."""
     case, load, arm = draw(elliptic_scenes), draw(LOADS), draw(st.sampled_from((0.0, 0.01)))
     friction = PerfectlyRough() if draw(st.booleans()) else case.effect(CoulombFriction)
     effects = [case.effect(Gravity), *([friction] if friction else []), *([load] if load else [])]

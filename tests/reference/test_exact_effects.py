@@ -129,7 +129,7 @@ def test_perfectly_rough_disc_rolls_down_what_no_cone_would_hold():
 
 
 @METHODS
-def test_two_sided_guide_goes_through_the_top_where_the_one_sided_lets_go(method):
+def test_bilateral_guide_goes_through_the_top_where_the_unilateral_lets_go(method):
     start = Start(xi1=-pi / 2, xi2=-pi / 2, omega=-4.0)
     track, plate = circle(1.0), disc(0.2, M)
     guided = Case(track, plate, (Gravity(G), PerfectlyRough()), start, 1.4)
@@ -140,7 +140,7 @@ def test_two_sided_guide_goes_through_the_top_where_the_one_sided_lets_go(method
     over, left = (reference.simulate(case, method=method, rtol=1e-12) for case in (guided, free))
     assert left.status == "lift_off" and over.status == "completed"
     assert over.normal_force.min() < 0.0 and over.xi1.max() > pi / 2
-    # Energy at the place where the one-sided disc leaves: ½·1.5·v² + g h, and N = 0 there: v² = g ρ sin ξ.
+    # Energy at the place where the unilateral disc leaves: ½·1.5·v² + g h, and N = 0 there: v² = g ρ sin ξ.
     speed = 1.02 * omega_for_top * 0.2
     height = (0.75 * speed**2 / G - 0.8) / (1.0 + 0.75)
     assert left.transitions[-1].xi1 == pytest.approx(np.arcsin(height / 0.8), abs=1e-9)
@@ -148,7 +148,7 @@ def test_two_sided_guide_goes_through_the_top_where_the_one_sided_lets_go(method
 
 @METHODS
 @pytest.mark.parametrize("track, rho", [(circle(1.0), 0.8), (hill(1.0), 1.2)], ids=["pressed", "pulled"])
-def test_friction_in_a_two_sided_guide_goes_by_the_magnitude_of_the_normal_force(method, track, rho):
+def test_friction_in_a_bilateral_guide_goes_by_the_magnitude_of_the_normal_force(method, track, rho):
     # A weightless disc sliding along a circle: |N| = m v²/ρ whether the guide presses it or pulls it.
     mu = 0.3
     case = Case(track, disc(0.2, M), (CoulombFriction(mu),), Start(xi1=0.0, slip=1.0), 0.5)

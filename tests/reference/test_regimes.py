@@ -92,7 +92,7 @@ def test_painleve_number_is_that_of_the_sliding_rod():
             case = Case(Curve(lambda s: (s, 0)), rod, effects, Start(0.0, xi2=-pi / 2 - phi, slip=-1.0), 0.1)
             now = phase(case, Regime(Mode.SLIP_BACKWARD))
             state = (0.0, -pi / 2 - phi, 0.0, 0.0)
-            number = Motion(*now.system.observed_of_numbers(0.0, state, now.parameters)).division
+            number = Motion(*now.system.observed_of_numbers(0.0, state, now.parameters)).inverse_mass
             textbook = 1 + 3 * cos(phi) ** 2 - 3 * mu * sin(phi) * cos(phi)
             assert number == pytest.approx(textbook, abs=1e-7)  # the end's radius, 1e-9, is what differs
 
@@ -126,7 +126,7 @@ def test_static_friction_above_kinetic_holds_up_to_its_own_cone():
     )
 
 
-def test_a_two_sided_guide_holds_the_plate_where_a_one_sided_track_lets_go():
+def test_a_bilateral_guide_holds_the_plate_where_a_unilateral_track_lets_go():
     hill = Curve(lambda s: (c.sin(s), c.cos(s)), domain=(-3.0, 3.0))
     one = Case(hill, disc(0.1, 1.0), (Gravity(9.81), CoulombFriction(0.2), Unilateral()), Start(0.3, slip=1.0), 1.2)
     two = Case(hill, disc(0.1, 1.0), (Gravity(9.81), CoulombFriction(0.2)), Start(0.3, slip=1.0), 1.2)

@@ -196,7 +196,7 @@ def test_load_acts_in_flight_and_brings_the_plate_down_at_its_own_time():
     )
 
 
-# --- two-sided guides -------------------------------------------------------------------------------------------------
+# --- bilateral guides -------------------------------------------------------------------------------------------------
 
 
 def loop(*effects, speed: float, mu: float = 0.0) -> Case:
@@ -205,7 +205,7 @@ def loop(*effects, speed: float, mu: float = 0.0) -> Case:
     return Case(circle(1.0), disc(0.1, 1.0), (Gravity(G), *friction, *effects), Start(-pi / 2, slip=speed), 1.5)
 
 
-def test_two_sided_guide_carries_a_bead_over_the_top_where_the_unilateral_one_lets_go():
+def test_bilateral_guide_carries_a_bead_over_the_top_where_the_unilateral_one_lets_go():
     # Without friction v² = v₀² − 2 g L (1 + sin ξ₁). It goes over the top from 4 g L on; N ≥ 0 there asks for 5 g L.
     L = 0.9
     speed = sqrt(4.5 * G * L)
@@ -245,7 +245,7 @@ def test_friction_on_a_guide_uses_the_magnitude_of_a_normal_force_that_changes_s
     exact = np.where(xi < first, rising(xi), np.where(xi < second, pulled(xi), falling(xi)))
     worst = np.max(np.abs(np.sum(answer.motions[3:5] ** 2, axis=0) / L**2 - exact))
     accuracy(
-        case="two-sided loop, mu=0.02", solver="reference", route="contact_frame",
+        case="bilateral loop, mu=0.02", solver="reference", route="contact_frame",
         quantity="square of angular speed / rad²/s²", error=worst, tolerance=1e-10,
     )  # fmt: skip
 

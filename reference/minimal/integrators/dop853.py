@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
-from .segment import BREAKDOWN, Arc, Stop
+from .segment import BREAKDOWN, Event, Segment
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
@@ -77,7 +77,7 @@ def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     phase.system.rates_of_numbers, phase.system.guards_of_arrays, phase.system.guards_of_numbers  # noqa: B018
 
 
-def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
+def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity where no step is small enough.
 
     The absolute tolerance is rtol times the state's natural sizes in the phase; rtol below 1e-13 is taken as
@@ -91,7 +91,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     rtol = max(rtol, 1e-13)
     atol = rtol * _scales(phase, t, y)
     if not np.isfinite(atol).all():
-        return _ended(phase, [t], [], Stop(BREAKDOWN, t, tuple(y)), 1)
+        return _ended(phase, [t], [], Event(BREAKDOWN, t, tuple(y)), 1)
     # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
     first = end - t if phase.regime == FLIGHT and end > t else None
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
@@ -100,8 +100,8 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
     while True:
         _step(solver, phase, rtol)
         if solver.status == "failed":
-            stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
-            return _ended(phase, times, pieces, stop, solver.nfev)
+            event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
+            return _ended(phase, times, pieces, event, solver.nfev)
         piece = solver.dense_output()
         found = None
         if phase.system.guards:
@@ -111,21 +111,21 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
             found = _first_zero(phase, piece, at_nodes, first=not pieces)
         if found:
             guard, when = found
-            piece, stop = _land(phase, rhs, piece, guard, when, rtol, atol)
-            return Arc(phase, np.array([*times, stop.time]), _joined(times, [*pieces, piece]), stop, solver.nfev)
+            piece, event = _land(phase, rhs, piece, guard, when, rtol, atol)
+            return Segment(phase, np.array([*times, event.time]), _joined(times, [*pieces, piece]), event, solver.nfev)
         times.append(solver.t)
         pieces.append(piece)
         if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
-            stop = Stop(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
-            return _ended(phase, times, pieces, stop, solver.nfev)
+            event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
+            return _ended(phase, times, pieces, event, solver.nfev)
         if solver.status == "finished":
-            return _ended(phase, times, pieces, Stop(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
+            return _ended(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
 
 
-def _ended(phase: Phase, times: list[float], pieces, stop: Stop, evaluations: int) -> Arc:
-    """The arc of whole steps; of none, the state where it stopped."""
-    states = _joined(times[:-1], pieces) if pieces else lambda when: np.outer(stop.state, np.ones(len(when)))
-    return Arc(phase, np.array(times), states, stop, evaluations)
+def _ended(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
+    """The segment of whole steps; of none, the state where it stopped."""
+    states = _joined(times[:-1], pieces) if pieces else lambda when: np.outer(event.state, np.ones(len(when)))
+    return Segment(phase, np.array(times), states, event, evaluations)
 
 
 def _step(solver: DOP853, phase: Phase, rtol: float) -> None:
@@ -161,8 +161,8 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
     return np.array([*phase.lengths, *(size * often for size in phase.lengths)][: len(y)])
 
 
-def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int) -> Arc:
-    """The arc up to where a guard's formula loses its value inside the last step, or up to a guard's zero before."""
+def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int) -> Segment:
+    """The segment up to where a guard's formula loses its value in the last step, or up to a guard's zero before."""
     after = int(np.argmin(np.isfinite(at_nodes).all(axis=0)))
     low, high = float(_NODES[max(after - 1, 0)]), float(_NODES[after])
     for _ in range(60):
@@ -172,11 +172,11 @@ def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, ev
         low, high = (middle, high) if np.isfinite(values).all() else (low, middle)
     until = piece.t_old + piece.h * low
     if until <= piece.t_old:
-        return _ended(phase, times, pieces, Stop(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
+        return _ended(phase, times, pieces, Event(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
     rest = integrate(phase, piece.t_old, piece.y_old, until, rtol)
-    stop = rest.stop if rest.stop.guard else rest.stop._replace(guard=BREAKDOWN)
+    event = rest.event if rest.event.guard else rest.event._replace(guard=BREAKDOWN)
     states = _joined(times, [*pieces, rest.states])
-    return Arc(phase, np.array([*times, *rest.times[1:]]), states, stop, evaluations + rest.evaluations)
+    return Segment(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
 
 
 def _guards_at_nodes(phase: Phase, piece) -> np.ndarray:
@@ -255,7 +255,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
     """
     whole, start = piece.t - piece.t_old, piece.t_old
     if whole <= 0.0 or when <= start:
-        return piece, Stop(guard, start, tuple(piece.y_old.tolist()))
+        return piece, Event(guard, start, tuple(piece.y_old.tolist()))
     again = DOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
     pieces = []
     while again.status == "running":
@@ -273,7 +273,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
         if abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(t) or t + correction <= start:
             break
         t, y = float(t + correction), _runge_kutta(rhs, t, y, correction)
-    return _joined([p.t_old for p in pieces], pieces), Stop(guard, t, tuple(y.tolist()))
+    return _joined([p.t_old for p in pieces], pieces), Event(guard, t, tuple(y.tolist()))
 
 
 def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:

@@ -14,7 +14,7 @@ from ..modes import Phase
 BREAKDOWN = "breakdown"
 
 
-class Stop(NamedTuple):
+class Event(NamedTuple):
     """What ended a phase: the guard that reached zero (None: the end of the time span), when, and the state there."""
 
     guard: str | None
@@ -23,11 +23,11 @@ class Stop(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Arc:
+class Segment:
     """A phase's motion: its step times, a dense output t ↦ states of shape (variables, n), and the work it took."""
 
     phase: Phase
     times: np.ndarray
     states: Callable[[np.ndarray], np.ndarray]
-    stop: Stop
+    event: Event
     evaluations: int

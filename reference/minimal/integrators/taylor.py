@@ -21,7 +21,7 @@ from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..eliminated import Motion, T
 from ..modes import Phase
 from ..system import System
-from .segment import BREAKDOWN, Arc, Stop
+from .segment import BREAKDOWN, Event, Segment
 
 try:
     import heyoka as hy
@@ -159,19 +159,19 @@ def _tolerance(rtol: float) -> float:
     return max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9))
 
 
-def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
+def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN)."""
     tolerance = _tolerance(rtol)
     return _integrate(compiled(phase.system, tolerance), phase, t, y, end, float, tolerance)
 
 
-def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Arc:
+def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """The same in quadruple precision, start and end of the phase rounded to double; `rtol` is not looked at."""
     integrator = compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
     return _integrate(integrator, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
 
 
-def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Arc:
+def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Segment:
     integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
     times: list[float] = [t]
     coefficients: list[np.ndarray] = []
@@ -194,8 +194,8 @@ def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, to
             guard = list(phase.system.guards)[number]
         elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * np.spacing(times[-1]):
             return _broken(phase, times, coefficients, y)
-    stop = Stop(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
-    return Arc(phase, np.array(times), _dense(times, coefficients, y), stop, len(coefficients))
+    event = Event(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
+    return Segment(phase, np.array(times), _dense(times, coefficients, y), event, len(coefficients))
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
@@ -226,16 +226,16 @@ def _good_part(phase: Phase, start: float, length: float, series: np.ndarray, to
     return 1.0 if missed <= max(DEFECT * tolerance, ROUNDING) else 0.5
 
 
-def _broken(phase: Phase, times, coefficients, y) -> Arc:
-    """The arc up to the last finite state, where numbers stopped being finite."""
+def _broken(phase: Phase, times, coefficients, y) -> Segment:
+    """The segment up to the last finite state, where numbers stopped being finite."""
     steps = len(coefficients) - 1
     # Towards a singularity the coefficients of quadruple precision outgrow doubles while the state is still finite.
     while steps > 1 and not np.all(np.isfinite(coefficients[steps - 1])):
         steps -= 1
     states = _dense(times[: steps + 1], coefficients[:steps], y)
     last = times[steps]
-    stop = Stop(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
-    return Arc(phase, np.array(times[: steps + 1]), states, stop, len(coefficients))
+    event = Event(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
+    return Segment(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
 
 
 def _most(series: np.ndarray) -> float:
