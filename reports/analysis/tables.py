@@ -42,7 +42,7 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per transition of the truth or of a run: matched, missed or spurious. `reading_doubt`, s: how far the
+    """One row per transition of the truth or of a run: matched, missed, unresolved or spurious. `reading_doubt`, s: how far the
     time moves when it is read from other samples; empty for a solver that locates its transitions itself."""
     rows = []
     for run in experiment.runs:
@@ -161,7 +161,9 @@ TABLES = {
 }
 WORDS = {
     "headline": Table("First-transition error and centre error of each route, defaults and finest setting"),
-    "transitions": Table("Every transition of every run, matched, missed or spurious"),
+    "transitions": Table(
+        "Every transition of every run: matched, missed, unresolved (a rebound too short for its samples) or spurious"
+    ),
     "trajectories": Table("Every run: outcome, distance from the truth, cost"),
     "convergence": Table("Observed order of every route"),
     "truth": Table("The certified transitions the runs are judged by"),

@@ -1,4 +1,7 @@
-"""Transitions of a solver matched with the truth's: which are found, which missed, which spurious, and how late."""
+"""Transitions of a solver matched with the truth's: which are found, which missed, which spurious, and how late.
+
+A rebound of the truth's that flies for less than a motion's samples resolve is asked of nobody: it is unresolved.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ from dataclasses import dataclass
 from math import isfinite, nan
 
 from cases import Mode, Transition
+
+from .slip_phases import RESOLVABLE_GAPS
 
 
 @dataclass(frozen=True)
@@ -23,19 +28,27 @@ class LedgerRow:
     verdict: str
 
 
-def match(truth: Sequence[Transition], found: Sequence[Transition]) -> tuple[LedgerRow, ...]:
+def match(truth: Sequence[Transition], found: Sequence[Transition], gap: float = 0.0) -> tuple[LedgerRow, ...]:
     """Pair transitions by kind (before, after) and order: as many as can be, and of these pairings the one with the
-    least sum of time errors. The rest of the truth is missed, the rest of the found spurious."""
+    least sum of time errors. The rest of the truth is missed, or unresolved by samples `gap` seconds apart; the rest of
+    the found spurious."""
     pairs = _pairing(truth, found)
     rows = []
     for i, j in pairs:
         error = found[j].time - truth[i].time
         rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, found[j].time, truth[i].time, error, "matched"))
     for i in sorted(set(range(len(truth))) - {i for i, _ in pairs}):
-        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, "missed"))
+        verdict = "unresolved" if _short(truth, i, RESOLVABLE_GAPS * gap) else "missed"
+        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, verdict))
     for j in sorted(set(range(len(found))) - {j for _, j in pairs}):
         rows.append(LedgerRow(j + 1, found[j].before, found[j].after, found[j].time, nan, nan, "spurious"))
     return tuple(sorted(rows, key=lambda row: row.reference_time if isfinite(row.reference_time) else row.time))
+
+
+def _short(truth: Sequence[Transition], i: int, least: float) -> bool:
+    """Whether the transition is a rebound whose flight is shorter than that."""
+    rebounds = truth[i].before is truth[i].after is Mode.FLIGHT
+    return rebounds and i + 1 < len(truth) and truth[i + 1].time - truth[i].time < least
 
 
 def _pairing(truth: Sequence[Transition], found: Sequence[Transition]) -> list[tuple[int, int]]:

@@ -28,12 +28,14 @@ from cases import (
     Transition,
     mechanics,
 )
+from cases.nearest import nearest
 
 from . import slip_phases
 from .slip_phases import Reading
 
-# A flight after an impact is listed if it lasts this part of the case's duration; shorter ones come to rest.
-_LISTED = 1e-3
+# A rebound is listed if it is at least as fast as this part of the greatest closing speed since the plate last lay on
+# its track (the reference's rule), and if samples resolve the flight that it begins.
+_LISTED = 7e-4
 # A rebound that flies for a whole gap g between samples needs a jump of the velocity by a·g at least, with the
 # acceleration a of free flight: half of that is an impact.
 _JUMP = 0.5
@@ -51,6 +53,15 @@ class _Change(NamedTuple):
     after: Mode
     spread: float
     cause: str
+
+
+class _Impact(NamedTuple):
+    """When, how far the time moves, and with what speeds along the track's normal it closes and rebounds (m/s)."""
+
+    time: float
+    spread: float
+    closing: float
+    rebound: float
 
 
 class _Stretch(NamedTuple):
@@ -192,19 +203,26 @@ class _Motion:
         return np.column_stack([self.all.vx, self.all.vy])
 
     def _rebounds(self, stretch: _Stretch, landing: _Change | None) -> Iterable[_Change]:
-        """The impacts of a flight after which it flies on for long enough to be listed."""
+        """The impacts of a flight that rebound fast enough to be listed and fly on for long enough to be seen."""
         impacts = self._impacts(stretch)
         if not impacts:
             return
         # What the last of them begins lasts until the plate lands for good, surely; or as long as the motion.
         last = float(self.all.t[stretch.stop - 1]) if landing is None else landing.time - np.nan_to_num(landing.spread)
-        ends = [*(time for time, _ in impacts[1:]), last]
-        for (time, spread), end in zip(impacts, ends, strict=True):
-            if end - time >= _LISTED * self.case.duration:
-                yield _Change(time, Mode.FLIGHT, Mode.FLIGHT, spread, "impact")
+        ends = [*(impact.time for impact in impacts[1:]), last]
+        seen = slip_phases.RESOLVABLE_GAPS * float(
+            np.max(np.diff(self.all.t[stretch.start : stretch.stop]), initial=0.0)
+        )
+        greatest = 0.0
+        for impact, end in zip(impacts, ends, strict=True):
+            greatest = max(greatest, impact.closing)
+            # The last flight of a motion is seen as far as it goes.
+            whole = end - impact.time >= seen or (landing is None and impact is impacts[-1])
+            if whole and impact.rebound >= _LISTED * greatest:
+                yield _Change(impact.time, Mode.FLIGHT, Mode.FLIGHT, impact.spread, "impact")
 
-    def _impacts(self, stretch: _Stretch) -> list[tuple[float, float]]:
-        """Times and spreads of the impacts of a flight, in order."""
+    def _impacts(self, stretch: _Stretch) -> list[_Impact]:
+        """The impacts of a flight, in order."""
         inside = slice(stretch.start, stretch.stop)
         # A solver whose impacts last tells no force in them: those samples are neither contact nor free.
         aloft = np.isnan(self.all.xi1[inside]) & ~np.isnan(self.all.normal_force[inside])
@@ -213,8 +231,26 @@ class _Motion:
         for i, j in zip(aloft[:-1].tolist(), aloft[1:].tolist(), strict=True):
             # Samples left out between the two are a contact: there it touched, jump or not.
             if j > i + 1 or self._jumps(i, j):
-                found.append(self._meeting(i, j))
+                time, spread = self._meeting(i, j)
+                found.append(_Impact(time, spread, *self._speeds(i, j, time)))
         return found
+
+    def _speeds(self, i: int, j: int, time: float) -> tuple[float, float]:
+        """With what speeds the outline's nearest point closes and rebounds at a time between the samples i and j, m/s;
+        the change of the whole velocity where no point of the track is near."""
+        motion, free = self.all, np.nan_to_num(self._free)
+        after = motion.t[j] - time
+        velocities = self._rates[i] + (time - motion.t[i]) * free[i], self._rates[j] - after * free[j]
+        x, y = self._places[j] - after * velocities[1]
+        contact = nearest(self.case, float(x), float(y), float(motion.theta[j] - after * motion.omega[j]))
+        if contact is None:
+            return 0.0, float(np.hypot(*(velocities[1] - velocities[0])))
+        (nx, ny), (X, Y) = self.case.track.normal(contact.xi1), self.case.track.point(contact.xi1)
+        closing, rebound = (
+            float((v[0] - omega * (Y - y)) * nx + (v[1] + omega * (X - x)) * ny)
+            for v, omega in zip(velocities, (motion.omega[i], motion.omega[j]), strict=True)
+        )
+        return -closing, rebound
 
     def _jumps(self, i: int, j: int) -> bool:
         """Whether the velocity changes from sample i, in flight, to sample j by more than gravity and load do."""
@@ -261,7 +297,7 @@ class _Motion:
 
     def _rest(self, flight: _Stretch) -> float | None:
         """When the bouncing of a flight comes to rest: the limit of its last three impacts that samples resolve."""
-        times = np.array([time for time, _ in self._impacts(flight)])
+        times = np.array([impact.time for impact in self._impacts(flight)])
         gap = float(np.max(np.diff(self.all.t[flight.start : flight.stop]), initial=0.0))
         # Two impacts nearer to each other than this share the samples their times are read from.
         short = np.flatnonzero(np.diff(times) < slip_phases.RESOLVABLE_GAPS * gap)

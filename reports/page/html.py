@@ -331,7 +331,7 @@ def _cell(value: Any, column: str, numeric: set[str]) -> str:
     text = shorten(value, column)
     if column in numeric:
         kind = "number"
-    elif text in (*tables.OUTCOMES, "matched", "missed", "spurious"):
+    elif text in (*tables.OUTCOMES, "matched", "missed", "spurious", "unresolved"):
         kind = text
     elif "setting" in column:
         kind = "setting"

@@ -163,7 +163,8 @@ def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Traje
 def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth) -> Run:
     """Compare a sound trajectory with the truth: ledger, distances, right or wrong."""
     told = reading_of(case, trajectory)
-    matched = ledger.match(truth.transitions, told.transitions)
+    gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t)))
+    matched = ledger.match(truth.transitions, told.transitions, gap)
     off = distances.differences(trajectory, motion, case)
     wrong = _faults(told, matched, trajectory, truth)
     return replace(

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from reports.metrics import read_transitions
 
 import cases
 from adapters import EngineFailure
 from adapters.common.half_steps import Noted, rates_at_poses, read
 from adapters.interface import engine
 from cases import Case, Flight, Gravity, Impact, Start, Unilateral, disc, library
+from reports.judging.slip_phases import read_transitions
 from tests.authorities.paper_application import FIRST_TRANSITION
 
 G = 9.81

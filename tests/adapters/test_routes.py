@@ -6,14 +6,15 @@ import re
 
 import numpy as np
 import pytest
-from reports.records import is_default_setting
 
 import adapters
 import cases
 from adapters import Setting
 from cases import Case, Trajectory
 from cases.contact import start_motion
-from reports import experiment, metrics, trial
+from reports.judging import slip_phases
+from reports.running import experiment, tasks
+from reports.running.calls import Calls
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 
 OUTCOMES = {"right", "wrong", "refused", "crashed", "timed_out"}
@@ -55,7 +56,7 @@ def first_error(name: str, route: str, mu: float, setting: Setting | None = None
     """Error of the first transition of the paper's application, s; of the finest rung if no setting is given."""
     case = cases.load("disc_in_circle", mu=mu, duration=1.2)
     moved = play(name, route, case, setting or adapters.engine(name).ladder(case, route)[-1])
-    return metrics.read_transitions(moved, mu)[0].time - FIRST_TRANSITION[mu][0]
+    return slip_phases.read_transitions(moved, mu)[0].time - FIRST_TRANSITION[mu][0]
 
 
 # --- ladders ---------------------------------------------------------------------------------------------------------
@@ -69,7 +70,7 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
     if refusal:
         pytest.skip(refusal)
     settings = adapter.ladder(case, route)
-    assert [is_default_setting(setting) for setting in settings] == [True] + [False] * (len(settings) - 1)
+    assert [setting.is_default for setting in settings] == [True] + [False] * (len(settings) - 1)
     assert len(settings) >= 6
     # The tables tell settings by their text.
     assert len({str(setting) for setting in settings}) == len(settings)
@@ -83,7 +84,8 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
 def rows_of(chosen: tuple[Case, ...], most: int) -> None:
     """Run `most` settings of every route on the cases; fails unless each route has its row: a result or a reason."""
     names = tuple(installed())
-    found = experiment.run(chosen, names, thin=lambda case, solver, settings: settings[:most])
+    with Calls() as calls:
+        found = experiment.run(chosen, names, calls, thin=lambda case, solver, settings: settings[:most])
     for case in chosen:
         for name, route in ROUTES:
             rows = [r for r in found.runs if (r.case, r.solver, r.route) == (case.label, name, route)]
@@ -156,7 +158,7 @@ def test_four_transitions_none_missed_and_none_invented(name, route, rungs, accu
     case = cases.load("disc_in_circle", mu=0.2)
     for rung in rungs:
         moved = play(name, route, case, adapter.ladder(case, route)[rung])
-        reading = trial.read(case, moved)
+        reading = tasks.reading_of(case, moved)
         assert [(str(e.before), str(e.after)) for e in reading.transitions] == [
             ("slip_forward", "roll"), ("roll", "slip_backward"), ("slip_backward", "roll"), ("roll", "slip_forward")
         ]  # fmt: skip

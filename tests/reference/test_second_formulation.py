@@ -457,17 +457,16 @@ def in_a_ring(*effects, size=1.0, duration=2.0, **start) -> Case:
     return Case(circle(size), plate, (*GRIP, *effects), Start(-0.5, 0.3, **start), duration)
 
 
-@pytest.mark.parametrize("mu", [1e9, 1e100])
 @pytest.mark.parametrize("start", [dict(omega=2.0), dict(slip=1.0)])
-def test_a_friction_of_a_billion_is_as_good_as_any(mu, start):
-    # From 1e9 on nothing changes any more but by a billionth.
-    answer, other = (in_a_ring(CoulombFriction(m), Flight(), Impact(0.3), **start) for m in (mu, 1e12))
+def test_the_strongest_friction_is_as_good_as_a_tenth_of_it(start):
+    # Up there the motion changes by the inverse of the coefficient only; 1e4 is the largest that a case may have.
+    answer, other = (in_a_ring(CoulombFriction(m), Flight(), Impact(0.3), **start) for m in (1e4, 1e3))
     answer, other = contact_frame.solve(answer), contact_frame.solve(other)
     assert (answer.status, modes(answer)) == (other.status, modes(other))
-    assert answer.end == pytest.approx(other.end, abs=1e-6)
+    assert answer.end == pytest.approx(other.end, abs=1e-2)
 
 
-@pytest.mark.parametrize("size", [1e-100, 1e-30, 1e30, 1e100])
+@pytest.mark.parametrize("size", [1e-8, 1e8])
 def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
     # Lengths times L and times √L: the same motion.
     def bouncing(L: float):
@@ -483,15 +482,7 @@ def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: in_a_ring(CoulombFriction(0.2), slip=1e160),
-        lambda: in_a_ring(CoulombFriction(0.2), omega=1e200),
         lambda: in_a_ring(CoulombFriction(0.2), omega=1e30),
-        lambda: in_a_ring(CoulombFriction(0.2), size=1e-30),
-        lambda: on_line(*GRIP, CoulombFriction(0.2), Flight(), Impact(0.9), gap_rate=-1e160),
-        pytest.param(
-            lambda: on_line(*GRIP, Flight(), Impact(0.9), plate=disc(1e-30, 1.0), gap=0.3, slip=1.0),
-            marks=pytest.mark.slow,  # ten seconds until the track's window has grown
-        ),
         lambda: on_line(*GRIP, Load(fx="sqrt(1 - t)"), duration=2.0),
         lambda: on_line(*GRIP, CoulombFriction(0.3), Load(fx="log(1 - t)"), duration=2.0),
         lambda: on_line(*GRIP, Flight(), Load(fy="-sqrt(0.1 - t)"), gap=0.5, duration=2.0),

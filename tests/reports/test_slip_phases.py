@@ -304,7 +304,20 @@ sequences = st.lists(st.tuples(st.floats(0, 10), kind), max_size=6).map(
 
 @given(sequences, sequences)
 def test_ledger_accounts_for_every_transition_once(truth, found):
-    rows = ledger.match(truth, found)
+    rows = ledger.ledger.match(truth, found)
     count = {verdict: sum(row.verdict == verdict for row in rows) for verdict in ("matched", "missed", "spurious")}
     assert count["matched"] + count["missed"] == len(truth)
     assert count["matched"] + count["spurious"] == len(found)
+
+
+def test_a_rebound_too_short_for_the_samples_is_unresolved_and_not_missed():
+    def at(*times):
+        return [Transition(t, Mode.FLIGHT, Mode.FLIGHT) for t in times]
+
+    truth = [*at(1.0, 1.5, 1.51), Transition(1.52, Mode.FLIGHT, Mode.ROLL)]
+    coarse = ledger.match(truth, [*at(1.0, 1.5), truth[-1]], gap=0.01)
+    assert [row.verdict for row in coarse] == ["matched", "matched", "unresolved", "matched"]
+    assert [row.verdict for row in ledger.match(truth, [*at(1.0, 1.5), truth[-1]], gap=0.001)][2] == "missed"
+    # Only rebounds: a slip too short to be sampled is missed all the same.
+    slips = [Transition(1.0, Mode.ROLL, Mode.SLIP_FORWARD), Transition(1.001, Mode.SLIP_FORWARD, Mode.ROLL)]
+    assert [row.verdict for row in ledger.match(slips, [], gap=0.01)] == ["missed", "missed"]

@@ -14,6 +14,8 @@ from reports.studies import reference_cost
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
+from reports.studies.paper import measure as paper
+from reports.studies.published import study as published
 from reports.studies.stability import measure as stability
 from reports.studies.stability.sensitivity import Conditioning, Spread
 from reports.studies.stability.step_limit import Bracket
@@ -29,6 +31,8 @@ FOUND = {
     "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.Probe("refused")}, {})],
     "error_parts": [error_parts.Cell(CASE.label, "engine", "native", Setting.of(), "refused", "No such curve.")],
     "formulations": [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations._nothing("crashed", "")],
+    "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
+    "published": published.of_one(0)[:1],
     "reference_cost": [reference_cost._row("all", UNTIMED, reason="It blew up.")],
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)

@@ -75,9 +75,16 @@ def test_exact_motion_is_read_back(name, count, accuracy):
     exact, bounds = motion_of(case), EXACT[name, count]
     told = transitions.read_motion(case, sampled(exact, count))
     assert told.first_mode is exact.first_mode
-    assert kinds(told) == [(event.before, event.after) for event in exact.transitions]
     gap = float(exact.t[-1]) / (count - 1)
-    for found, true in zip(told.transitions, exact.transitions, strict=True):
+    ends = [*(event.time for event in exact.transitions[1:]), float(exact.t[-1])]
+    # Rebounds that fly for less than samples resolve are not read.
+    seen = [
+        event
+        for event, end in zip(exact.transitions, ends, strict=True)
+        if not event.before is event.after is FLIGHT or end - event.time >= slip_phases.RESOLVABLE_GAPS * gap
+    ]
+    assert kinds(told) == [(event.before, event.after) for event in seen]
+    for found, true in zip(told.transitions, seen, strict=True):
         what, bound = "branch", bounds.get("branch", 0.0)
         if found.before is FLIGHT:
             # The last landing of a bouncing whose ratio is not constant lies somewhere in its gap, or in that before.
@@ -163,18 +170,17 @@ def test_impact_without_gravity_is_seen_and_rounding_is_none():
     assert times(told) == pytest.approx([0.3141], abs=1e-7)
 
 
-def test_flight_too_short_for_the_listing_is_not_listed():
-    # The second flight lasts 8e-4 of the duration, and sixteen samples.
-    t = np.arange(0.0, 0.6, 5e-5)
-    up = 0.5 * G * 8e-4
-    y, v = bounce(t, 0.3, 3.0, up)
-    again = t >= 0.3 + 8e-4
-    y[again], v[again] = R, 0.0
-    told = transitions.read_motion(thrown(), motion(t, y, v, contact=again))
-    assert kinds(told) == [(FLIGHT, ROLL)]
-    assert times(told) == pytest.approx([0.3 + 8e-4], abs=1e-4)
-    longer = transitions.read_motion(thrown(duration=0.7), motion(t, y, v, contact=again))
-    assert kinds(longer) == [(FLIGHT, FLIGHT), (FLIGHT, ROLL)]
+def test_rebound_too_slow_for_the_listing_is_not_listed():
+    # Both flights are resolved by their samples; 7e-4 of the closing speed is the least that is listed.
+    for part, listed in ((6e-4, False), (8e-4, True)):
+        t = np.arange(0.0, 0.4, 1e-5)
+        up = 3.0 * part
+        y, v = bounce(t, 0.3, 3.0, up)
+        again = t >= 0.3 + 2 * up / G
+        y[again], v[again] = R, 0.0
+        told = transitions.read_motion(thrown(), motion(t, y, v, contact=again))
+        assert kinds(told) == [(FLIGHT, FLIGHT)] * listed + [(FLIGHT, ROLL)]
+        assert times(told)[-1] == pytest.approx(0.3 + 2 * up / G, abs=1e-5)
 
 
 def test_landing_without_rebound_is_where_the_fall_meets_the_floor():

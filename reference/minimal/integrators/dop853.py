@@ -90,10 +90,10 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
 
     rtol = max(rtol, 1e-13)
     atol = rtol * _scales(phase, t, y)
-    if not np.isfinite(atol).all():
-        return _ended(phase, [t], [], Event(BREAKDOWN, t, tuple(y)), 1)
+    if end <= t or not np.isfinite(atol).all():
+        return _ended(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
     # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
-    first = end - t if phase.regime == FLIGHT and end > t else None
+    first = end - t if phase.regime == FLIGHT else None
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []

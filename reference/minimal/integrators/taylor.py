@@ -284,17 +284,17 @@ def _leave_start(integrator, phase: Phase, series, t, y, end, real, times: list,
 
 
 def _reach(phase: Phase, series: np.ndarray, t: float, y) -> float:
-    """The time in which some term of the positions' series, or what the contact's forces do, grows to the plate's size.
+    """The time in which some term of the positions' series grows to the plate's size, or the contact's forces would
+    move the plate by it.
 
-    All terms count: those of even or of odd order vanish in a motion from rest. For a plate at rest there is none, but
-    its forces balance; infinite where there are no forces either.
+    All terms count: those of even or of odd order vanish in a motion from rest. Where none is left the forces balance,
+    and a load may change them; infinite where there are no forces either.
     """
     powers = np.arange(1, series.shape[1])
     terms = np.abs(series[: phase.system.positions, 1:]) / np.array(phase.lengths)[:, None]
-    fastest = float(np.max(terms ** (1.0 / powers), initial=0.0))
-    if fastest == 0.0:
-        forces = Motion(*phase.system.observed_of_numbers(t, tuple(y), phase.parameters))
-        fastest = max(abs(forces.normal), abs(forces.friction)) ** 0.5 / phase.size**0.5
+    forces = Motion(*phase.system.observed_of_numbers(t, tuple(y), phase.parameters))
+    falls = (max(abs(forces.normal), abs(forces.friction)) / phase.size) ** 0.5
+    fastest = max(falls, float(np.max(terms ** (1.0 / powers), initial=0.0)))
     return 1.0 / fastest if fastest else np.inf
 
 

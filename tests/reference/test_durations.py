@@ -1,0 +1,323 @@
+"""Scales come from the motion, never from how long one looks: the beginning of a motion is the same whatever its
+duration, bouncing rests where it must, and what has no finite numbers ends in a sentence."""
+
+from dataclasses import replace
+from math import asin, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.special import ellipj, ellipk
+
+import cases
+import reference
+from cases import (
+    Case,
+    CaseError,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    RollingResistance,
+    Start,
+    Unilateral,
+    disc,
+)
+from cases.library import circle, ellipse, line
+from reference.minimal import hybrid, landing
+from reference.minimal.bouncing import LISTED, extrapolated
+
+G = 9.81
+METHODS = pytest.mark.parametrize("method", reference.METHODS)
+REBOUND = (Mode.FLIGHT, Mode.FLIGHT)
+
+
+def dropped(e: float, height: float, duration: float) -> Case:
+    effects = (Gravity(G), CoulombFriction(0.3), Unilateral(), Flight(), Impact(e))
+    return Case(line(), disc(0.1, 1.0), effects, Start(0.0, gap=height), duration)
+
+
+def hitting(e: float, law: str, speed: float, duration: float = 1.0, gap: float = 0.0) -> Case:
+    effects = (Gravity(G), Unilateral(), Flight(), Impact(e, law))
+    return Case(line(), disc(0.1, 1.0), effects, Start(0.0, gap=gap, gap_rate=-speed), duration)
+
+
+def pairs(motion, until: float = np.inf):
+    return [(t.before, t.after) for t in motion.transitions if t.time <= until]
+
+
+# --- the beginning of a motion ----------------------------------------------------------------------------------------
+
+
+@METHODS
+@pytest.mark.parametrize("duration", [200.0, pytest.param(1000.0, marks=pytest.mark.slow)])
+def test_the_papers_disc_first_rolls_at_its_time_whatever_the_duration(method, duration):
+    # 40-digit quadrature: 0.63005376392730307737 s. By the Taylor method it was 0.630073 with 400 s, 1.167 with 800 s.
+    motion = reference.simulate(replace(cases.load("disc_in_circle", mu=0.2), duration=duration), method=method)
+    assert motion.transitions[0].time == pytest.approx(0.63005376392730307737, abs=1e-10)
+    assert motion.status == "completed"
+    if duration == 1000.0:
+        assert len(motion.transitions) == 1685
+
+
+@METHODS
+@pytest.mark.parametrize("duration", [3.0, 200.0])
+@pytest.mark.parametrize("start", [0.0, -0.4])
+def test_frictionless_disc_is_the_pendulum_of_elliptic_functions(method, start, duration):
+    length, k = 0.9, sin((pi / 2 + start) / 2)
+    motion = reference.simulate(Case(circle(1.0), disc(0.1, 1.0), (Gravity(G),), Start(start), duration), method=method)
+    for t in (0.3, 1.1, 2.5):
+        sn, _, _, _ = ellipj(ellipk(k * k) + sqrt(G / length) * t, k * k)
+        assert motion(t).x == pytest.approx(length * sin(2 * asin(k * sn)), abs=1e-9)
+
+
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="heyoka is not installed")
+@pytest.mark.parametrize("rtol", [1e-7, 1e-10, 1e-13])
+def test_a_release_from_a_symmetric_place_keeps_its_energy_from_the_first_step_on(rtol):
+    # Only every fourth power of time is there: whichever order the tolerance asks for, two of them may vanish.
+    motion = reference.simulate(cases.load("rough_disc_in_circle"), rtol=rtol, method="taylor")
+    energy = 0.75 * (motion.vx**2 + motion.vy**2) + G * motion.y
+    assert np.ptp(energy) <= 100 * rtol * G
+
+
+FEW = ("disc_off_ramp", "tumbling_ellipse", "bouncing_disc[e=0.8]")
+# Integrator's steps that a comparison may take; where each of them looks for a second contact, fewer.
+STEPS, LOOKED_AT = 3000, 100
+
+
+def affordable(case: Case, method: str, motion, most: float) -> float:
+    """A factor of the duration, up to 1e6, that takes no more steps than that, from what three times takes."""
+    more = reference.simulate(replace(case, duration=3 * case.duration), method=method).cost.steps - motion.cost.steps
+    steps = STEPS if reference.solve.fits_everywhere(case) else LOOKED_AT
+    return min(most, max(3.0, 2.0 * steps / more)) if more > 0 else most
+
+
+def begins_alike(case: Case, method: str, most: float = 1e6):
+    short = reference.simulate(case, method=method)
+    end = float(short.t[-1])
+    long = reference.simulate(
+        replace(case, duration=affordable(case, method, short, most) * case.duration), method=method
+    )
+    assert pairs(long, end) == pairs(short)
+    # A motion's own instability blows up the last digits of a step that ended with the duration.
+    known = reference.certification.read().get(case.label)
+    loose = 1.0 if known is None else max(1.0, max(b.bar for bars in known.samples.values() for b in bars) / 1e-11)
+    for one, other in zip(short.transitions, long.transitions, strict=False):
+        assert other.time == pytest.approx(one.time, rel=1e-12, abs=1e-11 * loose)
+    for name in ("x", "y", "theta"):
+        assert getattr(long(end), name) == pytest.approx(getattr(short(end), name), rel=1e-10, abs=1e-9 * loose)
+
+
+@METHODS
+@pytest.mark.parametrize("label", FEW)
+def test_the_beginning_of_a_motion_is_the_same_for_longer_durations(method, label):
+    begins_alike(cases.load(label), method)
+
+
+@pytest.mark.slow
+@METHODS
+@pytest.mark.parametrize("label", list(reference.certification.read()))
+def test_every_motion_of_the_catalogue_begins_alike_for_longer_durations(method, label):
+    begins_alike(cases.load(label), method)
+
+
+# --- bouncing ---------------------------------------------------------------------------------------------------------
+
+
+def rest(e: float, height: float) -> float:
+    """√(2h/g) (1 + e)/(1 − e)."""
+    return sqrt(2 * height / G) * (1 + e) / (1 - e)
+
+
+@METHODS
+@pytest.mark.parametrize("duration", [10.0, 300.0, 3600.0])
+def test_bouncing_rests_at_its_limit_whatever_the_duration(method, duration):
+    # 6.066233139731 s; it was 2.6e-4 s less with 300 s and 2.9e-3 s less with 3600 s.
+    motion = reference.simulate(dropped(0.9, 0.5, duration), method=method)
+    assert motion.transitions[-1].cause == "bouncing came to rest"
+    assert motion.transitions[-1].time == pytest.approx(rest(0.9, 0.5), abs=1e-12)
+
+
+@METHODS
+@pytest.mark.parametrize(
+    "e, known", [(0.99, 20.0917873384), pytest.param(0.999, 201.826547183, marks=pytest.mark.slow)]
+)
+def test_bouncing_near_restitution_one_rests_at_its_limit(method, e, known):
+    # They were 2.4e-4 s and 2.4e-2 s early. Ten thousand flights add up their roundings of 3e-14 s, and 1/(1 − e).
+    motion = reference.simulate(dropped(e, 0.05, 1.2 * rest(e, 0.05)), method=method)
+    assert motion.transitions[-1].time == pytest.approx(rest(e, 0.05), abs=1e-12 / (1 - e))
+    assert motion.transitions[-1].time == pytest.approx(known, abs=1e-9)
+
+
+@METHODS
+@pytest.mark.parametrize("duration", [20.0, pytest.param(2000.0, marks=pytest.mark.slow)])
+def test_a_plate_that_never_rests_lists_every_bounce(method, duration):
+    motion = reference.simulate(dropped(1.0, 0.05, duration), method=method)
+    fall = sqrt(2 * 0.05 / G)
+    expected = np.arange(fall, duration, 2 * fall)
+    assert pairs(motion) == [REBOUND] * len(expected)
+    np.testing.assert_allclose([t.time for t in motion.transitions], expected, rtol=1e-11)
+
+
+@pytest.mark.parametrize("e", [0.1, 0.5, 0.8, 0.9])
+def test_rebounds_are_listed_by_their_speed(e):
+    motion = reference.simulate(dropped(e, 0.2, 60.0))
+    listed = int(np.floor(np.log(LISTED) / np.log(e)))  # of the first closing speed: eⁿ ≥ LISTED
+    assert pairs(motion) == [REBOUND] * listed + [(Mode.FLIGHT, Mode.ROLL)]
+
+
+def test_a_second_spell_of_bouncing_lists_its_own_rebounds():
+    # A force hardly more than the weight lifts it for a moment: measured by the drop before nothing would be listed.
+    push = Load(fy="9.83-2*(t-2)**2")
+    effects = (Gravity(G), CoulombFriction(0.3), Unilateral(), Flight(), Impact(0.1), push)
+    motion = reference.simulate(Case(line(), disc(0.1, 1.0), effects, Start(0.0, gap=1.0), 2.9))
+    leaves = next(t.time for t in motion.transitions if t.after is Mode.FLIGHT and t.before is not Mode.FLIGHT)
+    spells = [[t for t in motion.transitions if (t.time < leaves) == first] for first in (True, False)]
+    assert [sum((t.before, t.after) == REBOUND for t in spell) for spell in spells] == [3, 3]
+
+
+def test_an_impact_takes_a_dozen_looks_at_the_gap(monkeypatch):
+    looks = []
+    look = landing._look
+    monkeypatch.setattr(landing, "_look", lambda *arguments: looks.append(1) or look(*arguments))
+    motion = reference.simulate(dropped(1.0, 0.05, 20.0))
+    assert len(looks) <= 16 * len(motion.transitions)
+    looks.clear()
+    small = reference.simulate(dropped(1.0, 1e-6, 0.09))
+    assert len(small.transitions) == 100 and len(looks) <= 7 * 100
+
+
+@settings(derandomize=True, max_examples=30)
+@given(st.lists(st.floats(-2, 2), min_size=3, max_size=5), st.floats(0.1, 0.5))
+def test_a_polynomial_is_extrapolated_exactly(coefficients, ratio):
+    at = [0.1 * ratio**k for k in range(6)]
+    value, _ = extrapolated(at, [np.polynomial.polynomial.polyval(u, coefficients) for u in at])
+    assert value == pytest.approx(coefficients[0], abs=1e-13)
+
+
+# --- starts and landings that hit -------------------------------------------------------------------------------------
+
+
+@METHODS
+@pytest.mark.parametrize("law", ["poisson", "newton"])
+@pytest.mark.parametrize("e", [0.5, 0.9, 1.0])
+@pytest.mark.parametrize("speed", [1e-6, 300.0])
+def test_a_start_that_begins_with_an_impact_rebounds(method, law, e, speed):
+    motion = reference.simulate(hitting(e, law, speed, duration=10 * speed / G), method=method)
+    first = motion.transitions[0]
+    assert (first.time, first.before, first.after) == (0.0, *REBOUND)
+    soon = 1e-3 * speed / G
+    assert motion(soon).vy == pytest.approx(e * speed - G * soon, rel=1e-12)
+
+
+@METHODS
+@pytest.mark.parametrize("duration", [1.0, 1e4])
+def test_a_landing_soon_after_a_flight_begins_keeps_its_rebound(method, duration):
+    # It is 1e-9 s after the start: that was lost where it was a small part of the duration.
+    motion = reference.simulate(hitting(0.5, "poisson", 1.0, duration, gap=1e-9), method=method)
+    assert (motion.transitions[0].before, motion.transitions[0].after) == REBOUND
+    assert motion.transitions[0].time == pytest.approx(1e-9, rel=1e-6)
+    assert motion(0.01).vy == pytest.approx(0.5 - G * 0.01, rel=1e-7)
+
+
+@METHODS
+def test_a_rebound_lower_than_positions_are_known_is_none(method):
+    motion = reference.simulate(hitting(0.5, "poisson", 1e-9), method=method)
+    assert pairs(motion) == [(Mode.FLIGHT, Mode.SLIDE)]
+
+
+# --- a touch that is no departure -------------------------------------------------------------------------------------
+
+
+@METHODS
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10, 1e-14])
+def test_frictionless_disc_that_comes_back_to_its_height_stays_on_its_track(method, rtol):
+    # There N and v vanish together, at 1.12316596 s first.
+    case = Case(circle(1.0), disc(0.1, 1.0), (Gravity(G), Unilateral()), Start(0.0), 6.0)
+    motion = reference.simulate(case, rtol=rtol, method=method)
+    assert motion.status == "completed" and not motion.transitions
+
+
+@METHODS
+@pytest.mark.parametrize("slip", [1e-3, 1e-2])
+def test_a_little_more_speed_than_that_is_a_departure(method, slip):
+    # It rises above the start's height to where N = 0: L ξ̇² = v₀²/L − 2 g sin δ is g sin δ.
+    case = Case(circle(1.0), disc(0.1, 1.0), (Gravity(G), Unilateral()), Start(0.0, slip=-slip), 2.0)
+    motion = reference.simulate(case, rtol=1e-13, method=method)
+    assert motion.status == "lift_off"
+    assert -pi - motion.transitions[-1].xi1 == pytest.approx(asin(slip**2 / (3 * G * 0.9)), rel=1e-5)
+
+
+# --- too many, too large, none ----------------------------------------------------------------------------------------
+
+
+@METHODS
+def test_many_phases_are_no_accumulation(monkeypatch, method):
+    monkeypatch.setattr(hybrid, "MOST_PHASES", 50)
+    case = replace(cases.load("disc_in_circle", mu=0.2), duration=200.0)
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
+    monkeypatch.undo()
+    assert pairs(reference.simulate(case, method=method), motion.t[-1]) == pairs(motion)
+
+
+def test_phases_accumulate_by_the_motions_own_time():
+    many = hybrid.MANY + 2
+    slow, fast = hybrid._Progress(), hybrid._Progress()
+    assert not any(slow.none(1e-9 * n, 10.0) for n in range(many))
+    assert any(fast.none(1e-15 * n, 10.0) for n in range(many))
+
+
+LARGE = {
+    "friction of 1e9": lambda: Case(
+        line(),
+        cases.Plate(ellipse(0.2, 0.1), 1.0, 0.01),
+        (Gravity(G), CoulombFriction(1e9), Unilateral(), Flight(), Impact(0.5)),
+        Start(0.0, gap=0.3, slip=1.0, xi2=4.0),
+        1.0,
+    ),
+    **{
+        f"a circle of {size:g} m": lambda size=size: Case(
+            circle(size), disc(0.1 * size, 1.0), (Gravity(G), CoulombFriction(0.2), Unilateral()), Start(0.0), 1.0
+        )
+        for size in (1e-100, 1e100, 1e150, 1e200)
+    },
+    **{
+        f"a disc of {size:g} m on a line": lambda size=size: Case(
+            line(), disc(size, 1.0), (Gravity(G), CoulombFriction(0.2), Unilateral()), Start(0.0, slip=1.0), 1.0
+        )
+        for size in (1e-100, 1e100, 1e150)
+    },
+    **{
+        f"an impact at {speed:g} m/s": lambda speed=speed: hitting(0.5, "poisson", speed)
+        for speed in (1e-100, 1e100, 1e200)
+    },
+}
+
+
+@METHODS
+@pytest.mark.parametrize("make", LARGE.values(), ids=LARGE)
+def test_what_is_too_large_or_too_small_ends_in_a_sentence(make, method):
+    try:
+        motion = reference.simulate(make(), method=method)
+    except CaseError as told:
+        assert "\n" not in str(told)
+        return
+    assert motion.reason.count(".") >= 1
+    assert all(np.isfinite(getattr(motion, name)).all() for name in ("x", "y", "theta", "vx", "vy", "omega"))
+
+
+@METHODS
+@pytest.mark.parametrize("force", ["1/(0.5-t)", "log(0.5-t)", "sqrt(0.5-t)"])
+@pytest.mark.parametrize("scene", ["slides", "flies", "rests"])
+def test_a_load_with_a_singularity_inside_the_motion_ends_it_there(scene, force, method):
+    more = {"slides": (), "flies": (Flight(), Impact(0.5)), "rests": (RollingResistance(0.05),)}[scene]
+    start = Start(0.0, gap=0.5) if scene == "flies" else Start(0.0, slip=0.0 if scene == "rests" else 1.0)
+    effects = (Gravity(G), CoulombFriction(0.9), Unilateral(), Load(fx=force), *more)
+    motion = reference.simulate(Case(line(), disc(0.1, 1.0), effects, start, 1.0), method=method)
+    assert motion.status == "breakdown" and "t = 0." in motion.reason
+    assert motion.t[-1] == pytest.approx(0.5, abs=1e-6)
+    assert all(np.isfinite(getattr(motion, name)).all() for name in ("x", "y", "theta", "vx", "vy", "omega"))
