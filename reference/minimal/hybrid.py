@@ -95,8 +95,8 @@ CAUSES = {
 
 
 class Step(NamedTuple):
-    """What came of a phase: its segments, when and where (ξ₁, ξ₂) it ended and why, the full state and regime to follow,
-    or the ending."""
+    """What came of a phase: its segments, when and where (ξ₁, ξ₂) it ended and why, the full state and regime that
+    follow, or the ending."""
 
     segments: tuple[Segment, ...]
     time: float

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import series
 from .integrators.segment import Event, Segment
-from .modes import Phase
+from .modes import Phase, phase
 
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
 ORDER = 8
@@ -51,6 +51,7 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
 
 def _expanded(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:
     """The coefficients in time of the state, shape (variables, ORDER + 1), and of the normal force's guard."""
+    now = phase(now.case, now.regime)  # whose system has series, whatever equations integrated the segment
 
     def rates(time, state):
         return now.system.rates_of_series(time + t, state, now.parameters)

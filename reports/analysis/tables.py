@@ -42,8 +42,8 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per transition of the truth or of a run: matched, missed, unresolved or spurious. `reading_doubt`, s: how far the
-    time moves when it is read from other samples; empty for a solver that locates its transitions itself."""
+    """One row per transition of the truth or of a run: matched, missed, unresolved or spurious. `reading_doubt`, s: how
+    far the time moves when it is read from other samples; empty for a solver that locates its transitions itself."""
     rows = []
     for run in experiment.runs:
         bars, doubts = experiment.truths[run.case].error_bars, _reading_doubts(run)

@@ -84,15 +84,14 @@ def test_a_release_from_a_symmetric_place_keeps_its_energy_from_the_first_step_o
 
 
 FEW = ("disc_off_ramp", "tumbling_ellipse", "bouncing_disc[e=0.8]")
-# Integrator's steps that a comparison may take; where each of them looks for a second contact, fewer.
-STEPS, LOOKED_AT = 3000, 100
+# Integrator's steps that a comparison may take.
+STEPS = 2000
 
 
 def affordable(case: Case, method: str, motion, most: float) -> float:
     """A factor of the duration, up to 1e6, that takes no more steps than that, from what three times takes."""
     more = reference.simulate(replace(case, duration=3 * case.duration), method=method).cost.steps - motion.cost.steps
-    steps = STEPS if reference.solve.fits_everywhere(case) else LOOKED_AT
-    return min(most, max(3.0, 2.0 * steps / more)) if more > 0 else most
+    return min(most, max(3.0, 2.0 * STEPS / more)) if more > 0 else most
 
 
 def begins_alike(case: Case, method: str, most: float = 1e6):

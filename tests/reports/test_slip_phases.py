@@ -304,7 +304,7 @@ sequences = st.lists(st.tuples(st.floats(0, 10), kind), max_size=6).map(
 
 @given(sequences, sequences)
 def test_ledger_accounts_for_every_transition_once(truth, found):
-    rows = ledger.ledger.match(truth, found)
+    rows = ledger.match(truth, found)
     count = {verdict: sum(row.verdict == verdict for row in rows) for verdict in ("matched", "missed", "spurious")}
     assert count["matched"] + count["missed"] == len(truth)
     assert count["matched"] + count["spurious"] == len(found)
