@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from cases import CaseError
 from cases.errors import unknown
 
-from ..interface import find
-
 HELP = """\
 ADAPTER is a name that the suite knows (its own adapters, and those of installed packages in the entry-point group
 slip_to_roll.adapters), a Python file, or a module: exudyn, my_engine.py, my_package.my_engine.
 
 Every law is tried on every route, with the finest setting but one of its ladder: kept, broken (and by how much),
-refused (and why), or failed with an exception. The exit status is 0 if none is broken or failed, else 1; 2 if there is
-no such adapter, route or law.
+refused (and why), failed with an exception, crashed or timed_out (it runs in a process of its own, whose output is
+not shown). The exit status is 0 if all are kept or refused, else 1; 2 if there is no such adapter, route or law.
 """
 
 
@@ -38,23 +36,25 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _judged(name: str, routes: Sequence[str] | None, names: Sequence[str] | None) -> int:
-    from . import LAWS, judge  # SciPy and the scenes take their time, and --help needs none of them
+    from . import LAWS  # SciPy and the scenes take their time, and --help needs none of them
+    from .apart import Apart
 
-    adapter = find(name)
-    for route in routes or ():
-        if route not in adapter.routes:
-            raise unknown(f"route of {adapter.NAME}", route, adapter.routes)
     known = {*LAWS, *(law.partition("[")[0] for law in LAWS)}
     for law in names or ():
         if law not in known:
             raise unknown("law", law, known)
     chosen = [law for law in LAWS if not names or law in names or law.partition("[")[0] in names]
     counts: Counter[str] = Counter()
-    for verdict in judge(adapter, chosen, routes):
-        counts[verdict.outcome] += 1
-        print(f"{verdict.route}  {verdict.law}: {verdict.outcome}{': ' if verdict.reason else ''}{verdict.reason}")
-    print(f"{adapter.NAME}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
-    return 1 if counts["broken"] or counts["failed"] else 0
+    with Apart(name) as adapter:
+        for route in routes or ():
+            if route not in adapter.face.routes:
+                raise unknown(f"route of {adapter.face.name}", route, adapter.face.routes)
+        for route in routes or adapter.face.routes:
+            for law, outcome, reason in adapter.tried(route, chosen):
+                counts[outcome] += 1
+                print(f"{route}  {law}: {outcome}{': ' if reason else ''}{reason}", flush=True)
+    print(f"{adapter.face.name}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
+    return 0 if counts.keys() <= {"kept", "refused"} else 1
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import pytest
 import adapters
 from adapters import Setting
 from adapters.laws import LAWS, SCENES, Refused, Route, mechanics
+from adapters.laws.apart import Apart
 from cases import Case, CoulombFriction, Gravity, Trajectory
 from cases.contact import start_motion
 from cases.shapes import as_line
@@ -220,3 +221,31 @@ def test_textbook_formula_passes_its_law(law, right):
 def test_refusal_is_no_pass():
     with pytest.raises(Refused, match="level lines alone"):
         mechanics.cone(Route(sliding_disc(), "closed form"), SCENES["disc in a circle"])
+
+
+@pytest.mark.parametrize(
+    ("fault", "outcome"),
+    [("os.kill(os.getpid(), 11)", "crashed"), ("time.sleep(60)", "timed_out"), ("sys.exit(0)", "crashed")],
+)
+def test_an_adapter_that_ends_its_process_costs_one_verdict_and_no_other(fault, outcome, tmp_path):
+    # It fails on frictionless scenes alone.
+    file = tmp_path / "unruly.py"
+    file.write_text(
+        "import os, sys, time\nfrom cases import CoulombFriction\nfrom adapters.pymunk import *\n"
+        "from adapters.pymunk import build as built\n\n\n"
+        "def build(case, route, setting):\n"
+        f"    if case.effect(CoulombFriction) is None:\n        {fault}\n"
+        "    print('noise')\n    return built(case, route, setting)\n"
+    )
+    with Apart(str(file), limit=15.0) as adapter:
+        tried = [
+            result for _, result, _ in adapter.tried("native", ["friction_torque", "no_friction_no_spin", "lift_off"])
+        ]
+    assert tried == ["kept", outcome, "kept"]
+
+
+def test_an_adapter_whose_import_ends_the_process_is_one_sentence(tmp_path):
+    file = tmp_path / "dies.py"
+    file.write_text("import os\nos._exit(3)\n")
+    with pytest.raises(ImportError, match="crashed while it is imported: its process ended with exit code 3"):
+        Apart(str(file))
