@@ -3,8 +3,10 @@
 import contextlib
 import io
 import re
+from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from math import inf, nan, pi
 
 import numpy as np
@@ -466,11 +468,25 @@ def told_by(command, words) -> tuple[int, str, str]:
     return status, out.getvalue(), err.getvalue()
 
 
+_listing = build.listing
+
+
+@lru_cache
+def _listed_once(files: tuple[str, ...]) -> str:
+    return _listing(files)
+
+
+def _listed(files: Sequence[str]) -> str:
+    """The list of cases and solvers, made once: it asks every engine, each time in processes of its own."""
+    return _listed_once(tuple(files))
+
+
 @pytest.fixture
 def desk(tmp_path, monkeypatch):
     """An empty working folder; commands plan and refuse, and do not run what takes minutes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(build, "_build", lambda *_: 0)
+    monkeypatch.setattr(build, "listing", _listed)
     monkeypatch.setattr(compare, "compare", lambda *_: "judged")
     monkeypatch.setattr(study, "_make", lambda *_: None)
     monkeypatch.setattr(commands, "entry_points", lambda group, name: [])
