@@ -3,6 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
+# What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
+KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
+
 .PHONY: report quick test test-all check clean
 
 report: $(VENV)/installed
@@ -12,12 +15,12 @@ quick: $(VENV)/installed
 	$(BIN)/python -m reports.build --quick
 
 test: $(VENV)/installed check
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile
 
 # What is timed is timed alone, at the end.
 test-all: $(VENV)/installed check
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "slow or not slow" --ignore=tests/reports/test_clock.py
-	$(BIN)/python -m pytest -m "slow or not slow" tests/reports/test_clock.py
+	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile -m "slow or not slow" --ignore=tests/reports/test_clock.py
+	$(KEPT) $(BIN)/python -m pytest -m "slow or not slow" tests/reports/test_clock.py
 
 check: $(VENV)/installed
 	$(BIN)/ruff check .

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from math import atan2
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,6 +20,7 @@ import sympy as sp
 from . import expressions, features, measured
 from .errors import BadCurve, BadValue, finite
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+from .kept import kept
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
@@ -366,6 +368,10 @@ def _features(curve: Curve) -> features.Features:
 @lru_cache(maxsize=512)
 def _compiled_jet(structure, library: str):
     """A function (s, constants) -> eight rows, compiled from the structure for floats (math) or arrays (numpy)."""
-    (x, y), symbols = structure
-    rows = [sp.diff(part, PARAMETER, order) for order in range(4) for part in (x, y)]
-    return sp.lambdify([PARAMETER, symbols], rows, modules=library, cse=True)
+
+    def make():
+        (x, y), symbols = structure
+        rows = [sp.diff(part, PARAMETER, order) for order in range(4) for part in (x, y)]
+        return sp.lambdify([PARAMETER, symbols], rows, modules=library, cse=True)
+
+    return kept("jet", (structure, library), Path(__file__).parent, make)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 import cases
-from cases import CaseError
+from cases import CaseError, kept
 
 _PROPERTY = "accuracy"
 _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
@@ -25,7 +26,11 @@ settings.register_profile("same", derandomize=True, deadline=None, suppress_heal
 
 
 def pytest_configure(config):
-    """Choose what is drawn; load the case files, and tell in one line what is wrong with one."""
+    """Choose what is drawn; load the case files, and tell in one line what is wrong with one.
+
+    What was compiled is taken from disk only where the environment names a folder, as `make test` does.
+    """
+    os.environ.setdefault(kept.VARIABLE, kept.OFF)
     if config.option.markexpr == "not slow" and config.getoption("--hypothesis-seed", None) is None:
         settings.load_profile("same")
     try:

@@ -5,16 +5,18 @@ One symbolic source serves every integrator: sizes, friction, loads and start ar
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from math import nan
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import sympy as sp
 
 from cases import Case, Curve
 from cases.effects import MOTION
+from cases.kept import kept
 
 from . import series
 from .effects import SIGMA, TURN, Laws, laws
@@ -29,7 +31,7 @@ PARADOX = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class System:
+class Equations:
     """One mode's equations, symbolic: y' = rates(t, y; parameters), what can be observed, what ends the mode.
 
     The first `positions` variables are positions, the others velocities. `conditions` are what a decision for this
@@ -45,61 +47,124 @@ class System:
     condition_rates: dict[str, sp.Expr] = field(default_factory=dict)
     guards: dict[str, sp.Expr] = field(default_factory=dict)
 
-    @cached_property
+    @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
         """The symbols that are neither time nor variables: sizes, friction, loads, signs."""
         used = [*self.rates, *self.observed, *self.conditions.values(), *self.condition_rates.values()]
         found = set().union(*(e.free_symbols for e in (*used, *self.guards.values())))
         return tuple(sorted(found - {*self.variables, T}, key=lambda symbol: symbol.name))
 
-    def _compile(self, expressions, library):
-        compiled = sp.lambdify([T, self.variables, self.parameters], list(expressions), modules=library, cse=True)
-        return _without_raising(compiled, len(expressions)) if library == "math" else compiled
+
+class Named(Mapping[str, sp.Expr]):
+    """Expressions by name. Their names are known at once; the expressions are derived when one is asked for."""
+
+    def __init__(self, names: Sequence[str], derived: Callable[[], Mapping[str, sp.Expr]]):
+        self._names, self._derived = tuple(names), derived
+
+    def __getitem__(self, name: str) -> sp.Expr:
+        return self._derived()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
+class System:
+    """One mode's `Equations`, derived when an expression is asked for, and the functions compiled from them.
+
+    `decided_by` is all that decides the equations. Functions that an earlier process compiled serve without deriving.
+    """
+
+    def __init__(self, decided_by: tuple, derive: Callable[[], Equations]):
+        self._decided_by, self._derive = decided_by, derive
+        names = self.kept("outline", (), lambda: _outline(self.equations))
+        self.variables, self.positions, self.parameters, conditions, condition_rates, guards = names
+        self.conditions = Named(conditions, lambda: self.equations.conditions)
+        self.condition_rates = Named(condition_rates, lambda: self.equations.condition_rates)
+        self.guards = Named(guards, lambda: self.equations.guards)
+
+    @cached_property
+    def equations(self) -> Equations:
+        return self._derive()
+
+    @property
+    def rates(self) -> tuple[sp.Expr, ...]:
+        return self.equations.rates
+
+    @property
+    def observed(self) -> Motion:
+        return self.equations.observed
+
+    def kept(self, kind: str, further: tuple, make: Callable[[], Any]) -> Any:
+        """What `make` makes of these equations and what else decides it, from disk where it is there."""
+        return kept(kind, (self._decided_by, further), Path(__file__).parent, make)
+
+    def _compile(self, what: str, library: str):
+        def make():
+            expressions = getattr(self.equations, what)
+            expressions = list(expressions.values() if isinstance(expressions, Mapping) else expressions)
+            modules = [series.FUNCTIONS] if library == "series" else library
+            return sp.lambdify([T, self.variables, self.parameters], expressions, modules=modules, cse=True)
+
+        compiled = self.kept("function", (what, library), make)
+        return _without_raising(compiled, self._count(what)) if library == "math" else compiled
+
+    def _count(self, what: str) -> int:
+        known = {"rates": self.variables, "observed": Motion._fields}
+        return len(known[what] if what in known else getattr(self, what))
 
     @cached_property
     def rates_of_numbers(self):
         """(t, y, parameters) -> list of rates, on floats."""
-        return self._compile(self.rates, "math")
+        return self._compile("rates", "math")
 
     @cached_property
     def rates_of_series(self):
         """The same on `series.Series`."""
-        return self._compile(self.rates, [series.FUNCTIONS])
+        return self._compile("rates", "series")
 
     @cached_property
     def guards_of_numbers(self):
         """(t, y, parameters) -> list of guard values, on floats."""
-        return self._compile(self.guards.values(), "math")
+        return self._compile("guards", "math")
 
     @cached_property
     def guards_of_arrays(self):
         """The same on arrays of shape (n,); a constant guard stays a number."""
-        return self._compile(self.guards.values(), "numpy")
+        return self._compile("guards", "numpy")
 
     @cached_property
     def conditions_of_numbers(self):
         """(t, y, parameters) -> list of the conditions' values, on floats."""
-        return self._compile(self.conditions.values(), "math")
+        return self._compile("conditions", "math")
 
     @cached_property
     def condition_rates_of_numbers(self):
         """(t, y, parameters) -> list of the rates in `condition_rates`, on floats."""
-        return self._compile(self.condition_rates.values(), "math")
+        return self._compile("condition_rates", "math")
 
     @cached_property
     def conditions_of_series(self):
         """The same as `conditions_of_numbers` on `series.Series`; a constant condition stays a number."""
-        return self._compile(self.conditions.values(), [series.FUNCTIONS])
+        return self._compile("conditions", "series")
 
     @cached_property
     def observed_of_arrays(self):
         """(t, y, parameters) -> list in the order of `Motion`, on arrays."""
-        return self._compile(self.observed, "numpy")
+        return self._compile("observed", "numpy")
 
     @cached_property
     def observed_of_numbers(self):
         """The same on floats."""
-        return self._compile(self.observed, "math")
+        return self._compile("observed", "math")
+
+
+def _outline(found: Equations) -> tuple:
+    """What a system needs to be used: symbols and names, without expressions."""
+    names = (tuple(some) for some in (found.conditions, found.condition_rates, found.guards))
+    return found.variables, found.positions, found.parameters, *names
 
 
 def _without_raising(compiled: Callable[..., list], count: int) -> Callable[..., list]:
@@ -143,6 +208,11 @@ def flight_system(case: Case) -> System:
 
 @lru_cache(maxsize=256)
 def _in_contact(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kind) -> System:
+    given = (track, outline, bounded, law, kind)
+    return System(("contact", *given), lambda: _contact_equations(*given))
+
+
+def _contact_equations(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
     f = frame(track, X1, "track_")
     h = frame(outline, X2, "outline_")
     force = _force(f, h, law, kind)
@@ -167,7 +237,7 @@ def _in_contact(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kin
     limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(bounded)}
     guards = {name: g for name, g in (conditions | limits).items() if g.free_symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    return System(variables, len(positions), rates, motion, conditions, rates_of, guards)
+    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards)
 
 
 def _force(f: Frame, h: Frame, law: Laws, kind: Kind) -> Torsor:
@@ -191,10 +261,14 @@ def _force(f: Frame, h: Frame, law: Laws, kind: Kind) -> Torsor:
 
 @lru_cache(maxsize=64)
 def _in_flight(law: Laws) -> System:
+    return System(("flight", law), lambda: _flight_equations(law))
+
+
+def _flight_equations(law: Laws) -> Equations:
     _, x, y, theta, vx, vy, omega = MOTION
     fx, fy, moment = law.torsor
     nothing = Motion(*(ZERO for _ in Motion._fields))
-    return System((x, y, theta, vx, vy, omega), 3, (vx, vy, omega, fx, fy, moment / GYRATION), nothing)
+    return Equations((x, y, theta, vx, vy, omega), 3, (vx, vy, omega, fx, fy, moment / GYRATION), nothing)
 
 
 def _ends(bounded: tuple[bool, bool]) -> dict[str, sp.Expr]:

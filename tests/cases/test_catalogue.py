@@ -107,16 +107,27 @@ def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case):
     assert gained == pytest.approx(work_done(any_case, motion), abs=1e-9 * scale)
 
 
+UNITS = dict(length=2.5, time=1.7, mass=3.1, turn=0.7)
+SEEN = dict(time=UNITS["time"], velocity=UNITS["length"] / UNITS["time"])
+
+
+def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case):
+    """All at once; one by one in the slow tests."""
+    times = times_of(any_case)
+    moved = in_other_units(mirrored(any_case), **UNITS)
+    compare(any_case, second(moved, times * UNITS["time"]), times, sign=-1.0, **SEEN)
+
+
+@pytest.mark.slow
 def test_the_mirror_image_moves_in_the_mirror(any_case):
     times = times_of(any_case)
     compare(any_case, second(mirrored(any_case), times), times, sign=-1.0)
 
 
+@pytest.mark.slow
 def test_rotation_and_change_of_units_change_nothing(any_case):
-    length, time, mass = 2.5, 1.7, 3.1
     times = times_of(any_case)
-    moved = in_other_units(any_case, length, time, mass, turn=0.7)
-    compare(any_case, second(moved, times * time), times, time=time, velocity=length / time)
+    compare(any_case, second(in_other_units(any_case, **UNITS), times * UNITS["time"]), times, **SEEN)
 
 
 @pytest.mark.parametrize("name", ["disc_in_circle", "ellipse_on_incline", "littlewood_hoop"])

@@ -32,5 +32,31 @@ def test_nothing_is_left_in_the_home_folder(tmp_path):
 
 def test_the_users_own_setting_of_the_cache_stands():
     before = taylor.hy.llvm_state.get_diskcache_enabled()
-    taylor.compiled.__wrapped__(phase(case := cases.load("disc_on_line"), candidates(case)[0]).system, 1e-9)
+    taylor._compiled(phase(case := cases.load("disc_on_line"), candidates(case)[0]).system, 1e-9, float)
     assert taylor.hy.llvm_state.get_diskcache_enabled() == before
+
+
+MOTION = """
+import sys, cases, reference
+from cases import kept
+motion = reference.simulate(cases.load(sys.argv[1]), method=sys.argv[2])
+sys.stdout.write(f"{sum(kept.taken.values())} {sum(kept.made.values())} ")
+sys.stdout.write(b"".join(getattr(motion, q).tobytes() for q in ("t", "x", "omega", "normal_force")).hex())
+"""
+
+
+@pytest.mark.parametrize("name, method", [("disc_in_circle", "taylor"), ("ellipse_in_circle", "dop853")])
+def test_a_motion_is_the_same_to_its_last_bit_from_disk(tmp_path, name, method):
+    """Derived and compiled anew, and kept by one process for the next."""
+
+    def motion(folder: str) -> tuple[int, int, str]:
+        environment = os.environ | {"SLIP_TO_ROLL_CACHE": folder}
+        run = [sys.executable, "-c", MOTION, name, method]
+        told = subprocess.run(run, env=environment, check=True, capture_output=True, text=True).stdout
+        taken, made, samples = told.split()
+        return int(taken), int(made), samples
+
+    anew, first, second = motion("off"), motion(str(tmp_path / "kept")), motion(str(tmp_path / "kept"))
+    assert (anew[0], anew[1]) == (first[0], second[1]) == (0, 0)
+    assert first[1] == second[0] > 0
+    assert anew[2] == first[2] == second[2]

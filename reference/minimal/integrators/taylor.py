@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import chain, islice
+from pathlib import Path
 
 import numpy as np
 import sympy as sp
@@ -108,6 +109,18 @@ def _power(base, exponent: int):
 @lru_cache(maxsize=128)
 def compiled(system: System, tolerance: float, real: type = float):
     """The compiled integrator of a system, with one terminal event for each guard."""
+    decided = (tolerance, real.__name__, hy.__version__, _build())
+    return system.kept("integrator", decided, lambda: _compiled(system, tolerance, real))
+
+
+@lru_cache(maxsize=1)
+def _build() -> tuple[int, int]:
+    """Which build of heyoka this is: the same version may come with another LLVM."""
+    found = Path(hy._core.__file__).stat()
+    return found.st_size, found.st_mtime_ns
+
+
+def _compiled(system: System, tolerance: float, real: type):
     known = _expressions(system)
     equations = [(known[v], _converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
