@@ -40,9 +40,8 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         raise BadValue(
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )
-    points = plate.outline.point(np.linspace(*plate.outline.span, 721))
     # An open outline may be a small part of its plate: the tip of a rod, whose centre of mass is far from it.
-    extent = float(max(np.ptp(points, axis=1).max(), plate.reach))
+    extent = max(plate.width, plate.reach)
     if not SMALLEST <= extent <= LARGEST:
         raise BadValue(
             f"the plate is {extent:g} m long; give one between {SMALLEST:g} and {LARGEST:g} m, where solvers "

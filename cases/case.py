@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -48,9 +50,25 @@ class Case:
         with np.errstate(all="ignore"):  # what is not finite does not fit
             self.start.check(self.track, self.plate.outline, self.effects)
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        # Worked out once: what is derived for a case is kept by case, and looked up at every change of mode.
+        return hash((self.track, self.plate, self.effects, self.start, self.duration, self.name))
+
     def __reduce__(self):
         """A case travels to another process by value, whether a catalogue knows it or not."""
-        return _arrived, (vars(self) | {"parameters": dict(self.parameters)},)
+        return _unchecked, (self._values(),)
+
+    def named(self, name: str, parameters: Mapping[str, float]) -> Case:
+        """The same scene as the catalogue's case of that name with those parameters."""
+        return _unchecked(self._values() | {"name": name, "parameters": dict(parameters)})
+
+    def _values(self) -> dict[str, Any]:
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return values | {"parameters": dict(self.parameters)}
 
     def effect(self, kind: type[E]) -> E | None:
         """The case's effect of that kind, or None if the case does not ask for it."""
@@ -63,8 +81,8 @@ class Case:
         return f"{self.name}[{inside}]" if inside else self.name
 
 
-def _arrived(values: dict) -> Case:
-    """The case that a process sent. It was checked there, so it is not checked again."""
+def _unchecked(values: dict[str, Any]) -> Case:
+    """A case of the values of one that was checked, here or in the process that sent it."""
     case = object.__new__(Case)
     vars(case).update(values, parameters=MappingProxyType(values["parameters"]))
     return case

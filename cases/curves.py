@@ -59,8 +59,9 @@ class Curve:
         object.__setattr__(self, "expression", _the_one(_expression(self.function)))
         # What is too large or too small for a double shows as a value that is not finite, and is told as such.
         with np.errstate(all="ignore"):
-            self._check_regular()
-            self._check_simple()
+            first = _first(self)
+        if first is not self:
+            vars(self).update({name: fact for name, fact in vars(first).items() if name not in _AS_GIVEN})
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
@@ -349,6 +350,18 @@ def _arrived(trees, domain, residual) -> Curve:
 def _the_one(expressions: T) -> T:
     """The first of all that are equal: what is kept by curve is then found by identity, not by comparing formulas."""
     return expressions
+
+
+# What a curve does not share with one that is equal to it.
+_AS_GIVEN = ("function", "domain", "residual", "expression")
+
+
+@lru_cache(maxsize=512)
+def _first(curve: Curve) -> Curve:
+    """The first of all curves that are equal, checked: the others take over what is known of it."""
+    curve._check_regular()
+    curve._check_simple()
+    return curve
 
 
 @lru_cache(maxsize=256)

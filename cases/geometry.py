@@ -91,9 +91,10 @@ def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
     grid = np.linspace(low, high, 721)
     # Whole turns between the two tangents, as a continuous function of the outline's parameter: zero mod 1 is wanted.
     turns = (outline.tangent_angle(grid) - direction) / (2 * pi)
+    lowest, highest = np.ceil(np.minimum(turns[:-1], turns[1:])), np.floor(np.maximum(turns[:-1], turns[1:]))
     found = []
-    for i in range(720):
-        for whole in range(int(np.ceil(min(turns[i : i + 2]))), int(np.floor(max(turns[i : i + 2]))) + 1):
+    for i in np.flatnonzero(lowest <= highest).tolist():
+        for whole in range(int(lowest[i]), int(highest[i]) + 1):
             if turns[i + 1] != whole or i == 719:
                 root = _root(lambda s, k=whole: outline.tangent_angle(s) - direction - 2 * pi * k, grid[i : i + 2])
                 # Whole turns of a closed outline are taken back, so that θ is zero and not a multiple of 2π.

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,34 +40,58 @@ class Plate:
         """Radius of gyration about the centre of mass, m."""
         return sqrt(self.inertia / self.mass)
 
-    @cached_property
+    @property
     def inner(self) -> float:
         """The smallest distance of the outline from the centre of mass, m."""
-        return float(self._distances.min())
-
-    @cached_property
-    def reach(self) -> float:
-        """The largest distance of the outline from the centre of mass, m: it turns a spin into a speed."""
-        return float(self._distances.max())
+        return _sizes(self.outline).inner
 
     @property
-    def _distances(self) -> np.ndarray:
-        # Half a degree apart; distances are level at their extremes, so that these are off by 1e-5 or so.
-        return np.hypot(*self.outline.point(np.linspace(*self.outline.span, 721)))
+    def reach(self) -> float:
+        """The largest distance of the outline from the centre of mass, m: it turns a spin into a speed."""
+        return _sizes(self.outline).reach
 
-    @cached_property
+    @property
+    def width(self) -> float:
+        """The larger side of the box about the outline, m."""
+        return _sizes(self.outline).width
+
+    @property
     def radius(self) -> float | None:
         """Radius in metres if the outline is a circle about the centre of mass, else None."""
-        s = np.linspace(*self.outline.span, 17)
-        r = np.hypot(*self.outline.point(s))
-        bend = self.outline.curvature(s)
-        # Rounding of a handful of operations; a real outline that round is a disc for every purpose here.
-        round_enough = np.ptp(r) <= 1e-13 * r.max() and np.all(np.abs(bend * r - 1.0) <= 1e-12)
-        return float(r.mean()) if round_enough and self.outline.period else None
+        return _sizes(self.outline).radius
+
+
+class _Sizes(NamedTuple):
+    inner: float
+    reach: float
+    width: float
+    radius: float | None
+
+
+@lru_cache(maxsize=256)
+def _sizes(outline: Curve) -> _Sizes:
+    """What of a plate depends on its outline alone, about the outline's origin."""
+    # Half a degree apart; distances are level at their extremes, so that these are off by 1e-5 or so.
+    points = outline.point(np.linspace(*outline.span, 721))
+    away = np.hypot(*points)
+    return _Sizes(float(away.min()), float(away.max()), float(np.ptp(points, axis=1).max()), _radius(outline))
+
+
+def _radius(outline: Curve) -> float | None:
+    s = np.linspace(*outline.span, 17)
+    r = np.hypot(*outline.point(s))
+    bend = outline.curvature(s)
+    # Rounding of a handful of operations; a real outline that round is a disc for every purpose here.
+    round_enough = np.ptp(r) <= 1e-13 * r.max() and np.all(np.abs(bend * r - 1.0) <= 1e-12)
+    return float(r.mean()) if round_enough and outline.period else None
 
 
 def disc(radius: float, mass: float, inertia: float | None = None) -> Plate:
     """A disc about its centre of mass; inertia ½ m r² (homogeneous) if none is given."""
     radius, mass = positive("radius of the disc", radius), positive("mass of the disc", mass)
-    outline = Curve(lambda s: (radius * curves.cos(s), radius * curves.sin(s)))
-    return Plate(outline, mass, 0.5 * mass * radius * radius if inertia is None else inertia)
+    return Plate(_circle(radius), mass, 0.5 * mass * radius * radius if inertia is None else inertia)
+
+
+@lru_cache(maxsize=256)
+def _circle(radius: float) -> Curve:
+    return Curve(lambda s: (radius * curves.cos(s), radius * curves.sin(s)))

@@ -9,8 +9,8 @@ import inspect
 import pkgutil
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -35,7 +35,7 @@ class Entry:
     outcome: str = ""
     long: tuple[Mapping[str, Any], ...] = ()
 
-    @property
+    @cached_property
     def folder(self) -> Path:
         """The folder of the file that holds the function: its relative paths count from there."""
         try:
@@ -44,7 +44,7 @@ class Entry:
             file = None
         return Path(file).parent if file else Path()
 
-    @property
+    @cached_property
     def parameters(self) -> dict[str, Any]:
         """Parameter names and defaults, from the function's signature."""
         return {name: p.default for name, p in inspect.signature(self.function).parameters.items()}
@@ -122,7 +122,7 @@ def load(name: str, **parameters) -> Case:
         raise BadValue(f"{bare} cannot be made with {told}: {type(problem).__name__}: {problem}") from problem
     if not isinstance(made, Case):
         raise BadValue(f"the case function {bare} returned {type(made).__name__}; return a Case")
-    return replace(made, name=bare, parameters=parameters)
+    return made.named(bare, parameters)
 
 
 def select(text: str, long: bool = False) -> list[Case]:
@@ -172,6 +172,7 @@ def load_file(path: str | Path) -> list[str]:
     return new
 
 
+@lru_cache(maxsize=1)
 def _import_catalogue() -> None:
     from . import catalogue
 
@@ -180,7 +181,6 @@ def _import_catalogue() -> None:
     _import_packages()
 
 
-@lru_cache(maxsize=1)
 def _import_packages() -> None:
     """Cases of installed packages: modules named by entry points of the group "slip_to_roll.cases"."""
     for found in entry_points(group="slip_to_roll.cases"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -47,14 +48,7 @@ class Start:
 
     def motion(self, track: Curve, outline: Curve) -> geometry.Motion:
         """The start as pose, velocities and contact rates. Raises DoesNotFit for an xi2 that cannot be guessed."""
-        xi2 = self._outline_parameter(track, outline)
-        if self.in_contact:
-            return geometry.velocity(track, outline, self.xi1, xi2, self.slip, self.omega)
-        moves = self.slip, self.omega, self.gap, self.gap_rate
-        return geometry.velocity_apart(track, outline, self.xi1, xi2, *moves)
-
-    def _outline_parameter(self, track: Curve, outline: Curve) -> float:
-        return geometry.level_parameter(track, outline, self.xi1) if self.xi2 is None else self.xi2
+        return _motion(self, track, outline)
 
     def check(self, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> None:
         """Raises DoesNotFit or BadValue if it is no admissible contact, or asks for an effect that is not there."""
@@ -62,21 +56,7 @@ class Start:
         if domain and not track.period and not domain[0] <= xi1 <= domain[1]:
             raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
         self._check_effects(tuple(type(effect) for effect in effects))
-        xi2 = self._outline_parameter(track, outline)
-        if self.gap == 0.0 and not geometry.clearance(track, outline, xi1, xi2) > 0.0:
-            raise DoesNotFit(
-                f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
-                f"{float(track.curvature(xi1)):.6g} 1/m is not below the outline's "
-                f"{float(outline.curvature(xi2)):.6g} 1/m; give a smaller plate or a wider track"
-            )
-        begun = self.motion(track, outline)  # only where the plate fits: it divides by the difference of the curvatures
-        x, y, theta, near = (np.array([value]) for value in (begun.x, begun.y, begun.theta, xi1))
-        overlap = first_overlap(track, outline, x, y, theta, near)
-        if overlap:
-            raise DoesNotFit(
-                f"the plate overlaps its track at xi1 = {overlap[1]:.6g} while it touches at xi1 = {xi1:g}; "
-                "give a smaller plate or another start"
-            )
+        _check_place(self, track, outline)
 
     def _check_effects(self, kinds: tuple[type, ...]) -> None:
         if (self.gap > 0.0 or self.gap_rate > 0.0) and Flight not in kinds:
@@ -90,3 +70,40 @@ class Start:
             )
         if self.in_contact and self.slip != 0.0 and PerfectlyRough in kinds:
             raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {self.slip:g}")
+
+
+# What follows depends on the curves and the start alone, and scenes are made again and again with another friction.
+
+
+@lru_cache(maxsize=1024)
+def _outline_parameter(start: Start, track: Curve, outline: Curve) -> float:
+    return geometry.level_parameter(track, outline, start.xi1) if start.xi2 is None else start.xi2
+
+
+@lru_cache(maxsize=1024)
+def _motion(start: Start, track: Curve, outline: Curve) -> geometry.Motion:
+    xi2 = _outline_parameter(start, track, outline)
+    if start.in_contact:
+        return geometry.velocity(track, outline, start.xi1, xi2, start.slip, start.omega)
+    moves = start.slip, start.omega, start.gap, start.gap_rate
+    return geometry.velocity_apart(track, outline, start.xi1, xi2, *moves)
+
+
+@lru_cache(maxsize=1024)
+def _check_place(start: Start, track: Curve, outline: Curve) -> None:
+    """Raises DoesNotFit where the plate has no room (an error is not kept, and raised again)."""
+    xi1, xi2 = start.xi1, _outline_parameter(start, track, outline)
+    if start.gap == 0.0 and not geometry.clearance(track, outline, xi1, xi2) > 0.0:
+        raise DoesNotFit(
+            f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
+            f"{float(track.curvature(xi1)):.6g} 1/m is not below the outline's "
+            f"{float(outline.curvature(xi2)):.6g} 1/m; give a smaller plate or a wider track"
+        )
+    begun = _motion(start, track, outline)  # only where the plate fits: it divides by the difference of the curvatures
+    x, y, theta, near = (np.array([value]) for value in (begun.x, begun.y, begun.theta, xi1))
+    overlap = first_overlap(track, outline, x, y, theta, near)
+    if overlap:
+        raise DoesNotFit(
+            f"the plate overlaps its track at xi1 = {overlap[1]:.6g} while it touches at xi1 = {xi1:g}; "
+            "give a smaller plate or another start"
+        )
