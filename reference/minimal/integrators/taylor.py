@@ -31,6 +31,11 @@ except ImportError:
     AVAILABLE = False
 else:
     AVAILABLE = True
+    # As numbers: heyoka's own are compared by name, which costs as much as a step.
+    SUCCESS, TIME_LIMIT, STEP_LIMIT = (
+        int(outcome)
+        for outcome in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit, hy.taylor_outcome.step_limit)
+    )
 
 # Step-size tolerances are rounded to whole powers of ten: one compiled integrator each.
 FINEST = 1e-16
@@ -200,14 +205,16 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, 
     if left.guard:
         return None
     outcome, _ = integrator.step(min(end - integrator.time, _most(series)))
-    steps = left.steps + 1
-    while not _guard(outcome, phase) and integrator.time < end:
+    steps, guard = left.steps + 1, _guard(outcome, phase)
+    if guard is None and int(outcome) not in (SUCCESS, TIME_LIMIT):
+        return None
+    while guard is None and integrator.time < end:
         outcome, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
-        steps += count
-        known = outcome in (hy.taylor_outcome.time_limit, hy.taylor_outcome.step_limit)
-        if shortest <= SHORTEST * ulp(integrator.time) or not (known or _guard(outcome, phase)):
+        steps, guard = steps + count, _guard(outcome, phase)
+        known = guard is not None or int(outcome) in (TIME_LIMIT, STEP_LIMIT)
+        if shortest <= SHORTEST * ulp(integrator.time) or not known:
             return None
-    return Event(_guard(outcome, phase), integrator.time, tuple(integrator.state.tolist())), steps
+    return Event(guard, integrator.time, tuple(integrator.state.tolist())), steps
 
 
 def _guard(outcome, phase: Phase) -> str | None:
@@ -225,27 +232,30 @@ def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, t
     guard = left.guard
     times, coefficients = ([t, left.time], [first]) if left.steps else ([t], [])
     most = _most(series)
-    while integrator.time < end and guard is None:
-        outcome = _step(integrator, phase, min(real(end) - integrator.time, real(most)), real, tolerance)
-        most = inf
-        with np.errstate(over="ignore"):
+    last, longest = real(end), real(most)
+    with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
+        while integrator.time < end and guard is None:
+            outcome = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
+            longest = real(inf)
             coefficients.append(integrator.tc.astype(float))
-        times.append(float(integrator.time))
-        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
-            guard = _guard(outcome, phase)
-            if guard is None:
+            times.append(float(integrator.time))
+            if int(outcome) not in (SUCCESS, TIME_LIMIT):
+                guard = _guard(outcome, phase)
+                if guard is None:
+                    return _broken(phase, times, coefficients, y)
+            elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
                 return _broken(phase, times, coefficients, y)
-        elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
-            return _broken(phase, times, coefficients, y)
     event = Event(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
     return Segment.of(phase, np.array(times), _dense(times, coefficients, y), event, len(coefficients))
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
     """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations."""
+    if not phase.features:
+        return integrator.step(longest, True)[0]
     start, before = integrator.time, integrator.state.copy()
     outcome, _ = integrator.step(longest, True)
-    while phase.features and np.all(np.isfinite(integrator.tc.astype(float))):
+    while np.all(np.isfinite(integrator.tc.astype(float))):
         length = float(integrator.time - start)
         part = _good_part(phase, float(start), length, integrator.tc.astype(float), tolerance)
         if part == 1.0 or part * length <= SHORTEST * np.spacing(float(start)):
@@ -297,17 +307,19 @@ def _most(series: Rows) -> float:
     heyoka's rule (Jorba & Zou 2005, Experimental Mathematics 14, 99) looks at the last two terms, relative to the
     state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
     """
-    size = max(1.0, max(abs(row[0]) for row in series))
-    fastest = max(_fastest(row, size, len(row) // 2) for row in series)
+    size = max(1.0, *[abs(row[0]) for row in series])
+    fastest = max([_fastest(row, size, len(row) // 2) for row in series])
     return exp(-2.0) / fastest if fastest else inf
 
 
 def _fastest(row: list[float], size: float, first: int) -> float:
     """The largest k-th root of |c_k|/size over the powers k from `first` on."""
     fastest = power = 0.0
-    for k in range(first, len(row)):
+    for k, coefficient in enumerate(row[first:], first):
         power *= fastest
-        term = abs(row[k]) / size
+        if not coefficient:
+            continue
+        term = abs(coefficient) / size
         if term > power:  # few terms have to be looked at: a root costs ten products
             fastest, power = max(fastest, term ** (1.0 / k)), term
     return fastest
@@ -327,7 +339,7 @@ def _leave_start(integrator, phase: Phase, series: Rows, t: float, y, end: float
     A phase begins with a guard at zero that the decision found to grow, often with the square of time; event
     detection would find that root again, and a cool-down after it would hide the next.
     """
-    if not all(isfinite(sum(row)) for row in series) and not np.isfinite(series).all():
+    if not isfinite(sum(map(sum, series))) and not np.isfinite(series).all():
         return _Left(t, 0, BREAKDOWN)
     reach = _reach(phase, series, t, y) if phase.system.guards else inf
     if not isfinite(reach):
@@ -343,7 +355,7 @@ def _leave_start(integrator, phase: Phase, series: Rows, t: float, y, end: float
         for part in (0.5, 1.0):
             state = [_horner(row[NEAR::-1], part * h) for row in series]
             values = phase.system.guards_of_numbers(t + part * h, state, phase.parameters)
-            if not all(value > 0.0 for value in values):
+            if not all([value > 0.0 for value in values]):
                 break
         else:
             _set(integrator, t + h, state, real)
@@ -359,7 +371,7 @@ def _reach(phase: Phase, series: Rows, t: float, y) -> float:
     its forces balance; infinite where there are no forces either.
     """
     positions = series[: phase.system.positions]
-    fastest = max(_fastest(row, length, 1) for row, length in zip(positions, phase.lengths, strict=True))
+    fastest = max([_fastest(row, length, 1) for row, length in zip(positions, phase.lengths, strict=True)])
     if fastest == 0.0:
         forces = Motion(*phase.system.observed_of_numbers(t, tuple(y), phase.parameters))
         fastest = max(abs(forces.normal), abs(forces.friction)) ** 0.5 / phase.size**0.5
