@@ -125,8 +125,10 @@ class Curve:
     def jets(self, s) -> np.ndarray:
         """The same for an array of parameters, shape (8, n)."""
         s = np.atleast_1d(np.asarray(s, dtype=float))
-        rows = self._jets(s, self.constants)
-        return np.array([np.broadcast_to(row, s.shape) for row in rows], dtype=float)
+        jets = np.empty((8, *s.shape))
+        for row, values in zip(jets, self._jets(s, self.constants), strict=True):
+            row[...] = values  # a constant one is a number
+        return jets
 
     def point(self, s) -> np.ndarray:
         """Position, shape (2,) for a number, (2, n) for an array."""

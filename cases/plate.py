@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import curves
 from .curves import Curve
 from .errors import BadCurve, BadValue, positive
+from .library import circle
 
 
 @dataclass(frozen=True)
@@ -30,10 +30,8 @@ class Plate:
             raise BadValue(f"the outline is {self.outline!r}; give a Curve")
         object.__setattr__(self, "mass", positive("mass of the plate", self.mass))
         object.__setattr__(self, "inertia", positive("inertia of the plate", self.inertia))
-        if self.outline.period:
-            low, high = self.outline.span
-            if self.outline.tangent_angle(high) < self.outline.tangent_angle(low):
-                raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
+        if _runs_clockwise(self.outline):
+            raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
 
     @property
     def gyration(self) -> float:
@@ -59,6 +57,12 @@ class Plate:
     def radius(self) -> float | None:
         """Radius in metres if the outline is a circle about the centre of mass, else None."""
         return _sizes(self.outline).radius
+
+
+@lru_cache(maxsize=256)
+def _runs_clockwise(outline: Curve) -> bool:
+    low, high = outline.span
+    return bool(outline.period and outline.tangent_angle(high) < outline.tangent_angle(low))
 
 
 class _Sizes(NamedTuple):
@@ -89,9 +93,4 @@ def _radius(outline: Curve) -> float | None:
 def disc(radius: float, mass: float, inertia: float | None = None) -> Plate:
     """A disc about its centre of mass; inertia ½ m r² (homogeneous) if none is given."""
     radius, mass = positive("radius of the disc", radius), positive("mass of the disc", mass)
-    return Plate(_circle(radius), mass, 0.5 * mass * radius * radius if inertia is None else inertia)
-
-
-@lru_cache(maxsize=256)
-def _circle(radius: float) -> Curve:
-    return Curve(lambda s: (radius * curves.cos(s), radius * curves.sin(s)))
+    return Plate(circle(radius), mass, 0.5 * mass * radius * radius if inertia is None else inertia)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from enum import StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -60,6 +60,10 @@ class State(NamedTuple):
     xi2: np.ndarray | float
 
 
+# The columns of a trajectory.
+_SAMPLES = ("t", *State._fields)
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """A motion, sampled at times `t` (increasing; two equal times mark both sides of a jump), arrays of one length.
@@ -92,6 +96,32 @@ class Trajectory:
     slip_resolution: float = 0.0
     first_mode: Mode | None = None
     dense: Callable[[np.ndarray], State] | None = field(default=None, repr=False)
+
+    @classmethod
+    def on_demand(cls, sample: Callable[[], tuple[np.ndarray, State]], **rest) -> Trajectory:
+        """A trajectory whose samples, times and State, are made when one of them is first asked for; `rest`: all other
+        fields. Who asks for its transitions alone does not pay for samples."""
+        motion = object.__new__(cls)
+        others = {f.name: f.default for f in fields(cls) if f.default is not MISSING}
+        vars(motion).update(others | rest, _sample=sample)
+        return motion
+
+    if not TYPE_CHECKING:  # a checker knows the fields by their types
+
+        def __getattr__(self, name):
+            # Only what is not there comes here: samples on demand, or a mistake.
+            sample = vars(self).get("_sample")
+            if sample is None or name not in _SAMPLES:
+                raise AttributeError(f"a {type(self).__name__} has no {name!r}", name=name, obj=self)
+            times, state = sample()
+            vars(self).update(state._asdict(), t=times)
+            del vars(self)["_sample"]
+            self.__post_init__()
+            return vars(self)[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A trajectory travels and is kept with its samples."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def __post_init__(self):
         length = len(self.t)

@@ -19,7 +19,7 @@ from .minimal.decision import Undecidable, decide
 from .minimal.eliminated import Motion
 from .minimal.hybrid import LOCATED, run, undecidable
 from .minimal.integrators import dop853, taylor
-from .minimal.integrators.segment import Segment
+from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .minimal.overlap import until_second_contact
 
@@ -77,12 +77,12 @@ def sampled(
     """What `solved` returned, as a trajectory: sampled; `cost` is filled up with the work."""
     cost = replace(
         cost,
-        steps=sum(len(segment.times) - 1 for segment in segments),
+        steps=sum(segment.steps for segment in segments),
         evaluations=sum(segment.evaluations for segment in segments),
     )
-    motion = _trajectory(case, segments, transitions, *ending, cost)
+    status, reason = ending
     warning = literal.warning(segments)
-    return replace(motion, reason=f"{motion.reason} {warning}") if warning else motion
+    return _trajectory(case, segments, transitions, status, f"{reason} {warning}" if warning else reason, cost)
 
 
 def first_regime(case: Case, y) -> Regime | None:
@@ -134,21 +134,23 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         start = _observe(case, now, nothing, np.array(state_in(now, start_state(case)))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
         return Trajectory(t=np.zeros(1), **start._asdict(), **told)
-    states = [_observe(case, segment.phase, segment.times, segment.states(segment.times)) for segment in segments]
-    samples = State(*(np.concatenate(column) for column in zip(*states, strict=True)))
-    starts = np.array([segment.times[0] for segment in segments])
+
+    @np.errstate(all="ignore")
+    def samples() -> tuple[np.ndarray, State]:
+        states = [_observe(case, segment.phase, segment.times, segment.states(segment.times)) for segment in segments]
+        times = np.concatenate([segment.times for segment in segments])
+        return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
+
+    starts = np.array([segment.start for segment in segments])
 
     def dense(when: np.ndarray) -> State:
-        which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(segments) - 1)
         values = np.empty((len(State._fields), len(when)))
-        for i in np.unique(which):
-            chosen = which == i
-            values[:, chosen] = _observe(case, segments[i].phase, when[chosen], segments[i].states(when[chosen]))
+        for i, block in blocks(starts, when):
+            values[:, block] = _observe(case, segments[i].phase, when[block], segments[i].states(when[block]))
         return State(*values)
 
     first_mode = segments[0].phase.regime.mode
-    times = np.concatenate([segment.times for segment in segments])
-    return Trajectory(t=times, **samples._asdict(), **told, first_mode=first_mode, dense=dense)
+    return Trajectory.on_demand(samples, **told, first_mode=first_mode, dense=dense)
 
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:

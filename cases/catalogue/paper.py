@@ -2,8 +2,8 @@
 
 from math import pi
 
-from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, case, disc
-from cases.curves import cos, sin
+from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
+from cases.library import circle
 
 
 @case(variants=[dict(mu=0.01), dict(mu=0.1), dict(mu=0.2)])
@@ -18,9 +18,8 @@ def disc_in_circle(R=1.0, r=0.1, m=1.0, mu=0.1, xi1=0.0, g=9.81, duration=2.5):
     follows depends on μ₀: the slip reverses for 0.01 and 0.1, the disc rolls for 0.2 (the paper says it always
     rolls). A hard start: v = 0 and N = 0 at the same time.
     """
-    R = float(R)
     return Case(
-        track=Curve(lambda s: (R * cos(s), R * sin(s))),
+        track=circle(R),
         plate=disc(radius=r, mass=m),
         effects=(Gravity(g, direction=pi / 2), CoulombFriction(mu), Unilateral()),
         start=Start(xi1=xi1),

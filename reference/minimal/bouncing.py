@@ -131,7 +131,7 @@ class Bounces:
             return first[:, None] + np.outer(last - first, part)
 
         times = np.array([landing.time, limit.time])
-        return Segment(flight, times, states, Event(None, limit.time, tuple(last.tolist())), 0)
+        return Segment.of(flight, times, states, Event(None, limit.time, tuple(last.tolist())), 0)
 
 
 def extrapolated(at: Sequence[float], values: Sequence[float]) -> tuple[float, float]:

@@ -7,6 +7,7 @@ symbol, no condition), so that no equation asks which effects there are, and non
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar, NamedTuple
 
 import sympy as sp
@@ -179,15 +180,26 @@ class Laws(NamedTuple):
     @property
     def needs_angle(self) -> bool:
         """Whether θ itself occurs, which is then integrated along: (6) gives it only up to whole turns."""
-        return any(MOTION[3] in e.free_symbols for e in self.torsor)
+        return _needs_angle(self)
 
 
+@lru_cache(maxsize=1024)
 def laws(case: Case) -> Laws:
     """What the case's effects bring."""
     load = case.effect(Load)
-    loads: list[Weight | Applied] = [Weight()] if case.effect(Gravity) else []
-    if load:
-        loads.append(Applied(*lifted(load.expression)))
-    friction = Coulomb() if case.effect(CoulombFriction) else Rough() if case.effect(PerfectlyRough) else Frictionless()
-    resistance = LeverArm() if case.effect(RollingResistance) else NoResistance()
-    return Laws(tuple(loads), friction, resistance, case.effect(Unilateral) is not None)
+    return _laws(frozenset(type(effect) for effect in case.effects), load.expression if load else None)
+
+
+@lru_cache(maxsize=256)
+def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
+    loads: list[Weight | Applied] = [Weight()] if Gravity in kinds else []
+    if load is not None:
+        loads.append(Applied(*lifted(load)))
+    friction = Coulomb() if CoulombFriction in kinds else Rough() if PerfectlyRough in kinds else Frictionless()
+    resistance = LeverArm() if RollingResistance in kinds else NoResistance()
+    return Laws(tuple(loads), friction, resistance, Unilateral in kinds)
+
+
+@lru_cache(maxsize=256)
+def _needs_angle(law: Laws) -> bool:
+    return any(MOTION[3] in e.free_symbols for e in law.torsor)

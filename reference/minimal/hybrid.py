@@ -313,7 +313,7 @@ def _flown(
         until = max(t + lasts, t + 1e3 * np.spacing(t))
         segment = integrate(now, t, y, min(until, case.duration), rtol)
         landing = first_landing(case, segment, near, under_way=bool(segments))
-        segments.append(_until(segment, landing) if landing else segment)
+        segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
         if landing or segment.event.guard or segment.event.time >= case.duration:
             return segments, landing
         t, y, lasts = segment.event.time, segment.event.state, 2.0 * lasts
@@ -346,7 +346,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
     if after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
         return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "landing")
-    listed = bounces.add(float(segments[0].times[0]), landing, after, pull)
+    listed = bounces.add(segments[0].start, landing, after, pull)
     limit = None if listed else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
         settled = (*flown, bounces.settling(last.phase, limit))
@@ -371,9 +371,3 @@ def _rest(case: Case, segments, t: float, place, theta: float, touch: Touch, cau
         return Step(segments, t, place, cause, y, following)
     # What leaves at once has no speed to be listed by.
     return _leave(case, segments, t, y, cause)._replace(listed=False)
-
-
-def _until(segment: Segment, landing: Landing) -> Segment:
-    """The segment up to its landing."""
-    times = np.append(segment.times[segment.times < landing.time], landing.time)
-    return Segment(segment.phase, times, segment.states, segment.event._replace(time=landing.time), segment.evaluations)

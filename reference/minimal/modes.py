@@ -90,6 +90,8 @@ def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: flo
     The state holds slip (12) and spin (9) as differences of the contact point's two speeds, the latter weighed by the
     curvatures, and knows these to the relative `error`.
     """
+    if not slip and not omega:
+        return 0.0, 0.0
     along = abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1]))
     bends = abs(float(case.track.curvature(y[0]))), abs(float(case.plate.outline.curvature(y[1])))
     slips = abs(slip) > error * max(along)
@@ -110,11 +112,17 @@ def phase(case: Case, regime: Regime) -> Phase:
     values = {"nu": float(regime.side)}
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)
-    start = start_motion(case)
-    lengths = (size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0)
+    lengths = _lengths(case)
     parameters = parameter_values(case, values, equations.parameters)
     features = _features(case, in_contact=True)
     return Phase(regime, equations, parameters, size, lengths[: equations.positions], case, features)
+
+
+@lru_cache(maxsize=1024)
+def _lengths(case: Case) -> tuple[float, float, float]:
+    """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian."""
+    start, size = start_motion(case), case.plate.gyration
+    return size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0
 
 
 def _features(case: Case, in_contact: bool) -> tuple[tuple[int | None, Features], ...]:
@@ -161,7 +169,8 @@ def start_state(case: Case) -> tuple[float, ...]:
     start = start_motion(case)
     if not case.start.in_contact:
         return start.x, start.y, start.theta, start.vx, start.vy, start.omega
-    return in_contact(case, start.xi1, start.xi2, start.slip, start.omega, start.theta)
+    angle = (start.theta,) if laws(case).needs_angle else ()
+    return start.xi1, start.xi2, start.xi1_dot, start.xi2_dot, *angle
 
 
 def in_contact(case: Case, xi1: float, xi2: float, slip: float, omega: float, theta: float) -> tuple[float, ...]:

@@ -7,7 +7,6 @@ theorem) nothing is searched.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import lru_cache, partial
 from math import pi
 from typing import NamedTuple
@@ -45,22 +44,21 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
     meeting = first_meeting(case, touching)
     if meeting is None:
         return solution
-    number = max(i for i, segment in enumerate(segments) if segment.times[0] < meeting.time)
-    last = segments[number]
-    times = np.append(last.times[last.times < meeting.time], meeting.time)
+    number = max(i for i, segment in enumerate(segments) if segment.start < meeting.time)
     # What was integrated beyond the meeting was work all the same.
     work = sum(segment.evaluations for segment in segments[number:])
-    event = last.event._replace(time=meeting.time)
-    kept = [*segments[:number], replace(last, times=times, event=event, evaluations=work)]
+    kept = [*segments[:number], segments[number].until(meeting.time, work)]
     reason = f"The plate meets its track in a second place, xi1 = {meeting.xi1:.9g}, at t = {meeting.time:.9g} s."
     return kept, [t for t in transitions if t.time < meeting.time], ("second_contact", reason)
 
 
 def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
     """Whether a second contact is impossible on the way, by the curvatures alone."""
-    xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
-    outline = case.plate.outline
-    return _fits(case.track, outline, *span(case.track, xi1, _reach(outline)))
+    track, outline = case.track, case.plate.outline
+    xi1 = np.array([case.start.xi1])
+    if track.domain is None and not track.period:  # a stretch of it, as long as the motion
+        xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
+    return _fits(track, outline, *span(track, xi1, _reach(outline)))
 
 
 @lru_cache(maxsize=256)

@@ -38,7 +38,9 @@ class Series:
         return self
 
     def __add__(self, other):
-        other = self._other(other)
+        if not isinstance(other, Series):
+            c = [self.c[0] + float(other), *self.c[1:]]
+            return Series(c, [a + EPS * abs(s) for a, s in zip(self.e, c, strict=True)])
         c = [a + b for a, b in zip(self.c, other.c, strict=True)]
         e = [a + b + EPS * abs(s) for a, b, s in zip(self.e, other.e, c, strict=True)]
         return Series(c, e)
@@ -52,7 +54,9 @@ class Series:
         return (-self) + other
 
     def __mul__(self, other):
-        other = self._other(other)
+        if not isinstance(other, Series):
+            b, c = float(other), [a * float(other) for a in self.c]
+            return Series(c, [abs(b) * bound + 2 * EPS * abs(s) for bound, s in zip(self.e, c, strict=True)])
         c, e = [], []
         for k in range(len(self.c)):
             value = bound = 0.0

@@ -46,7 +46,7 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
     def states(times: np.ndarray) -> np.ndarray:
         return np.polynomial.polynomial.polyval(times - t, motion.T)
 
-    return Segment(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
+    return Segment.of(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
 
 
 def _expanded(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:

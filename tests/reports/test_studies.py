@@ -73,3 +73,11 @@ def test_a_picture_that_fails_leaves_the_numbers(tmp_path):
     study = studies.study("stability")
     (drawn,) = studies.Result("stability", study, "", found=None).draw(tmp_path)
     assert drawn.name == "" and "could not be drawn" in drawn.caption
+
+
+def test_a_bar_is_passed_failed_or_not_timed():
+    bar = reference_cost.BARS[0]
+    for cpu_s, outcome in ((bar.limit, "pass"), (bar.limit * 1.01, "fail"), (nan, "not timed")):
+        found = [{"contestant": bar.contestant, "cpu_s": cpu_s}, {"contestant": bar.beside, "cpu_s": 1.0}]
+        told = reference_cost.bars(found)
+        assert told[0]["outcome"] == outcome and {row["outcome"] for row in told[1:]} == {"not timed"}

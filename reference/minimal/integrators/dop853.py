@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
-from .segment import BREAKDOWN, Event, Segment
+from .segment import BREAKDOWN, Event, Segment, blocks
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
@@ -112,7 +112,9 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
         if found:
             guard, when = found
             piece, event = _land(phase, rhs, piece, guard, when, rtol, atol)
-            return Segment(phase, np.array([*times, event.time]), _joined(times, [*pieces, piece]), event, solver.nfev)
+            return Segment.of(
+                phase, np.array([*times, event.time]), _joined(times, [*pieces, piece]), event, solver.nfev
+            )
         times.append(solver.t)
         pieces.append(piece)
         if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
@@ -125,7 +127,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
 def _ended(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
     """The segment of whole steps; of none, the state where it stopped."""
     states = _joined(times[:-1], pieces) if pieces else lambda when: np.outer(event.state, np.ones(len(when)))
-    return Segment(phase, np.array(times), states, event, evaluations)
+    return Segment.of(phase, np.array(times), states, event, evaluations)
 
 
 def _step(solver: DOP853, phase: Phase, rtol: float) -> None:
@@ -176,7 +178,7 @@ def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, ev
     rest = integrate(phase, piece.t_old, piece.y_old, until, rtol)
     event = rest.event if rest.event.guard else rest.event._replace(guard=BREAKDOWN)
     states = _joined(times, [*pieces, rest.states])
-    return Segment(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
+    return Segment.of(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
 
 
 def _guards_at_nodes(phase: Phase, piece) -> np.ndarray:
@@ -295,11 +297,10 @@ def _joined(starts, pieces) -> Callable[[np.ndarray], np.ndarray]:
             if not isinstance(piece, DenseOutput):
                 return piece(times)
             return (piece.y_old + np.array(_weights((float(times[0]) - piece.t_old) / piece.h)) @ piece.F)[:, None]
-        which = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(pieces) - 1)
-        values = {i: pieces[i](times[which == i]) for i in np.unique(which)}
-        joined = np.empty((len(next(iter(values.values()))), len(times)))
-        for i, block in values.items():
-            joined[:, which == i] = block
+        found = [(block, pieces[i](times[block])) for i, block in blocks(begins, times)]
+        joined = np.empty((len(found[0][1]), len(times)))
+        for block, values in found:
+            joined[:, block] = values
         return joined
 
     return states

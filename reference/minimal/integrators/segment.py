@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -22,12 +23,53 @@ class Event(NamedTuple):
     state: tuple[float, ...]
 
 
-@dataclass(frozen=True)
+States = Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
 class Segment:
-    """A phase's motion: its step times, a dense output t ↦ states of shape (variables, n), and the work it took."""
+    """A phase's motion: when it starts (s), what ends it, the work it took, and `record`, which gives its step times
+    and its dense output, t ↦ states of shape (variables, n). What decides a motion seldom asks for these."""
 
     phase: Phase
-    times: np.ndarray
-    states: Callable[[np.ndarray], np.ndarray]
+    start: float
     event: Event
     evaluations: int
+    steps: int
+    record: Callable[[], tuple[np.ndarray, States]]
+
+    @classmethod
+    def of(cls, phase: Phase, times: np.ndarray, states: States, event: Event, evaluations: int) -> Segment:
+        """A segment whose steps are at hand."""
+        return cls(phase, float(times[0]), event, evaluations, len(times) - 1, lambda: (times, states))
+
+    @cached_property
+    def _recorded(self) -> tuple[np.ndarray, States]:
+        return self.record()
+
+    @property
+    def times(self) -> np.ndarray:
+        """The steps' ends and the start, s."""
+        return self._recorded[0]
+
+    @property
+    def states(self) -> States:
+        """The dense output."""
+        return self._recorded[1]
+
+    def until(self, time: float, evaluations: int) -> Segment:
+        """The same motion cut at that time, with the work that it took."""
+        times = np.append(self.times[self.times < time], time)
+        return Segment.of(self.phase, times, self.states, self.event._replace(time=time), evaluations)
+
+
+def blocks(starts: np.ndarray, times: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """For pieces of time that begin at `starts`: the number of each piece that is met, and which of `times` lie in it.
+
+    Before the first start counts as the first piece. One sort, so that the cost is linear in pieces and in times.
+    """
+    which = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
+    order = np.argsort(which, kind="stable")
+    for block in np.split(order, np.flatnonzero(np.diff(which[order])) + 1):
+        if block.size:
+            yield int(which[block[0]]), block

@@ -10,7 +10,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import chain, islice
+from math import exp, inf, isfinite, ulp
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -30,6 +32,11 @@ except ImportError:
     AVAILABLE = False
 else:
     AVAILABLE = True
+    # As numbers: heyoka's own are compared by name, which costs as much as a step.
+    SUCCESS, TIME_LIMIT, STEP_LIMIT = (
+        int(outcome)
+        for outcome in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit, hy.taylor_outcome.step_limit)
+    )
 
 # Step-size tolerances are rounded to whole powers of ten: one compiled integrator each.
 FINEST = 1e-16
@@ -43,6 +50,10 @@ DEFECT, ROUNDING = 10.0, 1e-12
 # The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
 # leaves zero with the fourth power of time is still well above its own rounding.
 PART = 1e-3
+# Powers that count there: beyond, a term is less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
+NEAR = 8
+# The compiled loop comes up after so many steps, so that it does not run for ever towards a singularity.
+CHUNK = 1000
 # Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
 # 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
 SMALL = 500
@@ -168,54 +179,96 @@ def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
     compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
 
 
+@lru_cache(maxsize=256)
 def _tolerance(rtol: float) -> float:
-    return max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9))
+    return float(max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9)))
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
-    """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN)."""
+    """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN).
+
+    The compiled loop carries a phase to its event at once; its steps are taken again, one by one, when they are asked
+    for. Where a step may pass something over, or the loop finds no event to end at, they are taken one by one at once.
+    """
     tolerance = _tolerance(rtol)
-    return _integrate(compiled(phase.system, tolerance), phase, t, y, end, float, tolerance)
+    integrator = compiled(phase.system, tolerance)
+    ended = None if phase.features else _at_once(integrator, phase, t, y, end)
+    if ended is None:
+        return _one_by_one(integrator, phase, t, y, end, float, tolerance)
+    event, steps = ended
+
+    def record():
+        again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
+        return np.append(again.times[:-1], event.time), again.states
+
+    return Segment(phase, t, event, steps, steps, record)
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """The same in quadruple precision, start and end of the phase rounded to double; `rtol` is not looked at."""
     integrator = compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
-    return _integrate(integrator, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
+    return _one_by_one(integrator, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
 
 
-def _integrate(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Segment:
+def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, int] | None:
+    """What ends the phase and after how many steps, by heyoka's own loop; None where that does not tell."""
+    integrator.pars[:] = phase.parameters[: len(integrator.pars)]
+    series = _series(integrator, t, y, float)
+    left = _leave_start(integrator, phase, series, t, y, end, float)
+    if left.guard:
+        return None
+    outcome, _ = integrator.step(min(end - integrator.time, _most(series)))
+    steps, guard = left.steps + 1, _guard(outcome, phase)
+    if guard is None and int(outcome) not in (SUCCESS, TIME_LIMIT):
+        return None
+    while guard is None and integrator.time < end:
+        outcome, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
+        steps, guard = steps + count, _guard(outcome, phase)
+        known = guard is not None or int(outcome) in (TIME_LIMIT, STEP_LIMIT)
+        if shortest <= SHORTEST * ulp(integrator.time) or not known:
+            return None
+    return Event(guard, integrator.time, tuple(integrator.state.tolist())), steps
+
+
+def _guard(outcome, phase: Phase) -> str | None:
+    """The guard whose event a step ended at."""
+    number = -int(outcome) - 1
+    return list(phase.system.guards)[number] if 0 <= number < len(phase.system.guards) else None
+
+
+def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Segment:
+    """The phase with all its steps."""
     integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
-    times: list[float] = [t]
-    coefficients: list[np.ndarray] = []
-    _set(integrator, t, y, real)
-    integrator.step(real(0.0), True)
-    series = integrator.tc.astype(float)
-    _set(integrator, t, y, real)
-    guard = _leave_start(integrator, phase, series, t, y, end, real, times, coefficients)
+    series = _series(integrator, t, y, real)
+    first = integrator.tc.astype(float)
+    left = _leave_start(integrator, phase, series, t, y, end, real)
+    guard = left.guard
+    times, coefficients = ([t, left.time], [first]) if left.steps else ([t], [])
     most = _most(series)
-    while integrator.time < end and guard is None:
-        outcome = _step(integrator, phase, min(real(end) - integrator.time, real(most)), real, tolerance)
-        most = np.inf
-        with np.errstate(over="ignore"):
+    last, longest = real(end), real(most)
+    with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
+        while integrator.time < end and guard is None:
+            outcome = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
+            longest = real(inf)
             coefficients.append(integrator.tc.astype(float))
-        times.append(float(integrator.time))
-        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
-            number = -int(outcome) - 1
-            if not 0 <= number < len(phase.system.guards):
+            times.append(float(integrator.time))
+            if int(outcome) not in (SUCCESS, TIME_LIMIT):
+                guard = _guard(outcome, phase)
+                if guard is None:
+                    return _broken(phase, times, coefficients, y)
+            elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
                 return _broken(phase, times, coefficients, y)
-            guard = list(phase.system.guards)[number]
-        elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * np.spacing(times[-1]):
-            return _broken(phase, times, coefficients, y)
     event = Event(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
-    return Segment(phase, np.array(times), _dense(times, coefficients, y), event, len(coefficients))
+    return Segment.of(phase, np.array(times), _dense(times, coefficients, y), event, len(coefficients))
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
     """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations."""
+    if not phase.features:
+        return integrator.step(longest, True)[0]
     start, before = integrator.time, integrator.state.copy()
     outcome, _ = integrator.step(longest, True)
-    while phase.features and np.all(np.isfinite(integrator.tc.astype(float))):
+    while np.all(np.isfinite(integrator.tc.astype(float))):
         length = float(integrator.time - start)
         part = _good_part(phase, float(start), length, integrator.tc.astype(float), tolerance)
         if part == 1.0 or part * length <= SHORTEST * np.spacing(float(start)):
@@ -248,72 +301,99 @@ def _broken(phase: Phase, times, coefficients, y) -> Segment:
     states = _dense(times[: steps + 1], coefficients[:steps], y)
     last = times[steps]
     event = Event(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
-    return Segment(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
+    return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
 
 
-def _most(series: np.ndarray) -> float:
+Rows = list[list[float]]
+
+
+def _series(integrator, t: float, y, real: type) -> Rows:
+    """The Taylor coefficients at the phase's start, one row for each variable."""
+    _set(integrator, t, y, real)
+    integrator.step(real(0.0), True)
+    return integrator.tc.tolist() if real is float else integrator.tc.astype(float).tolist()
+
+
+def _most(series: Rows) -> float:
     """The longest step that the upper half of a series' terms allows.
 
     heyoka's rule (Jorba & Zou 2005, Experimental Mathematics 14, 99) looks at the last two terms, relative to the
     state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
     """
-    powers = np.arange(series.shape[1])[series.shape[1] // 2 :]
-    terms = np.max(np.abs(series[:, powers]), axis=0) / max(1.0, float(np.max(np.abs(series[:, 0]))))
-    fastest = float(np.max(terms ** (1.0 / powers), initial=0.0))
-    return np.exp(-2.0) / fastest if fastest else np.inf
+    size = max(1.0, *[abs(row[0]) for row in series])
+    fastest = max([_fastest(row, size, len(row) // 2) for row in series])
+    return exp(-2.0) / fastest if fastest else inf
 
 
-def _leave_start(integrator, phase: Phase, series, t, y, end, real, times: list, coefficients: list) -> str | None:
+def _fastest(row: list[float], size: float, first: int) -> float:
+    """The largest k-th root of |c_k|/size over the powers k from `first` on."""
+    fastest = power = 0.0
+    for k, coefficient in enumerate(row[first:], first):
+        power *= fastest
+        if not coefficient:
+            continue
+        term = abs(coefficient) / size
+        if term > power:  # few terms have to be looked at: a root costs ten products
+            fastest, power = max(fastest, term ** (1.0 / k)), term
+    return fastest
+
+
+class _Left(NamedTuple):
+    """How a phase's start was left: the time then, in how many steps (0 or 1), or the guard that is at zero."""
+
+    time: float
+    steps: int
+    guard: str | None = None
+
+
+def _leave_start(integrator, phase: Phase, series: Rows, t: float, y, end: float, real: type) -> _Left:
     """The first, tiny part of a phase, by its Taylor polynomial alone; a guard if one reaches zero within it.
 
     A phase begins with a guard at zero that the decision found to grow, often with the square of time; event
     detection would find that root again, and a cool-down after it would hide the next.
     """
-    if not np.all(np.isfinite(series)):
-        return BREAKDOWN
-    if not phase.system.guards:
-        return None
-    reach = _reach(phase, series, t, y)
-    if not np.isfinite(reach):
-        return None  # nothing moves and nothing presses: no guard leaves zero
+    if not isfinite(sum(map(sum, series))) and not np.isfinite(series).all():
+        return _Left(t, 0, BREAKDOWN)
+    reach = _reach(phase, series, t, y) if phase.system.guards else inf
+    if not isfinite(reach):
+        _set(integrator, t, y, real)
+        return _Left(t, 0)  # nothing moves and nothing presses: no guard leaves zero
     values: list[float] = []
     for shorter in range(9):
         h = min(PART * reach * 10.0**-shorter, end - t)
         if phase.features:
-            h *= clear_part(phase, t, h, polyval(h * PARTS, series.T))
+            h *= clear_part(phase, t, h, polyval(h * PARTS, np.array(series).T))
         # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
         # until the event lies behind it.
         for part in (0.5, 1.0):
-            state = polyval(part * h, series.T)
-            values = phase.system.guards_of_numbers(t + part * h, state.tolist(), phase.parameters)
-            if not all(value > 0.0 for value in values):
+            state = [_horner(row[NEAR::-1], part * h) for row in series]
+            values = phase.system.guards_of_numbers(t + part * h, state, phase.parameters)
+            if not all([value > 0.0 for value in values]):
                 break
         else:
             _set(integrator, t + h, state, real)
-            coefficients.append(series)
-            times.append(t + h)
-            return None
-    return next(name for name, value in zip(phase.system.guards, values, strict=True) if not value > 0.0)
+            return _Left(t + h, 1)
+    _set(integrator, t, y, real)
+    return _Left(t, 0, next(n for n, value in zip(phase.system.guards, values, strict=True) if not value > 0.0))
 
 
-def _reach(phase: Phase, series: np.ndarray, t: float, y) -> float:
+def _reach(phase: Phase, series: Rows, t: float, y) -> float:
     """The time in which some term of the positions' series grows to the plate's size, or the contact's forces would
     move the plate by it.
 
     All terms count: those of even or of odd order vanish in a motion from rest. Where none is left the forces balance,
     and a load may change them; infinite where there are no forces either.
     """
-    powers = np.arange(1, series.shape[1])
-    terms = np.abs(series[: phase.system.positions, 1:]) / np.array(phase.lengths)[:, None]
+    positions = series[: phase.system.positions]
     forces = Motion(*phase.system.observed_of_numbers(t, tuple(y), phase.parameters))
     falls = (max(abs(forces.normal), abs(forces.friction)) / phase.size) ** 0.5
-    fastest = max(falls, float(np.max(terms ** (1.0 / powers), initial=0.0)))
-    return 1.0 / fastest if fastest else np.inf
+    fastest = max([falls, *(_fastest(row, length, 1) for row, length in zip(positions, phase.lengths, strict=True))])
+    return 1.0 / fastest if fastest else inf
 
 
 def _set(integrator, t: float, y, real: type) -> None:
     integrator.time = real(t)
-    integrator.state[:] = [real(float(value)) for value in y]
+    integrator.state[:] = y if real is float else [real(float(value)) for value in y]
     if integrator.with_events:
         integrator.reset_cooldowns()
 
@@ -321,6 +401,11 @@ def _set(integrator, t: float, y, real: type) -> None:
 def _dense(times, coefficients, y):
     """The steps' own Taylor polynomials."""
     starts = np.array(times[:-1])
+
+    @lru_cache(maxsize=1)
+    def stacked() -> np.ndarray:
+        """The coefficients by power, variable and step."""
+        return np.ascontiguousarray(np.array(coefficients).transpose(2, 1, 0))
 
     @lru_cache(maxsize=4)
     def rows(i: int) -> list[list[float]]:
@@ -334,11 +419,12 @@ def _dense(times, coefficients, y):
         if len(when) == 1:  # a search looks at one instant after the other: a tenth of the time below
             i = max(bisect_right(times, float(when[0]), hi=len(coefficients)) - 1, 0)
             return np.array([[_horner(row, float(when[0]) - times[i])] for row in rows(i)])
+        # All at once, each instant with its own step's coefficients: linear in steps and in instants.
         which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(coefficients) - 1)
-        values = np.empty((len(y), len(when)))
-        for i in np.unique(which):
-            chosen = which == i
-            values[:, chosen] = polyval(when[chosen] - starts[i], coefficients[i].T)
+        parts, rows_of = when - starts[which], stacked()
+        values = rows_of[-1][:, which]
+        for row in rows_of[-2::-1]:
+            values = row[:, which] + values * parts
         return values
 
     return states
