@@ -18,10 +18,23 @@ from . import literal
 from .minimal.decision import Undecidable, decide
 from .minimal.eliminated import Motion
 from .minimal.hybrid import LOCATED, run, undecidable
-from .minimal.integrators import dop853, taylor
+from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .minimal.overlap import until_second_contact
+
+
+def _prepare_dop853(phase: Phase, rtol: float) -> None:
+    from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
+
+    dop853.prepare(phase, rtol)
+
+
+def _integrate_dop853(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
+    from .minimal.integrators import dop853
+
+    return dop853.integrate(phase, t, y, end, rtol)
+
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
@@ -30,7 +43,7 @@ ROUTES = (*METHODS, "augmented")
 # By name: what prepares a phase and what integrates it. The last one serves certification only.
 INTEGRATORS = {
     "taylor": (taylor.prepare, taylor.integrate),
-    "dop853": (dop853.prepare, dop853.integrate),
+    "dop853": (_prepare_dop853, _integrate_dop853),
     "augmented": (literal.prepare, literal.integrate),
     "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
 }

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import adapters
 import cases
-from cases import BadValue, Case, CaseError
+from cases import BadValue, Case, CaseError, kept
 from cases.errors import unknown
 
 from .page.folder import foreign_file
@@ -72,6 +72,13 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 }
 
 
+class _NoCache(argparse.Action):
+    """Turns off what is kept between processes, for this one and its workers."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        os.environ[kept.VARIABLE] = kept.OFF
+
+
 class Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence, by the suite's own error."""
 
@@ -110,6 +117,12 @@ def parser(
         if words and len(words) > 1 and how.get("nargs") == "+":
             how |= {"nargs": None, "action": "append"}
         (effort if option in ("quick", "full") else parser).add_argument(f"--{option.replace('_', '-')}", **how)
+    parser.add_argument(
+        "--no-cache",
+        action=_NoCache,
+        nargs=0,
+        help=f"derive and compile anew what earlier processes kept on disk ({kept.VARIABLE}=off does the same)",
+    )
     for name, text in (words or {}).items():
         parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
     return parser
