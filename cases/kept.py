@@ -70,7 +70,8 @@ def kept(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
 def counted() -> tuple[Counter[str], Counter[str]]:
     """What was taken and made since it was asked last: how a worker reports to the process that asks it."""
     since = Counter(taken), Counter(made)
-    taken.clear(), made.clear()
+    taken.clear()
+    made.clear()
     return since
 
 

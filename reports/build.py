@@ -195,6 +195,7 @@ def _write(
         "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {calls.store.taken_words()}",
         "store": calls.store.told(),
         "compiled": kept.words(),
+        "ladders": plan.ladders() or "All settings of all ladders.",
         "limit_seconds": plan.limit,
         "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},

@@ -64,6 +64,9 @@ class Named(Mapping[str, sp.Expr]):
     def __getitem__(self, name: str) -> sp.Expr:
         return self._derived()[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._names  # Mapping's own would derive
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
 
