@@ -44,7 +44,7 @@ class LiteralSystem:
     The methods take (t, y, parameters) as those of `System` do; the parameters are the case's own and not looked at.
     """
 
-    observed = Observed(0.0, 0.0, 0.0, 0.0)
+    record = Observed  # what `observed_of_arrays` returns the columns of
 
     def __init__(self, case: Case, phase: Phase):
         self.case, self.phase, self.regime = case, phase, phase.regime

@@ -16,7 +16,6 @@ from cases.errors import unknown
 
 from . import literal
 from .minimal.decision import Undecidable, decide
-from .minimal.eliminated import Motion
 from .minimal.hybrid import LOCATED, run, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment
@@ -170,7 +169,7 @@ def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
     observed = now.system.observed_of_arrays(times, y, now.parameters)
-    m = Motion(*(np.broadcast_to(row, times.shape) for row in observed))
+    m = now.system.record(*(np.broadcast_to(row, times.shape) for row in observed))
     xi1, xi2 = y[0], y[1]
     x, y0, theta = pose(case, xi1, xi2)
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)

@@ -80,6 +80,8 @@ class System:
     `decided_by` is all that decides the equations. Functions that an earlier process compiled serve without deriving.
     """
 
+    record = Motion  # what `observed_of_arrays` returns the columns of
+
     def __init__(self, decided_by: tuple, derive: Callable[[], Equations]):
         self._decided_by, self._derive = decided_by, derive
         names = self.kept("outline", (), lambda: _outline(self.equations))
