@@ -17,7 +17,8 @@ import stat
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from io import BytesIO
@@ -66,6 +67,22 @@ def kept(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
     return value
 
 
+def counted() -> tuple[Counter[str], Counter[str]]:
+    """What was taken and made since it was asked last: how a worker reports to the process that asks it."""
+    since = Counter(taken), Counter(made)
+    taken.clear()
+    made.clear()
+    return since
+
+
+def words() -> str:
+    """How much of what this process and its workers compiled came from where."""
+    folder = place()
+    if folder is None:
+        return "compiled parts were neither kept nor taken from disk"
+    return f"{taken.total()} compiled parts taken from {folder}, {made.total()} made and kept there"
+
+
 def place() -> Path | None:
     """The folder, made if need be; None where nothing is kept."""
     text = os.environ.get(VARIABLE)
@@ -73,6 +90,19 @@ def place() -> Path | None:
         above = os.environ.get("XDG_CACHE_HOME", "")
         text = str((Path(above) if os.path.isabs(above) else Path("~/.cache").expanduser()) / "slip-to-roll")
     return None if text in (OFF, "") else _checked(text)
+
+
+@contextmanager
+def off() -> Iterator[None]:
+    """Inside, everything is derived and compiled anew: for what tells how long that takes."""
+    before = os.environ.get(VARIABLE)
+    os.environ[VARIABLE] = OFF
+    try:
+        yield
+    finally:
+        del os.environ[VARIABLE]
+        if before is not None:
+            os.environ[VARIABLE] = before
 
 
 @lru_cache(maxsize=8)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import cos, inf, sin
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from .case import Case
 from .contact import Contact, find
 from .curves import Curve
 from .errors import DoesNotFit
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 # Points of the outline that are looked at: closer than the curvature of any smooth outline is likely to hide a nearer
 # one between two of them, and Newton's method goes on from the nearest.
@@ -135,6 +137,8 @@ def _outside(curve: Curve, parameter: float) -> bool:
 @lru_cache(maxsize=64)
 def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray, KDTree]:
     """Samples of an outline: parameters (n,), points (2, n), left normals (n, 2), and a tree to look points up in."""
+    from scipy.spatial import KDTree  # slow to import, needed only where something flies
+
     parameters = np.linspace(*outline.span, OUTLINE_POINTS + 1)
     if outline.features:
         parameters = np.union1d(parameters, outline.features.places(*outline.span))
@@ -151,6 +155,8 @@ def _size(outline: Curve) -> float:
 
 @lru_cache(maxsize=64)
 def _track(track: Curve, low: float, high: float, size: float) -> _Track:
+    from scipy.spatial import KDTree
+
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
     # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
     parameters = np.linspace(low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))

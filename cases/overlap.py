@@ -6,13 +6,16 @@ the polygon's sagitta. An open outline encloses nothing and overlaps nothing. Po
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from .curves import Curve
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 # Corners of the polygon, besides those that show the outline's features.
 CORNERS = 720
@@ -20,6 +23,8 @@ CORNERS = 720
 POINTS_A_SIZE, FEWEST, MOST = 16, 720, 20_000
 # Pairs of a pose and a track point that are looked at together: some megabytes.
 TOGETHER = 100_000
+# So many poses are looked at faster without a tree, and without importing one: a case's start is one pose.
+FEW = 4
 
 
 class _Polygon(NamedTuple):
@@ -41,12 +46,31 @@ class _Polygon(NamedTuple):
         return (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0
 
 
-class _Samples(NamedTuple):
-    """Track parameters (n,), their points (2, n), and a tree to look points up in."""
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Track parameters (n,) and their points (2, n)."""
 
     parameters: np.ndarray
     points: np.ndarray
-    tree: KDTree
+
+    @cached_property
+    def tree(self) -> KDTree:
+        """To look points up in; importing it takes a quarter of a second."""
+        from scipy.spatial import KDTree
+
+        return KDTree(self.points.T)
+
+    def counts(self, centres: np.ndarray, reach: float) -> np.ndarray:
+        """How many points lie within `reach` of each of some centres (m, 2)."""
+        if len(centres) <= FEW:
+            return np.array([len(found) for found in self.near(centres, reach)])
+        return self.tree.query_ball_point(centres, reach, return_length=True)
+
+    def near(self, centres: np.ndarray, reach: float) -> list[np.ndarray]:
+        """Which points these are, in order."""
+        if len(centres) <= FEW:
+            return [np.flatnonzero(np.hypot(*(self.points - centre[:, None])) <= reach) for centre in centres]
+        return [np.sort(found) for found in self.tree.query_ball_point(centres, reach)]
 
 
 def first_overlap(
@@ -63,11 +87,11 @@ def first_overlap(
     c, s = np.cos(theta), np.sin(theta)
     (mx, my), centres = polygon.middle[:, 0], np.empty((len(x), 2))
     centres[:, 0], centres[:, 1] = x + c * mx - s * my, y + s * mx + c * my
-    counts = samples.tree.query_ball_point(centres, polygon.reach, return_length=True)
+    counts = samples.counts(centres, polygon.reach)
     batch = np.cumsum(counts) // TOGETHER
     for number in np.unique(batch[counts > 0]):
         poses = np.flatnonzero((batch == number) & (counts > 0))
-        near = [np.sort(found) for found in samples.tree.query_ball_point(centres[poses], polygon.reach)]
+        near = samples.near(centres[poses], polygon.reach)
         pose, point = np.repeat(poses, [len(found) for found in near]), np.concatenate(near).astype(int)
         u, v = samples.points[0, point] - x[pose], samples.points[1, point] - y[pose]
         inside = polygon.holds(c[pose] * u + s[pose] * v, c[pose] * v - s[pose] * u)
@@ -105,7 +129,7 @@ def _samples(track: Curve, low: float, high: float, size: float) -> _Samples:
     points = track.point(places)
     # Far out on a track without ends its points may be too large for a double: nothing meets them.
     there = np.isfinite(points).all(axis=0)
-    return _Samples(places[there], points[:, there], KDTree(points[:, there].T))
+    return _Samples(places[there], points[:, there])
 
 
 def span(track: Curve, xi1, reach: float) -> tuple[float, float]:

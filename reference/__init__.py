@@ -1,6 +1,23 @@
 """The paper's solver: a plate with friction on a fixed curve, by its augmented system (27)."""
 
-from .certification.certificate import certify
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from .solve import METHODS, simulate
 
+if TYPE_CHECKING:
+    from .certification.certificate import certify
+
 __all__ = ["METHODS", "certify", "simulate"]
+
+
+def __getattr__(name: str) -> Any:
+    """`certify` and what belongs to it are imported when they are asked for: with the second formulation they are a
+    third of the import."""
+    if name == "certify":
+        from .certification.certificate import certify
+
+        return certify
+    if name == "certification":
+        return import_module(".certification", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -16,7 +16,6 @@ import numpy as np
 
 from cases import Case, CoulombFriction, RollingResistance
 
-from .minimal.integrators import dop853
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
 from .minimal.system import PARADOX, System
@@ -45,7 +44,7 @@ class LiteralSystem:
     The methods take (t, y, parameters) as those of `System` do; the parameters are the case's own and not looked at.
     """
 
-    observed = Observed(0.0, 0.0, 0.0, 0.0)
+    record = Observed  # what `observed_of_arrays` returns the columns of
 
     def __init__(self, case: Case, phase: Phase):
         self.case, self.phase, self.regime = case, phase, phase.regime
@@ -148,6 +147,8 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """As `dop853.integrate`, with the paper's matrix in place of the phase's own equations."""
     # All that the loop and the record ask of a system; nothing here is symbolic.
     literal = cast(System, LiteralSystem(phase.case, phase))
+    from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
+
     return dop853.integrate(phase._replace(system=literal), t, y, end, rtol)
 
 

@@ -16,12 +16,24 @@ from cases.errors import unknown
 
 from . import literal
 from .minimal.decision import Undecidable, decide
-from .minimal.eliminated import Motion
 from .minimal.hybrid import LOCATED, run, undecidable
-from .minimal.integrators import dop853, taylor
+from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .minimal.overlap import until_second_contact
+
+
+def _prepare_dop853(phase: Phase, rtol: float) -> None:
+    from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
+
+    dop853.prepare(phase, rtol)
+
+
+def _integrate_dop853(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
+    from .minimal.integrators import dop853
+
+    return dop853.integrate(phase, t, y, end, rtol)
+
 
 # The integrators that are installed, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
@@ -30,7 +42,7 @@ ROUTES = (*METHODS, "augmented")
 # By name: what prepares a phase and what integrates it. The last one serves certification only.
 INTEGRATORS = {
     "taylor": (taylor.prepare, taylor.integrate),
-    "dop853": (dop853.prepare, dop853.integrate),
+    "dop853": (_prepare_dop853, _integrate_dop853),
     "augmented": (literal.prepare, literal.integrate),
     "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
 }
@@ -159,7 +171,7 @@ def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
     observed = now.system.observed_of_arrays(times, y, now.parameters)
-    m = Motion(*(np.broadcast_to(row, times.shape) for row in observed))
+    m = now.system.record(*(np.broadcast_to(row, times.shape) for row in observed))
     xi1, xi2 = y[0], y[1]
     x, y0, theta = pose(case, xi1, xi2)
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import cases
-from cases import Case, CaseError
+from cases import Case, CaseError, kept
 
 from . import options
 from .options import Plan, guarded
@@ -194,6 +194,8 @@ def _write(
         "options": _options(plan),
         "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {calls.store.taken_words()}",
         "store": calls.store.told(),
+        "compiled": kept.words(),
+        "ladders": plan.ladders() or "All settings of all ladders.",
         "limit_seconds": plan.limit,
         "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
@@ -250,7 +252,7 @@ def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
     headers = ["first transition", "solver", "route", "as it comes / s", "finest / s"]
     lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
-    lines += ["", f"store: {store.taken_words()}; {store.size_words()}"]
+    lines += ["", f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
     return "\n".join(lines)
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import adapters
 import cases
-from cases import BadValue, Case, CaseError
+from cases import BadValue, Case, CaseError, kept
 from cases.errors import unknown
 
 from .page.folder import foreign_file
@@ -32,6 +32,8 @@ SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
 # Families whose whole ladders stand in a default report, so that they can be timed: with the shared ones a lift-off and
 # a plate that is no disc, whose curvature changes.
 WHOLE = (*SHARED, "disc_rolling_off_hill", "ellipse_in_circle")
+# The reference's route by the paper's own matrix.
+LITERAL = "augmented"
 # Finished runs are kept where one works, as test runners and linters do: a fresh folder is a fresh start.
 STORE = ".slip-to-roll"
 # Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
@@ -72,6 +74,13 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 }
 
 
+class _NoCache(argparse.Action):
+    """Turns off what is kept between processes, for this one and its workers."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        os.environ[kept.VARIABLE] = kept.OFF
+
+
 class Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence, by the suite's own error."""
 
@@ -110,6 +119,12 @@ def parser(
         if words and len(words) > 1 and how.get("nargs") == "+":
             how |= {"nargs": None, "action": "append"}
         (effort if option in ("quick", "full") else parser).add_argument(f"--{option.replace('_', '-')}", **how)
+    parser.add_argument(
+        "--no-cache",
+        action=_NoCache,
+        nargs=0,
+        help=f"derive and compile anew what earlier processes kept on disk ({kept.VARIABLE}=off does the same)",
+    )
     for name, text in (words or {}).items():
         parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
     return parser
@@ -157,17 +172,32 @@ class Plan:
         """Wall seconds a run may take."""
         return _LIMITS[self.effort]
 
-    def select_rungs(self, case: str, solver: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+    def select_rungs(self, case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
         """The rungs to run: all, or the defaults and three for a quick report, one in the breadth of the catalogue.
 
-        There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion."""
+        There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion; but
+        by the paper's own matrix, which takes fifteen times as long, at its two coarsest."""
         if self.effort == "full" or (self.effort == "default" and (self.named or case in WHOLE)):
             return settings
+        if self.effort == "default" and (solver, route) == (REFERENCE, LITERAL):
+            return settings[:2]
         ladder = [s for s in settings if not s.is_default]
         third = len(ladder) // 3
         one = len(ladder) - 1 if solver == REFERENCE else 2 * third
         places = sorted({0, third, 2 * third} if self.effort == "quick" else {one}) if ladder else []
         return (*(s for s in settings if s.is_default), *(ladder[i] for i in places))
+
+    def ladders(self) -> str:
+        """Which settings are run, in a sentence; "" where all are."""
+        if self.effort == "full" or (self.effort == "default" and self.named):
+            return ""
+        if self.effort == "quick":
+            return "Of each ladder three settings and the engine as it comes; --full runs all."
+        return (
+            f"Whole ladders for {', '.join(WHOLE)}; of other cases the engine as it comes and one fine setting, of the "
+            f"reference its finest, and its route {LITERAL!r}, which takes fifteen times as long, at its two coarsest "
+            "tolerances only; --full runs all."
+        )
 
 
 def solvers() -> tuple[str, ...]:

@@ -17,7 +17,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from scipy.optimize import brentq
 
 from cases import Case
 from cases.contact import Contact, pose
@@ -206,6 +205,8 @@ def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, flo
 
 def _turning(case: Case, segment: Segment, before: _Look, now: _Look) -> _Look:
     """The look at which the gap stops closing between two looks."""
+    from scipy.optimize import brentq  # slow to import, and most motions never fly
+
     return _look(
         case, segment, brentq(lambda t: _look(case, segment, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16)
     )

@@ -12,6 +12,7 @@ from math import pi
 from typing import NamedTuple
 
 import numpy as np
+import scipy.spatial  # noqa: F401 - the search for second contacts needs it: imported here, not within a first motion
 
 from cases import Case, Curve, DoesNotFit, Transition
 from cases.contact import Contact, find, overlap, pose

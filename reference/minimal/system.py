@@ -64,6 +64,9 @@ class Named(Mapping[str, sp.Expr]):
     def __getitem__(self, name: str) -> sp.Expr:
         return self._derived()[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._names  # Mapping's own would derive
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
 
@@ -76,6 +79,8 @@ class System:
 
     `decided_by` is all that decides the equations. Functions that an earlier process compiled serve without deriving.
     """
+
+    record = Motion  # what `observed_of_arrays` returns the columns of
 
     def __init__(self, decided_by: tuple, derive: Callable[[], Equations]):
         self._decided_by, self._derive = decided_by, derive

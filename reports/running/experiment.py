@@ -29,8 +29,8 @@ _SURVEY_SECONDS = 20.0
 # A solver that did not answer for so many cases is not asked about the others: each would take as long.
 _MOST_SILENCES = 3
 
-# Of a case's name, a solver and its ladder: the settings to run.
-Thin = Callable[[str, str, tuple[Setting, ...]], tuple[Setting, ...]]
+# Of a case's name, a solver, its route and its ladder: the settings to run.
+Thin = Callable[[str, str, str, tuple[Setting, ...]], tuple[Setting, ...]]
 
 # What says how the truth was found does not decide what a run is worth beside it, and the reference as a contestant is
 # told by its adapter's code.
@@ -45,10 +45,10 @@ def run(
     cases: Sequence[Case],
     solvers: Sequence[str],
     calls: Calls,
-    thin: Thin = lambda case, solver, settings: settings,
+    thin: Thin = lambda case, solver, route, settings: settings,
 ) -> Experiment:
-    """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, ladder)`
-    leaves."""
+    """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, route,
+    ladder)` leaves."""
     began = time.perf_counter()
     calls.ask_versions(solvers)
     truths = find_truths(cases, calls)
@@ -112,7 +112,7 @@ def _planned(
             if excuse:
                 runs.append(Run(label, name, offer.route, Setting.of(), 0, *excuse))
                 continue
-            for rung, setting in enumerate(thin(by_label[label].name, name, offer.settings), start=1):
+            for rung, setting in enumerate(thin(by_label[label].name, name, offer.route, offer.settings), start=1):
                 tasks.append(_Task(len(runs), (by_label[label], name, offer.route, setting, rung, truth)))
                 runs.append(Run(label, name, offer.route, setting, rung, outcome=""))
     return runs, tasks

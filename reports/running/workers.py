@@ -22,6 +22,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from cases import kept
+
 # An engine that writes more than this to one file is flooding; the largest honest log of one run is a few megabytes.
 _FILE_BYTES = 32 * 2**20
 # Far above what a plane body needs (compiling in quadruple precision takes a gigabyte and a half of addresses), far
@@ -173,7 +175,9 @@ class _Worker:
                 if told == _BEGUN:
                     self.begun, self.deadline = True, time.monotonic() + self.limit
                     return None
-                result, grown = told
+                result, grown, (taken, made) = told
+                kept.taken.update(taken)
+                kept.made.update(made)
                 if grown > _GROWTH_BYTES:
                     self.kill()
             except (EOFError, ConnectionResetError):
@@ -231,9 +235,9 @@ def _serve(pipe: Connection, scratch: str, parent: int) -> None:
         answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
         signal.alarm(0)
         try:
-            pipe.send((answer, _resident() - at_first))
+            pipe.send((answer, _resident() - at_first, kept.counted()))
         except (TypeError, AttributeError, pickle.PicklingError) as problem:
-            pipe.send((Answer("raised", reason=f"what it returned cannot travel: {problem}"), 0))
+            pipe.send((Answer("raised", reason=f"what it returned cannot travel: {problem}"), 0, kept.counted()))
 
 
 def _end_with(parent: int) -> None:

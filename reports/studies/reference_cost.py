@@ -20,6 +20,7 @@ import numpy as np
 import cases
 import reference
 from adapters import Setting
+from cases import kept
 from cases.library import cosine
 from reference import solve
 from reference.minimal.integrators import taylor
@@ -237,7 +238,8 @@ def cold_start(curve: str) -> float:
         "reference.simulate(Case(track, disc(0.1, 1.0), effects, Start(-1.0), 1.0))\n"
     )
     began = time.perf_counter()
-    subprocess.run([sys.executable, "-c", program], check=True)
+    with kept.off():
+        subprocess.run([sys.executable, "-c", program], check=True)
     return time.perf_counter() - began
 
 

@@ -175,3 +175,19 @@ def test_two_processes_at_once_see_only_what_is_whole(folder):
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         assert all(all(found) for found in pool.map(partial(_many, folder), [200, 200]))
     assert len(list(folder.iterdir())) == 200
+
+
+def test_what_was_taken_and_made_is_counted(folder):
+    kept.counted()
+    asked(folder), asked(folder), asked(folder, decided_by="other", kind="text")
+    assert kept.words() == f"1 compiled parts taken from {folder}, 2 made and kept there"
+    assert kept.counted() == ({"number": 1}, {"number": 1, "text": 1})
+    assert kept.counted() == ({}, {})
+
+
+def test_inside_off_all_is_made_and_the_setting_comes_back(folder):
+    asked(folder)
+    with kept.off():
+        assert asked(folder)[1]
+        assert "neither kept nor taken" in kept.words()
+    assert not asked(folder)[1]

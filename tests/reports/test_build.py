@@ -98,13 +98,18 @@ def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogu
     settings = (Setting.of(rung="defaults"), *(Setting.of(h=10.0**-i) for i in range(7)))
     few, fewer = (settings[0], settings[1], settings[3], settings[5]), (settings[0], settings[5])
 
-    def kept(effort, asked, case, solver="pymunk"):
-        return options.Plan(Path("x"), (), (), (), effort, 1, (), asked).select_rungs(case, solver, settings)
+    def kept(effort, asked, case, solver="pymunk", route="native"):
+        return options.Plan(Path("x"), (), (), (), effort, 1, (), asked).select_rungs(case, solver, route, settings)
 
     assert kept("quick", True, "disc_in_circle") == few
     assert kept("default", False, "disc_in_circle") == settings
     assert kept("default", False, "littlewood_hoop") == fewer
     assert kept("default", False, "littlewood_hoop", "reference") == (settings[0], settings[-1])
+    # The paper's matrix is dear: its whole ladder where ladders are whole, else its two coarsest tolerances.
+    assert kept("default", False, "littlewood_hoop", "reference", "augmented") == settings[:2]
+    assert kept("default", False, "disc_in_circle", "reference", "augmented") == settings
+    assert kept("default", True, "littlewood_hoop", "reference", "augmented") == settings
+    assert kept("full", False, "littlewood_hoop", "reference", "augmented") == settings
     assert kept("default", True, "littlewood_hoop") == settings
     assert kept("full", False, "littlewood_hoop") == settings
 
