@@ -19,8 +19,6 @@ from .errors import DoesNotFit
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
-# Squares of distances (m) overflow beyond: from there on every place is as far.
-FARTHEST = 1e150
 
 
 class _Track(NamedTuple):
@@ -92,7 +90,8 @@ def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarra
     low, high = case.track.look
     while True:
         track = _track(case.track, low, high, _size(case.plate.outline))
-        _, places = track.tree.query(np.clip(there, -FARTHEST, FARTHEST))
+        _, places = track.tree.query(there)
+        places = np.minimum(places, len(track.parameters) - 1)  # beyond 1e154 m squares overflow and nothing is near
         ends = np.zeros(len(places), dtype=bool)
         if not case.track.period:
             ends = (places == 0) | (places == len(track.parameters) - 1)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from scipy.optimize import brentq
 
-from cases import Case
+from cases import Case, Curve
 from cases.contact import Contact, pose
 from cases.nearest import nearest
 
@@ -72,7 +72,7 @@ def first_landing(case: Case, arc: Arc, near: float, under_way: bool = False) ->
     The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: the arc
     goes on with a flight that did not land until then.
     """
-    size = _reach(case)
+    size = _reach(case.plate.outline)
     start, end = float(arc.times[0]), float(arc.times[-1])
     before = _look(case, arc, start)
     if under_way and before.contact and before.gap <= 0.0:
@@ -160,9 +160,9 @@ def _uneven(case: Case, arc: Arc, start: _Look, lasts: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def _reach(case: Case) -> float:
+def _reach(outline: Curve) -> float:
     """The farthest point of the outline from the centre of mass, m."""
-    return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.look, 65))).max())
+    return float(np.hypot(*outline.point(np.linspace(*outline.look, 65))).max())
 
 
 def _time_for(arc: Arc, look: _Look, gap: float, size: float) -> float:
@@ -189,7 +189,7 @@ def _look(case: Case, arc: Arc, t: float) -> _Look:
     state = _state(arc, t)
     contact = nearest(case, *state[:3])
     rate = _touch(case, state, contact)[0].lift if contact else 0.0
-    return _Look(t, contact, rate, _speed(state, _reach(case)), 0.5 * hypot(*state[:2]))
+    return _Look(t, contact, rate, _speed(state, _reach(case.plate.outline)), 0.5 * hypot(*state[:2]))
 
 
 def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:
@@ -215,7 +215,7 @@ def _locate(case: Case, arc: Arc, above: _Look, below: _Look, near: float) -> La
     Each look is at the pair that is the nearest at that time: one followed from elsewhere may lead to another.
     """
     x, y, *_ = _state(arc, below.time)
-    rounding = 0.5 * EPS * (_reach(case) + abs(x) + abs(y))
+    rounding = 0.5 * EPS * (_reach(case.plate.outline) + abs(x) + abs(y))
     now, low, high = below, above.time, below.time
     while abs(now.gap) > rounding and above.gap > 0.0:
         time = now.time - now.gap / now.rate if now.rate < 0.0 else low
