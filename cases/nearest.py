@@ -19,6 +19,8 @@ from .errors import DoesNotFit
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
+# Where no track is any more, m: squares of distances overflow there.
+FARTHEST = 1e150
 
 
 class _Track(NamedTuple):
@@ -41,6 +43,8 @@ class _Guess(NamedTuple):
 def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
     track are ends of it or lie on ends of an open outline: there is nothing to land on."""
+    if max(abs(x), abs(y)) > FARTHEST:
+        return None
     guess = _of_disc(case, x, y, theta) or _of_outline(case, x, y, theta)
     if guess is None:
         return None
@@ -91,7 +95,6 @@ def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarra
     while True:
         track = _track(case.track, low, high, _size(case.plate.outline))
         _, places = track.tree.query(there)
-        places = np.minimum(places, len(track.parameters) - 1)  # beyond 1e154 m squares overflow and nothing is near
         ends = np.zeros(len(places), dtype=bool)
         if not case.track.period:
             ends = (places == 0) | (places == len(track.parameters) - 1)
