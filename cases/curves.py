@@ -67,6 +67,10 @@ class Curve:
         return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
 
     def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
         return hash((self.expression, self.domain))
 
     def __reduce__(self):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
-# Squares of distances (m) overflow beyond: from there on every place is as far.
+# Where no track is any more, m: squares of distances overflow there.
 FARTHEST = 1e150
 
 
@@ -47,6 +47,8 @@ class _Guess(NamedTuple):
 def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
     track are ends of it or lie on ends of an open outline: there is nothing to land on."""
+    if max(abs(x), abs(y)) > FARTHEST:
+        return None
     track, guess = _of_disc(case, x, y, theta) if case.plate.radius is not None else (None, None)
     if track is None or guess is None:
         track, guess = _of_outline(case, x, y, theta)
@@ -103,7 +105,7 @@ def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarra
     low, high = case.track.span
     while True:
         track = _track(case.track, low, high, _size(case.plate.outline))
-        _, places = track.tree.query(np.clip(there, -FARTHEST, FARTHEST))
+        _, places = track.tree.query(there)
         ends = np.zeros(len(places), dtype=bool)
         if not case.track.period:
             ends = (places == 0) | (places == len(track.parameters) - 1)

@@ -70,7 +70,8 @@ class Bounces:
     def add(self, since: float, landing: Landing, after: Touch, pull: float) -> bool:
         """An impact that ends a flight begun at `since`, the velocities after it, with lift > 0, and how fast gravity
         and load bring it back (m/s²; not if it is not positive). Whether the rebound is listed."""
-        ratio, closing = -after.lift / landing.touch.lift, -landing.touch.lift
+        closing = -landing.touch.lift
+        ratio = after.lift / closing if closing > 0.0 else inf
         if self.last and since > self.last.landing.time:  # the plate has lain on its track meanwhile
             self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
         self.greatest = max(self.greatest, closing)

@@ -40,8 +40,8 @@ from .touch import over_touch
 # Changes of regime accumulate where this many follow each other in this part of the motion's own time.
 MANY, NO_TIME = 1000, 1e-9
 
-# What one run follows: with more phases it would fill the memory before it ends.
-MOST_PHASES = 1_000_000
+# What one run follows: an arc takes 7 kB and more, so that these fill a gigabyte or two.
+MOST_PHASES = 200_000
 
 # Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
 LOCATED = 1e-12
@@ -114,7 +114,10 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
     segments: list[Segment] = []
     transitions: list[Transition] = []
     if regime is None:
-        step = _leave(case, (), t, y, "")
+        try:
+            step = _leave(case, (), t, y, "")
+        except Undecidable:
+            return segments, transitions, undecidable(t)
         if step.regime is None:
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
@@ -129,11 +132,11 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
                 step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
             else:
                 step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
+            idle = idle + 1 if step.time == t else 0
+            if idle > IDLE and step.regime not in (None, FLIGHT):
+                step = _moved_on(case, regime, step)
         except Undecidable:
             return segments, transitions, undecidable(t)
-        idle = idle + 1 if step.time == t else 0
-        if idle > IDLE and step.regime not in (None, FLIGHT):
-            step = _moved_on(case, regime, step)
         segments.extend(step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime and step.listed):
@@ -344,9 +347,13 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
         return Step(flown, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
-    if after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
-        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "landing")
-    listed = bounces.add(segments[0].start, landing, after, pull)
+    since = segments[0].start
+    # What opens and has not flown does not get off its track.
+    none = landing.time == since and landing.touch.lift >= 0.0
+    if none or after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
+        cause = "rest" if after.lift > 0.0 else "landing"
+        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), cause)
+    listed = bounces.add(since, landing, after, pull)
     limit = None if listed else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
         settled = (*flown, bounces.settling(last.phase, limit))

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from cases import Case
+from cases import Case, Curve
 from cases.contact import Contact, pose
 from cases.nearest import nearest
 
@@ -71,14 +71,14 @@ def first_landing(case: Case, segment: Segment, near: float, under_way: bool = F
     The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: it
     goes on with a flight that did not land until then.
     """
-    size = _reach(case)
+    size = _reach(case.plate.outline)
     start, end = float(segment.times[0]), float(segment.times[-1])
     before = _look(case, segment, start)
     if under_way and before.contact and before.gap <= 0.0:
         return _landing(case, segment, before, near)  # by a rounding
     leaves = not under_way and before.gap <= 1e-12 * size  # on the track, to the rounding of positions
     if before.contact and leaves:
-        first = _first_span(case, segment, before, size)
+        first = _first_look(case, segment, before, size)
         if first is None:
             return _landing(case, segment, before, near)
         if not isnan(first.beyond):
@@ -97,7 +97,7 @@ def first_landing(case: Case, segment: Segment, near: float, under_way: bool = F
     return None
 
 
-def _first_span(case: Case, segment: Segment, start: _Look, size: float) -> _Look | None:
+def _first_look(case: Case, segment: Segment, start: _Look, size: float) -> _Look | None:
     """A look soon after the start at which the gap is positive and grows, or a hop's landing; None if it closes."""
     part = _time_for(segment, start, 0.0, size)
     soonest = SOONEST * part
@@ -159,9 +159,9 @@ def _uneven(case: Case, segment: Segment, start: _Look, lasts: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def _reach(case: Case) -> float:
+def _reach(outline: Curve) -> float:
     """The farthest point of the outline from the centre of mass, m."""
-    return float(np.hypot(*case.plate.outline.point(np.linspace(*case.plate.outline.span, 65))).max())
+    return float(np.hypot(*outline.point(np.linspace(*outline.span, 65))).max())
 
 
 def _time_for(segment: Segment, look: _Look, gap: float, size: float) -> float:
@@ -188,7 +188,7 @@ def _look(case: Case, segment: Segment, t: float) -> _Look:
     state = _state(segment, t)
     contact = nearest(case, *state[:3])
     rate = _touch(case, state, contact)[0].lift if contact else 0.0
-    return _Look(t, contact, rate, _speed(state, _reach(case)), 0.5 * hypot(*state[:2]))
+    return _Look(t, contact, rate, _speed(state, _reach(case.plate.outline)), 0.5 * hypot(*state[:2]))
 
 
 def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:
@@ -218,7 +218,7 @@ def _locate(case: Case, segment: Segment, above: _Look, below: _Look, near: floa
     Each look is at the pair that is the nearest at that time: one followed from elsewhere may lead to another.
     """
     x, y, *_ = _state(segment, below.time)
-    rounding = 0.5 * EPS * (_reach(case) + abs(x) + abs(y))
+    rounding = 0.5 * EPS * (_reach(case.plate.outline) + abs(x) + abs(y))
     now, low, high = below, above.time, below.time
     while abs(now.gap) > rounding and above.gap > 0.0:
         time = now.time - now.gap / now.rate if now.rate < 0.0 else low
