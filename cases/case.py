@@ -46,8 +46,8 @@ class Case:
         object.__setattr__(self, "effects", effects.checked(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
-        check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
         with np.errstate(all="ignore"):  # what is not finite does not fit
+            check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             self.start.check(self.track, self.plate.outline, self.effects)
 
     def __hash__(self) -> int:

@@ -313,9 +313,12 @@ def decide(scene: Scene, t: float, z, turns: int, may_stick: bool = True, may_ho
         return Held(max(f.normal, 0.0) if scene.unilateral else f.normal, f.friction, f.couple)
 
     def sided(phase: Phase) -> Phase:
-        if scene.unilateral or scene.forces(t, z, phase, turns).push >= 0.0:
+        if scene.unilateral:
             return phase
-        return phase._replace(side=-1)
+        f = scene.forces(t, z, phase, turns)
+        # Where the force is none to rounding, the side is the one that presses a moment later.
+        toward = f.push if abs(f.normal) > tolerance else _soon(scene, t, z, phase, turns)
+        return phase if toward >= 0.0 else phase._replace(side=-1)
 
     for phase in map(sided, admissible(scene.laws, z[3], z[2], needed, may_stick, may_hold)):
         f = scene.forces(t, z, phase, turns)

@@ -40,7 +40,7 @@ from .touch import over_touch
 # Changes of regime accumulate where this many follow each other in this part of the motion's own time.
 MANY, NO_TIME = 1000, 1e-9
 
-# What one run follows: an arc takes 7 kB and more, so that these fill a gigabyte or two.
+# What one run follows: a segment takes 7 kB and more, so that these fill a gigabyte or two.
 MOST_PHASES = 200_000
 
 # Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.

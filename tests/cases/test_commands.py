@@ -176,6 +176,6 @@ def test_cases_of_an_installed_package_are_found(monkeypatch):
     loaded = []
     found = SimpleNamespace(value="their_package.cases", load=lambda: loaded.append(True))
     monkeypatch.setattr(registry, "entry_points", lambda group: [found] if group == "slip_to_roll.cases" else [])
-    registry._import_packages.cache_clear()
+    registry._import_catalogue.cache_clear()
     cases.names()
     assert loaded

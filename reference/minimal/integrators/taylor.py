@@ -317,8 +317,8 @@ def _series(integrator, t: float, y, real: type) -> Rows:
 def _most(series: Rows) -> float:
     """The longest step that the upper half of a series' terms allows.
 
-    heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative to the
-    state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
+    heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative to
+    the state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
     """
     size = max(1.0, *[abs(row[0]) for row in series])
     fastest = max([_fastest(row, size, len(row) // 2) for row in series])
