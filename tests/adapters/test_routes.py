@@ -85,7 +85,7 @@ def rows_of(chosen: tuple[Case, ...], most: int) -> None:
     """Run `most` settings of every route on the cases; fails unless each route has its row: a result or a reason."""
     names = tuple(installed())
     with Calls() as calls:
-        found = experiment.run(chosen, names, calls, thin=lambda case, solver, settings: settings[:most])
+        found = experiment.run(chosen, names, calls, thin=lambda case, solver, route, settings: settings[:most])
     for case in chosen:
         for name, route in ROUTES:
             rows = [r for r in found.runs if (r.case, r.solver, r.route) == (case.label, name, route)]

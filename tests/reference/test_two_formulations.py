@@ -61,7 +61,7 @@ def check_agreement(case: Case) -> bool:
 
 
 @given(elliptic_scenes)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_both_formulations_give_the_same_sequence_of_transitions(case):
     check_agreement(case)
 
@@ -81,13 +81,13 @@ LAWS = st.sampled_from(["poisson", "poisson", "newton"])
 
 
 @given(elliptic_scenes.filter(lambda case: case.effects[1:]), numbers(0.01, 0.1), numbers(0.0, 0.85), LAWS)
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_both_formulations_bounce_alike(case, gap, restitution, law):
     check_agreement(bouncing(case, gap, restitution, law))
 
 
 @given(elliptic_scenes.filter(lambda case: len(case.effects) == 3), numbers(1e-3, 0.02), numbers(-20.0, 20.0))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_both_formulations_agree_under_a_spring_a_wind_and_rolling_resistance(case, arm, stiffness):
     more = (Load(fx=f"{-stiffness!r}*x + 3.0*sin(5.0*t)", moment="-0.01*omega"), RollingResistance(arm))
     check_agreement(replace(case, effects=(*case.effects, *more)))
