@@ -172,7 +172,13 @@ def _write(file: Path, value: Any) -> None:
             _written = 0
             _trim(file.parent)
         _written += len(content)
-    except (OSError, pickle.PicklingError, TypeError, ValueError) as error:
+    except (
+        OSError,
+        pickle.PicklingError,
+        AttributeError,
+        TypeError,
+        ValueError,
+    ) as error:
         _log().warning("%s could not be kept: %s", file, error)
 
 

@@ -154,6 +154,8 @@ def _from_slope(function: Callable[[float], float], slope: Callable[[Series], Se
         shorter = Series(x.c[:-1], x.e[:-1])
         return _integrate(slope(shorter) * x.derivative(), value, abs(slope(shorter).c[0]) * x.e[0])
 
+    # By its name in this module it travels to a file and back.
+    extended.__name__ = extended.__qualname__ = function.__name__
     return extended
 
 

@@ -1,6 +1,7 @@
 """Taylor series with bounds on their rounding."""
 
 import math
+import pickle
 
 import mpmath
 import pytest
@@ -45,3 +46,9 @@ def test_a_motion_is_expanded_order_by_order():
 def test_leading_sign_ignores_what_is_below_its_error():
     assert Series([1e-18, -2.0], [1e-16, 1e-15]).leading() == (-1, 1)
     assert Series([0.0, 0.0], [0.0, 0.0]).leading() == (0, 2)
+
+
+@pytest.mark.parametrize("name", [name for name, known in series.FUNCTIONS.items() if callable(known)])
+def test_functions_travel_to_another_process_by_their_names(name):
+    # What is compiled for series is kept on disk, and names them.
+    assert pickle.loads(pickle.dumps(series.FUNCTIONS[name])) is series.FUNCTIONS[name]
