@@ -67,7 +67,8 @@ def minify(svg: str) -> str:
     svg = re.sub(r"\s*\n\s*", "\n", svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # groups are named and never referred to
     for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
-        svg = svg.replace(f'"{name}"', f'"i{place}"').replace(f"#{name}", f"#i{place}")
+        svg = svg.replace(f'"{name}"', f'"i{place}"')
+        svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may begin another
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
     svg = _styles_once(svg)
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"

@@ -22,3 +22,8 @@ def test_a_figure_is_well_formed_and_says_how_it_is_made(tmp_path):
 
 def test_an_empty_group_stays_closed():
     ET.fromstring(files.minify('<svg ><g id="one"><g id="two"/><path d="M 0 0 L 1.234567 2"/></g></svg>'))
+
+
+def test_a_name_that_begins_another_is_not_taken_for_it():
+    svg = '<svg ><path id="Sans-5"/><path id="Sans-5c"/><use xlink:href="#Sans-5c"/><use xlink:href="#Sans-5"/></svg>'
+    assert files.minify(svg).count('href="#i1"') == files.minify(svg).count('href="#i0"') == 1
