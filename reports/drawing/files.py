@@ -87,7 +87,7 @@ def _path(text: str) -> str:
             r" (?=[A-Za-z-])|(?<=[A-Za-z]) ", "", " ".join(w if w.isalpha() else _short(float(w)) for w in words)
         )
     told, before, here = [], "", (0.0, 0.0)
-    for command, x, y in re.findall(r"([MLz])(?: (\S+) (\S+))?", " ".join(words)):
+    for command, x, y in re.findall(r"(z|[ML])(?: ([^\sA-Za-z]\S*) (\S+))?", " ".join(words)):
         if command == "z":
             told.append("z")
         else:

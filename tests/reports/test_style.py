@@ -27,3 +27,7 @@ def test_an_empty_group_stays_closed():
 def test_a_name_that_begins_another_is_not_taken_for_it():
     svg = '<svg ><path id="Sans-5"/><path id="Sans-5c"/><use xlink:href="#Sans-5c"/><use xlink:href="#Sans-5"/></svg>'
     assert files.minify(svg).count('href="#i1"') == files.minify(svg).count('href="#i0"') == 1
+
+
+def test_a_path_of_two_pieces_keeps_both():
+    assert files._path("M 1 1 L 2 1 L 2 2 z M 5 5 L 6 5 z") == "M1 1l1 0 0 1zM5 5l1 0z"
