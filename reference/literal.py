@@ -9,7 +9,6 @@ an event (`transitions.decide`, impacts, landings), and the steps and the locati
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -105,7 +104,7 @@ class LiteralSystem:
 
 def _guard(case: Case, regime: Regime, name: str, filled: Filled, solved: Solution) -> float:
     """One guard: positive while the mode lasts. Forces per mass, couples over mass and radius of gyration."""
-    k, mass, size = filled.k, case.plate.mass, sqrt(case.plate.inertia / case.plate.mass)
+    k, mass, size = filled.k, case.plate.mass, case.plate.gyration
     curve, _, end = name.partition("_")
     if curve in ("track", "outline"):
         xi, domain = (k.q[0], case.track.domain) if curve == "track" else (k.q[1], case.plate.outline.domain)

@@ -12,7 +12,6 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
 from pathlib import Path
 
 import numpy as np
@@ -82,7 +81,7 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
     centre = able[0]
     states = [witness.states(times) for witness in able]
     rounded = roundings(case, centre, times)
-    gyration = sqrt(case.plate.inertia / case.plate.mass)
+    gyration = case.plate.gyration
     transitions = []
     for i, same in enumerate(zip(*(witness.transitions for witness in able), strict=True)):
         first = same[0]

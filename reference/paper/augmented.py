@@ -241,7 +241,7 @@ def uniqueness(filled: Filled) -> float:
 def condition(case: Case, filled: Filled) -> float:
     """The 2-norm condition number of (27) in the plate's own units, in which mass, radius of gyration and arc length
     are one; infinite where the matrix is singular."""
-    m, rho = case.plate.mass, sqrt(case.plate.inertia / case.plate.mass)
+    m, rho = case.plate.mass, case.plate.gyration
     P, p = float(np.hypot(*filled.k.Rp)), float(np.hypot(*filled.k.rp))
     # Units of the unknowns Ẍ₀, Ÿ₀, θ̈, ξ̈₁, ξ̈₂, the multipliers N/P and T/P, a couple; then of the rows: two forces, a
     # moment, (8) twice, (9), R_pᵀ v, θ̈.
