@@ -121,6 +121,8 @@ def check(file: str) -> str:
     """Load a file, make every variant of its cases and run it, where there is a solver; raises CaseError with file and
     line of what is wrong."""
     path = Path(file)
+    if not path.suffix and path.with_suffix(".py").is_file():
+        path = path.with_suffix(".py")
     try:
         names = registry.load_file(path)
     except UnknownName:

@@ -38,7 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
-        "case", "case_file", "solver", "trajectory", "quick", "full", "jobs", "store", "fresh", "list", out="report",
+        "case", "case_file", "solver", "trajectory", "quick", "full", "jobs", "store", "fresh", "paper", "list",
+        out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
     given = parser.parse_args(words)
@@ -93,6 +94,7 @@ def listing(files: Sequence[str]) -> str:
 
 def _build(plan: Plan) -> int:
     """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
+    from .drawing.files import for_print
     from .page import folder
     from .running import experiment, external
     from .running.calls import Calls
@@ -109,7 +111,7 @@ def _build(plan: Plan) -> int:
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
             shown = external.joined(ran, plan.trajectories)
-            with folder.written_whole(plan.out) as place:
+            with folder.written_whole(plan.out) as place, for_print(plan.paper):
                 _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
@@ -203,9 +205,9 @@ def _write(
     told["solvers"] |= external.sources(plan.trajectories)
     frames = tables.frames(shown) | work_precision.frames(ran, measured)
     words = tables.WORDS | work_precision.WORDS
-    text.write(frames, words, place / "tables", command)
+    text.write(frames, words, place / "tables", command, plan.paper)
     for result in studied:
-        text.write(result.frames, result.words, place / "tables", result.command)
+        text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
     pictures = place / "figures"
     drawn = [*figures.draw(shown, pictures, calls), *precision_figures.draw(ran, measured, pictures)]

@@ -25,7 +25,7 @@ SAMPLES = 1001
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError if what was asked for makes no sense."""
-    case, out = case_of("export", words)
+    case, out = case_of("cases export", words, "A case as data, for a tool of your own.")
     folder = out or Path(case.name)
     written = export(case, folder)
     print("\n".join(f"written: {path}" for path in written))

@@ -20,9 +20,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _work(words: list[str]) -> None:
+    from .drawing.files import for_print
+
     parser = options.parser(
         COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "full", "jobs",
-        "store", "fresh", words={"NAME": "the study"},
+        "store", "fresh", "paper", words={"NAME": "the study"},
         example=f"python -m {COMMAND} stability --solver reference pymunk",
     )  # fmt: skip
     given = parser.parse_args(words)
@@ -38,13 +40,15 @@ def _work(words: list[str]) -> None:
     request = studies.Request(chosen, options.chosen_solvers(given.solver), given.full)
     out = options.checked_out(Path(given.out or given.NAME))
     store = options.checked_store(given.store, out)
-    _make(given.NAME, request, out, store, given.fresh, options.whole_jobs(given.jobs), options.command(COMMAND, words))
+    with for_print(given.paper):
+        jobs, command = options.whole_jobs(given.jobs), options.command(COMMAND, words)
+        _make(given.NAME, request, out, store, given.fresh, jobs, command)
 
 
 def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
-    from .drawing.files import embed_command
+    from .drawing.files import embed_command, printed
     from .page import folder, text
     from .page.manifest import manifest
     from .running.calls import Calls
@@ -61,7 +65,7 @@ def _make(
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
     with folder.written_whole(out) as place:
-        files = text.write(result.frames, result.words, place, command)
+        files = text.write(result.frames, result.words, place, command, printed())
         for drawn in result.draw(place):
             embed_command(place, drawn, command)
             print(f"{drawn.title}: {out / f'{drawn.name}.svg'}" if drawn.name else f"{drawn.title}. {drawn.caption}")

@@ -16,7 +16,7 @@ ALLOWED = {
 }
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
-    {"build", "compare", "study", "show", "export"},
+    {"build", "compare", "study", "show", "export", "animate"},
     {"options"},
     {"page"},
     {"studies"},
@@ -25,8 +25,8 @@ FLOORS = (
     {"running"},
     {"judging"},
 )
-# Two commands are entry points of `python -m cases` with the same words.
-NEIGHBOURS = {("export", "show")}
+# Commands that name one case with the same words.
+NEIGHBOURS = {("export", "show"), ("animate", "show")}
 
 
 def imported(file: Path) -> set[str]:

@@ -1,9 +1,12 @@
-"""Figures as files: small SVG whose text stays text, signed with the command that makes them again."""
+"""Figures as files: small SVG whose text stays text, signed with the command that makes them again; PDF for print."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from html import escape
 from io import StringIO
@@ -16,6 +19,8 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 
+# Whether figures are also written as PDF: asked once by a command, and meant for all that it draws.
+_PRINTED = ContextVar("printed", default=False)
 # Whoever lacks Matplotlib's own typeface sees one as wide.
 _TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
 
@@ -36,13 +41,30 @@ def file_name(label: str) -> str:
     return "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
 
 
+@contextmanager
+def for_print(wanted: bool = True) -> Iterator[None]:
+    """Inside, if it is wanted, figures are also written as PDF."""
+    before = _PRINTED.set(wanted)
+    try:
+        yield
+    finally:
+        _PRINTED.reset(before)
+
+
+def printed() -> bool:
+    """Whether figures are also written as PDF here; who draws in another process hands it over."""
+    return _PRINTED.get()
+
+
 def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
-    """Write NAME.svg into the folder (and NAME.png) and forget the figure."""
+    """Write NAME.svg into the folder (and NAME.png; NAME.pdf, `for_print`) and forget the figure."""
     text = StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
     (folder / f"{name}.svg").write_text(minify(text.getvalue()), encoding="utf-8")
     if png:
         figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
+    if printed():
+        figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches="tight")
     plt.close(figure)
     return Drawn(name, case, title, caption)
 

@@ -1,58 +1,43 @@
-"""How figures look: colours by solver, dashes by route.
+"""How figures look beside `cases.pictures.style`: a colour for each solver, dashes and a marker for each route.
 
-Colour tells the solver (Okabe and Ito's palette, safe for the colour-blind), dashes and markers the route, the same in
-every figure of a report.
+They are the same in every figure of every report.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import cycle
 from typing import Any
 
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-import adapters
+from cases.pictures.style import FAINT, STYLE
 
-from ..running.records import REFERENCE, Experiment
+from ..running.records import Experiment
+from .colours import TRUTH as _TRUTH
+from .colours import colours
 
-# Okabe & Ito, "Color Universal Design" (2008), without the yellow, which is pale on white.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
-TRUTH, FAINT = "#000000", "#8a8a8a"
-_REFERENCE = "#4d4d4d"
+__all__ = ["FAINT", "POINTS", "STYLE", "TRUTH", "Looks", "logarithmic", "looks_of", "ordinal"]
+
+TRUTH = _TRUTH.light
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
 _MARKERS = ("o", "s", "^", "D")
 # Points along a line: more than a panel of some 270 points' width needs, so that the page stays light.
-POINTS = 200
+POINTS = 150
 # Marks on a logarithmic axis.
 _MARKS = 6
-STYLE: Any = {
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "axes.labelsize": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#e6e6e6",
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.4,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "savefig.facecolor": "white",
-    "svg.hashsalt": "slip-to-roll",  # equal data give equal files
-    "svg.fonttype": "none",  # text as text: glyphs as outlines are most of a file
-    "path.simplify": True,
-    "path.simplify_threshold": 0.2,  # of a point: less than a line's width by far
-}
+
+
+def ordinal(count: int) -> list[str]:
+    """Colours for so many things that are no solvers and have an order, such as coefficients of friction."""
+    # The yellow end is pale on white.
+    return [to_hex(colormaps["cividis"](0.85 * i / max(count - 1, 1))) for i in range(count)]
 
 
 class Looks:
-    """Colour by solver, dashes and marker by route: the same in every figure, whichever solvers took part.
-
-    Engines have their colours in alphabetical order, what else took part has the colours after theirs.
-    """
+    """Colour by solver, dashes and marker by route: the same in every figure, whichever solvers took part."""
 
     def __init__(self, routes: Iterable[tuple[str, str]]):
         """`routes`: who takes part, as solver and route, each solver's routes in its own order."""
@@ -61,13 +46,11 @@ class Looks:
             known = self._routes.setdefault(solver, [])
             if route and route not in known:
                 known.append(route)
-        engines = adapters.engines()
-        others = sorted(self._routes.keys() - {REFERENCE, *engines})
-        self._colours = dict(zip((*engines, *others), cycle(PALETTE), strict=False)) | {REFERENCE: _REFERENCE}
+        self._colours = colours(self._routes)
 
     def colour(self, solver: str) -> str:
         """The solver's colour."""
-        return self._colours[solver]
+        return self._colours[solver].light
 
     def line(self, solver: str, route: str) -> dict[str, Any]:
         """Colour and dashes, as keywords of `plot`."""

@@ -62,7 +62,9 @@ def read_table(path: str | Path) -> pd.DataFrame:
     table = table[[name for name in (*NEEDED, *OPTIONAL) if name in table]]
     for name in table:
         numbers = pd.to_numeric(table[name], errors="coerce")
-        bad = np.flatnonzero(~np.isfinite(numbers))
+        # In flight there is no slip: an empty cell, as `Trajectory.to_csv` writes it.
+        empty = table[name].isna() if name == "slip" else False
+        bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
         if len(bad):
             raise BadValue(f"{name} in line {bad[0] + 2} of {path.name} is not a finite number")
         table = table.assign(**{str(name): numbers.astype(float)})
@@ -127,7 +129,8 @@ def trajectory_of(case: Case, table: pd.DataFrame) -> Trajectory:
             "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "
             "give it so, in m/s, or leave it out"
         )
-    columns["slip"] = np.where(np.isnan(xi1), slip, columns["slip"])
+    untold = np.isnan(xi1) | np.isnan(columns["slip"])
+    columns["slip"] = np.where(untold, slip, columns["slip"])
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
     return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)

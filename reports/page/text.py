@@ -37,9 +37,11 @@ def error_text(row: Mapping[str, Any], column: str) -> str:
     return (f"{value:+.1e}" if abs(value) > bar else f"< {bar:.1e}") + doubt
 
 
-def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str) -> list[Path]:
+def write(
+    tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str, paper: bool = False
+) -> list[Path]:
     """Each table as NAME.csv (all digits) and NAME.md (for reading: with the words for its columns and the command that
-    makes it again); returns the files."""
+    makes it again), for a paper also as NAME.tex; returns the files."""
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name, frame in tables.items():
@@ -48,6 +50,9 @@ def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{markdown(frame)}\n" + (f"\n{meanings}" if meanings else "") + f"\nMake it again: `{command}`\n"
         files[-1].write_text(text, encoding="utf-8")
+        if paper:
+            files.append(folder / f"{name}.tex")
+            files[-1].write_text(f"% {words[name].holds}. Make it again: {command}\n{latex(frame)}\n", encoding="utf-8")
     return files
 
 
@@ -60,6 +65,15 @@ def markdown(frame: pd.DataFrame) -> str:
     columns = [str(column) for column in frame.columns]
     rows = [[shorten(row[c], c).replace("|", "\\|") for c in columns] for row in frame.to_dict("records")]
     return tabulate(rows, headers=columns, tablefmt="pipe", disable_numparse=True)
+
+
+def latex(frame: pd.DataFrame) -> str:
+    """The table as a LaTeX `longtable`, numbers shortened for reading."""
+    from tabulate import tabulate
+
+    columns = [str(column) for column in frame.columns]
+    rows = [[shorten(row[c], c) for c in columns] for row in frame.to_dict("records")]
+    return tabulate(rows, headers=columns, tablefmt="latex_longtable", disable_numparse=True)
 
 
 def plain(frame: pd.DataFrame) -> str:
