@@ -98,7 +98,7 @@ def _build(plan: Plan) -> int:
     from .page import folder
     from .running import experiment, external
     from .running.calls import Calls
-    from .running.progress import bar
+    from .running.progress import Display, usual
     from .running.store import Store
 
     store = Store(plan.store, plan.fresh)
@@ -106,7 +106,8 @@ def _build(plan: Plan) -> int:
     if store.problem():
         _say(f"store: {store.problem()}")
     try:
-        with Calls(plan.jobs, plan.limit, store, bar) as calls:
+        shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
+        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
@@ -118,7 +119,7 @@ def _build(plan: Plan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, store))
+    print(_summary(plan, shown, studied, store))
     idle = _run_by_nobody(shown) if plan.named else []
     for sentence in idle:
         _say(f"{COMMAND}: {sentence}")
@@ -146,11 +147,16 @@ def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     return Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
 
 
+def _studies_wanted(plan: Plan) -> bool:
+    """A quick report has none, nor one where cases were named, unless it is a full one."""
+    return plan.effort == "full" or (plan.effort == "default" and not plan.named)
+
+
 def _studied(plan: Plan, calls: Calls) -> list[Result]:
-    """All studies of a report: none in a quick one, nor where cases were named, unless it is a full one."""
+    """All studies of a report."""
     from . import studies
 
-    if plan.effort == "quick" or (plan.named and plan.effort != "full"):
+    if not _studies_wanted(plan):
         return []
     full = plan.effort == "full"
     results = []
@@ -232,31 +238,25 @@ def _options(plan: Plan) -> str:
     return " ".join(words)
 
 
-def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
-    from tabulate import tabulate
+def _summary(plan: Plan, shown: Experiment, studied: Sequence[Result], store: Store) -> str:
+    """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
+    import pandas as pd
 
-    from .analysis import tables
-    from .page.text import error_text
+    from .analysis import answers, tables
+    from .page import text
 
-    lines = [f"report: {plan.out / 'index.html'} ({shown.seconds:.0f} s of runs)", ""]
+    frames = {name: frame for result in studied for name, frame in result.frames.items()}
+    lines = [text.plain(pd.DataFrame(answers.rows(shown, frames))), ""]
+    lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
     counts = tables.outcome_counts(shown)
-    rows = [[name, *(count[o] for o in tables.OUTCOMES)] for name, count in counts.items()]
-    lines += [tabulate(rows, headers=["solver", *tables.OUTCOMES], tablefmt="plain"), ""]
-    rows = [
-        [
-            row["case"],
-            row["solver"],
-            row["route"],
-            *(error_text(row, f"{which}_error") for which in ("default", "finest")),
-        ]
-        for row in tables.headline_rows(shown)
-    ]
-    headers = ["first transition", "solver", "route", "as it comes / s", "finest / s"]
-    lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
+    total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
+    told = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
+    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {told}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
-    lines += ["", f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
+    lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
+    lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
-    return "\n".join(lines)
+    return "\n".join([*lines, str(plan.out / "index.html")])
 
 
 if __name__ == "__main__":

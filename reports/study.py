@@ -52,12 +52,12 @@ def _make(
     from .page import folder, text
     from .page.manifest import manifest
     from .running.calls import Calls
-    from .running.progress import bar
+    from .running.progress import Display
     from .running.store import Store
 
     store = Store(store_folder, fresh)
     try:
-        with Calls(jobs, store=store, progress=bar) as calls:
+        with Display() as display, Calls(jobs, store=store, progress=display) as calls:
             calls.ask_versions(request.solvers)
             result = studies.run(name, request, calls, command)
     except KeyboardInterrupt:
