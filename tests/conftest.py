@@ -122,8 +122,8 @@ def pytest_terminal_summary(terminalreporter, config):
         _write_table(terminalreporter, ("claim", "checks", "margin", "error", "tolerance", "where it is worst"), told)
     broken = sum(not abs(row[5]) <= row[6] for row in rows)
     least, (margin, _, row) = min(worst.items(), key=lambda item: item[1][0])
-    verdict = f"{broken} of {len(rows)} checks fail" if broken else f"all {len(rows)} checks hold"
-    closest = f"the closest is within its tolerance {_times(margin)}" if not broken else f"worst: {row[4]} of {row[1]}"
+    verdict = f"{broken} of {len(rows)} checks fail" if broken else f"all {len(rows)} checks are within their tolerance"
+    closest = f"the closest by {_times(margin)}" if not broken else f"worst: {row[4]} of {row[1]}"
     terminalreporter.write_line(f"verdict: {verdict}, of {len(worst)} claims; {closest} ({least})")
 
 
