@@ -85,7 +85,7 @@ class Case:
         return f"{self.name}[{inside}]" if inside else self.name
 
     def __repr__(self) -> str:
-        acting, start = self.said_effects, self.said_start
+        acting, start = self.effects_text, self.start_text
         return f"<Case {self.label}: {self.plate} on {self.track}; {acting}; {start}; {self.duration:g} s>"
 
     def _repr_html_(self) -> str:
@@ -94,12 +94,12 @@ class Case:
         return html.of_case(self)
 
     @property
-    def said_effects(self) -> str:
+    def effects_text(self) -> str:
         """The effects in a line: what of them is not as usual."""
         return ", ".join(map(_said, self.effects))
 
     @property
-    def said_start(self) -> str:
+    def start_text(self) -> str:
         """The start in a line: what of it is not as usual."""
         return _said(self.start)
 

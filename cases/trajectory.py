@@ -212,13 +212,14 @@ class Trajectory:
         return ", then ".join([*phases, f"{does} to the end of {end:.3g} s"])
 
     def times(self, count: int | None = None) -> np.ndarray:
-        """Times to look at, s, growing: `count` even ones and the transitions'. Without a count, as many as a picture
-        needs of a motion that is known at every time, else the samples' own."""
-        if count is None and self.dense is None:
+        """Times to look at, s, growing: `count` even ones. Without a count, as many as a picture needs of a motion that
+        is known at every time, its transitions' among them; else the samples' own."""
+        if count is not None:
+            return np.linspace(self.t[0], self.t[-1], count)
+        if self.dense is None:
             return np.unique(self.t)
-        even = np.linspace(self.t[0], self.t[-1], EVEN_TIMES if count is None else count)
         inside = [t.time for t in self.transitions if self.t[0] <= t.time <= self.t[-1]]
-        return np.union1d(even, inside)
+        return np.union1d(np.linspace(self.t[0], self.t[-1], EVEN_TIMES), inside)
 
     def to_frame(self, count: int | None = None) -> pd.DataFrame:
         """The motion at `times(count)` as a table: t and the columns of State, in SI units."""

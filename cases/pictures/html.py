@@ -24,8 +24,8 @@ def of_case(case: Any) -> str:
     facts = {
         "plate": repr(case.plate),
         "track": repr(case.track),
-        "effects": case.said_effects,
-        "start": case.said_start,
+        "effects": case.effects_text,
+        "start": case.start_text,
         "duration": f"{case.duration:g} s",
     }
     return _beside(_scene(case.scene, at), f"<b>{escape(case.label)}</b>{table(facts.items())}")
@@ -55,7 +55,9 @@ def table(rows: Any) -> str:
 
 
 def _beside(picture: str, words: str) -> str:
-    return f'<div style="display:flex;gap:1.5em;align-items:flex-start">{picture}<div>{words}</div></div>'
+    return (
+        f'<div style="display:flex;flex-wrap:wrap;gap:1.5em;align-items:flex-start">{picture}<div>{words}</div></div>'
+    )
 
 
 def _scene(scene: Scene, *poses: Instant, path: np.ndarray | None = None, xi1: np.ndarray | None = None) -> str:
