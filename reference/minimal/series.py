@@ -57,15 +57,14 @@ class Series:
             b, c = float(other), [a * float(other) for a in self.c]
             return Series(c, [abs(b) * bound + 2 * EPS * abs(s) for bound, s in zip(self.e, c, strict=True)])
         c, e = [], []
-        left = [(a, abs(a), bound) for a, bound in zip(self.c, self.e, strict=True)]
-        # From the back, so that each sum runs over two stretches side by side.
-        right = [(b, bound, abs(b) + bound) for b, bound in zip(other.c, other.e, strict=True)][::-1]
+        left = [(a, abs(a), error) for a, error in zip(self.c, self.e, strict=True)]
+        # From the back, so that each sum runs over two stretches side by side; with what |a| and a's error bring.
+        right = [(b, error + 2 * EPS * abs(b), abs(b) + error) for b, error in zip(other.c, other.e, strict=True)][::-1]
         for k in range(len(left), 0, -1):
             value = bound = 0.0
             for (a, size, error), (b, off, most) in zip(left, right[k - 1 :], strict=False):
-                product = a * b
-                value += product
-                bound += size * off + most * error + 2 * EPS * abs(product)
+                value += a * b
+                bound += size * off + most * error
             c.append(value)
             e.append(bound)
         return Series(c, e)
