@@ -59,19 +59,19 @@ class Named(Mapping[str, sp.Expr]):
     """Expressions by name. Their names are known at once; the expressions are derived when one is asked for."""
 
     def __init__(self, names: Sequence[str], derived: Callable[[], Mapping[str, sp.Expr]]):
-        self._names, self._derived = tuple(names), derived
+        self.names, self._derived = tuple(names), derived
 
     def __getitem__(self, name: str) -> sp.Expr:
         return self._derived()[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._names  # Mapping's own would derive
+        return name in self.names  # Mapping's own would derive
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
+        return iter(self.names)
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(self.names)
 
 
 class System:
