@@ -8,7 +8,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import chain, islice
 from math import exp, inf, isfinite, ulp
 from pathlib import Path
@@ -140,12 +140,14 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     if ended is None:
         return _one_by_one(integrator, phase, t, y, end, float, tolerance)
     event, steps = ended
+    # No closure: of 10⁵ phases its cells would be a third of all that the garbage collector walks through.
+    return Segment(phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time))
 
-    def record():
-        again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
-        return np.append(again.times[:-1], event.time), again.states
 
-    return Segment(phase, t, event, steps, steps, record)
+def _again(integrator, phase: Phase, t: float, y, end: float, tolerance: float, ended: float):
+    """Times and dense output of a phase that the compiled loop carried to its end."""
+    again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
+    return np.append(again.times[:-1], ended), again.states
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
