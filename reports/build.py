@@ -68,8 +68,7 @@ def report(
 
 
 def listing(files: Sequence[str]) -> str:
-    """Cases with variants and summaries, solvers with routes."""
-    from .running.calls import Calls
+    """Cases with variants and summaries, solvers with routes. Imports no engine."""
     from .running.solvers import routes
 
     options.load_files(files)
@@ -81,10 +80,11 @@ def listing(files: Sequence[str]) -> str:
         except CaseError as problem:
             lines.append(f"    cannot be made: {problem}")
     lines.append("solvers")
-    names = options.solvers()
-    with Calls() as calls:
-        for name, answer in zip(names, calls.all("routes", routes, [(name,) for name in names]), strict=True):
-            lines.append(f"  {name}: {', '.join(answer.value) if answer.outcome == 'done' else answer.reason}")
+    for name in options.solvers():
+        try:
+            lines.append(f"  {name}: {', '.join(routes(name)) or 'says its routes when it is run'}")
+        except (ImportError, LookupError, SyntaxError) as problem:
+            lines.append(f"  {name}: not installed ({problem})")
     return "\n".join(lines)
 
 

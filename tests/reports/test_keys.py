@@ -8,7 +8,7 @@ import pytest
 import cases
 from adapters import Setting
 from cases import Mode, Transition
-from reports.running import experiment, fingerprint, tasks
+from reports.running import code, experiment, fingerprint, tasks
 from reports.running.calls import Calls
 from reports.running.records import Truth
 
@@ -117,13 +117,13 @@ def test_where_a_version_is_not_known_nothing_is_kept():
 
 
 def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engine():
-    ours = fingerprint._reached("adapters.pymunk", ()).keys()
+    ours = code.reached("adapters.pymunk", ()).keys()
     assert {"adapters.pymunk", "adapters.pymunk.native", "adapters.interface", "cases.contact"} <= ours
     assert not any("exudyn" in name or name.startswith("reference") for name in ours)
-    judge = fingerprint._reached("reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)).keys()
+    judge = code.reached("reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)).keys()
     assert {"reports.running.tasks", "reports.judging.slip_phases", "cases.trajectory"} <= judge
     assert not any(name.startswith("reference") for name in judge)
-    truth = fingerprint._reached("reports.running.tasks", ()).keys()
+    truth = code.reached("reports.running.tasks", ()).keys()
     assert {"reference.solve", "reference.certification.certificate", "reference.minimal.eliminated"} <= truth
 
 
@@ -134,11 +134,11 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     (package / "__init__.py").write_text("raise RuntimeError('asking must not wake it')\n")
     (package / "adapter.py").write_text("from ._knobs import h\n")
     (package / "_knobs.py").write_text("h = 0.1\n")
-    point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", fingerprint.GROUP)
-    monkeypatch.setattr(fingerprint, "entry_points", lambda group: [point])
+    point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", code.GROUP)
+    monkeypatch.setattr(code, "entry_points", lambda group: [point])
 
     def told() -> str:
-        for cached in (fingerprint.adapter_sources, fingerprint._code, fingerprint._tree, fingerprint._imported):
+        for cached in (fingerprint.adapter_sources, code.of, code.tree_of, code.imported):
             cached.cache_clear()
         return fingerprint.adapter_sources("an_engine_of_tests")
 
