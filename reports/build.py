@@ -181,8 +181,7 @@ def _write(
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
     from .analysis import tables, work_precision
-    from .drawing import figures
-    from .drawing import work_precision as precision_figures
+    from .drawing import of_cases
     from .drawing.files import embed_command
     from .page import folder, html, text
     from .page.manifest import manifest
@@ -208,7 +207,11 @@ def _write(
         text.write(result.frames, result.words, place / "tables", result.command)
         frames, words = frames | result.frames, words | result.words
     pictures = place / "figures"
-    drawn = [*figures.draw(shown, pictures, calls), *precision_figures.draw(ran, measured, pictures)]
+    drawn = list(of_cases.draw(shown, pictures, calls))
+    if measured.cases:
+        from .drawing import work_precision as precision_figures
+
+        drawn += precision_figures.draw(ran, measured, pictures)
     for figure in drawn:
         embed_command(pictures, figure, html.command_of(figure.case, told))
     of_studies = {result.name: result.draw(pictures) for result in studied}
