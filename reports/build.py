@@ -181,9 +181,8 @@ def _write(
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
     from .analysis import tables, work_precision
-    from .drawing import of_cases
     from .drawing.files import embed_command
-    from .page import folder, html, text
+    from .page import folder, html, pictures, text
     from .page.manifest import manifest
     from .running import external
 
@@ -206,19 +205,14 @@ def _write(
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command)
         frames, words = frames | result.frames, words | result.words
-    pictures = place / "figures"
-    drawn = list(of_cases.draw(shown, pictures, calls))
-    if measured.cases:
-        from .drawing import work_precision as precision_figures
-
-        drawn += precision_figures.draw(ran, measured, pictures)
+    figures = place / "figures"
+    drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
     for figure in drawn:
-        embed_command(pictures, figure, html.command_of(figure.case, told))
-    of_studies = {result.name: result.draw(pictures) for result in studied}
+        embed_command(figures, figure, html.command_of(figure.case, told))
     for result in studied:
         for figure in of_studies[result.name]:
-            embed_command(pictures, figure, result.command)
-    page = html.render(shown, measured, frames, words, drawn, studied, of_studies, pictures, told)
+            embed_command(figures, figure, result.command)
+    page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
     (place / "index.html").write_text(page, encoding="utf-8")
     folder.sign(place, told)
 

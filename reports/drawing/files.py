@@ -45,8 +45,17 @@ class Picture:
     svg: str
     png: np.ndarray
 
+    @classmethod
+    def read(cls, drawn: Drawn, folder: Path) -> Picture:
+        """What was written into the folder; nothing of a figure that failed."""
+        svg, png = (folder / f"{drawn.name}.{kind}" for kind in ("svg", "png"))
+        dots = np.frombuffer(png.read_bytes() if drawn.name and png.exists() else b"", dtype=np.uint8)
+        return cls(drawn, svg.read_text(encoding="utf-8") if drawn.name else "", dots)
+
     def write(self, folder: Path) -> Drawn:
-        """Write NAME.svg into the folder (and NAME.png)."""
+        """Write NAME.svg into the folder (and NAME.png); nothing of a figure that failed."""
+        if not self.drawn.name:
+            return self.drawn
         (folder / f"{self.drawn.name}.svg").write_text(self.svg, encoding="utf-8")
         if len(self.png):
             (folder / f"{self.drawn.name}.png").write_bytes(self.png.tobytes())
