@@ -228,7 +228,7 @@ def test_what_a_killed_build_left_is_removed_and_what_another_writes_now_is_not(
     assert not old.exists() and young.exists()
 
 
-def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):
+def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report, tmp_path, capsys):
     import shutil
 
     out = tmp_path / "report"
@@ -237,6 +237,11 @@ def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):
     assert build.main(argv) == 0
     assert "disc_on_line" not in (out / "tables" / "truth.csv").read_text()
     assert [p.name for p in tmp_path.iterdir()] == ["report"]
+    before = {p.name: p.read_bytes() for p in (out / "figures").iterdir()}
+    capsys.readouterr()
+    assert build.main(argv) == 0
+    assert "store: 1 figure and " in (told := capsys.readouterr().out) and "nothing made now" in told
+    assert {p.name: p.read_bytes() for p in (out / "figures").iterdir()} == before
 
 
 # --- engines that fail ------------------------------------------------------------------------------------------------
