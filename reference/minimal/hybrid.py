@@ -50,8 +50,8 @@ LOCATED = 1e-12
 # far from a bound counts as being at it then: a thousand times the location's error.
 IDLE, ROUGH = 4, 1e-9
 
-# A rebound that rises by no more roundings of positions than this is none: bouncing is over, also where its limit could
-# not be extrapolated (each impact ends otherwise than the one before).
+# A rebound that rises by no more roundings of positions than this is none: bouncing is over. Its limit is extrapolated
+# from the rebounds before it; where it could not be (each impact ends otherwise than the one before), it is here.
 DROWNS = 4
 
 Ending = tuple[str, str]  # status and sentence
@@ -350,14 +350,17 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     since = segments[0].start
     # What opens and has not flown does not get off its track.
     none = landing.time == since and landing.touch.lift >= 0.0
-    if none or after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
+    if none or after.lift <= 0.0:
         cause = "rest" if after.lift > 0.0 else "landing"
         return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), cause)
-    listed = bounces.add(since, landing, after, pull)
+    drowns = _drowns(case, after.lift, pull, place)
+    listed = bounces.add(since, landing, after, pull) and not drowns
     limit = None if listed else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
         settled = (*flown, bounces.settling(last.phase, limit))
         return _rest(case, settled, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest")
+    if drowns:
+        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "rest")
     aloft = in_flight(case, y, after.slip, after.omega, after.lift)
     return Step(flown, landing.time, place, "landing", aloft, FLIGHT, listed=listed)
 

@@ -7,6 +7,7 @@ size; much later the smallest difference of two computations has grown to the si
 from __future__ import annotations
 
 from dataclasses import replace
+from math import cos
 
 import pytest
 from hypothesis import given, settings
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, PerfectlyRough, Start, Unilateral, disc
 from cases.library import line
-from reference import contact_frame
+from reference import METHODS, contact_frame
 from tests.reference.test_random_effects import UNHURRIED
 from tests.reference.test_two_formulations import ill_conditioned, sequence
 from tests.scenes.elliptic import ellipse_in_ellipse, numbers
@@ -92,6 +93,19 @@ slopes = st.builds(on_a_slope, numbers(0.0, 1.2), slip=numbers(-2.0, 2.0), omega
 @given(slopes.filter(lambda case: case.duration <= 3.0))
 def test_both_formulations_begin_alike_on_a_slope(case):
     check(case)
+
+
+def test_a_leap_so_low_that_its_rebounds_drown_in_rounding_rests_at_its_limit():
+    """1e-5 m/s up a slope: the ninth rebound rises by less than a position's rounding, with 20 ns of bouncing to go.
+
+    Rebounds of e = 0.536 from a lift u under g cos α last 2u/(g cos α (1 - e)) in all.
+    """
+    slope, e, lift = 0.5717851550215713, 0.5360387281788312, 1e-5
+    case = on_a_slope(slope, (), e, "newton", 0.0, lift, 0.0, 0.0, 1.0)
+    rest = 2 * lift / (9.81 * cos(slope) * (1 - e))
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), contact_frame.solve(case)):
+        assert answer.transitions[-1].time == pytest.approx(rest, rel=1e-12)
+        assert len(answer.transitions) == 9
 
 
 @pytest.mark.slow

@@ -308,8 +308,9 @@ def check_random(seed: int) -> None:
         assert [t.time for t in second.transitions] == pytest.approx(times, abs=1e-7), seed
 
 
-# Bumps and pulses, whose equations the tests above derive; 5 is a pulse of 4 ms a second ahead.
-@pytest.mark.parametrize("seed", [4, 5, 8, 10, 11])
+# Bumps and pulses, whose equations the tests above derive; 5 is a pulse of 4 ms a second ahead, in 414 a pulse of 25 ms
+# makes a slip of 4 ms.
+@pytest.mark.parametrize("seed", [4, 5, 8, 10, 11, 414])
 def test_random_narrow_features_a_few(seed):
     check_random(seed)
 
