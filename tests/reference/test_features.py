@@ -109,7 +109,9 @@ def test_a_pulse_of_a_load_is_felt(width):
             motion = reference.simulate(case, rtol=rtol, method=method)
             assert float(motion.vx[-1]) == pytest.approx(0.5 * sqrt(pi), abs=error), (method, rtol)
     second = contact_frame.solve(case, rtol=1e-12, times=[3.0])
-    assert float(second.motions[3, -1]) == pytest.approx(0.5 * sqrt(pi), abs=1e-11)
+    # Times around 1.3 are known to a rounding, and the force goes up to 0.5/w and down again.
+    known = 2 * 0.5 / width * np.spacing(1.3)
+    assert float(second.motions[3, -1]) == pytest.approx(0.5 * sqrt(pi), abs=1e-11 + known)
 
 
 @pytest.mark.parametrize("method", METHODS)
