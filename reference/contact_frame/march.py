@@ -63,8 +63,8 @@ SHORT = 1 / 32
 SETTLED = 1e-13
 SHORTEST = 1e-7
 
-# A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: bouncing
-# is over, at its limit or, of which none was found (each ends otherwise than the one before), at once.
+# A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: the end
+# of bouncing, at its limit or, where none was found (each ends otherwise than the one before), at once.
 OVER = 2.0**-50
 
 # A gap this far below zero (in plate's sizes) at the end of a hop is one in another place: far above rounding.
