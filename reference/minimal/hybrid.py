@@ -341,15 +341,15 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     flown, place = tuple(segments), (landing.xi1, landing.xi2)
     if case.effect(Impact) is None:
         return Step(flown, landing.time, place, "landing", ending=LANDED)
-    law = law_of(case, landing.arm_t, landing.arm_n)
-    after = collide(law, landing.touch)
-    if not law.poisson and energy(law, after) > (1.0 + 1e-12) * energy(law, landing.touch):  # more than by rounding
+    law, since = law_of(case, landing.arm_t, landing.arm_n), segments[0].start
+    # What opens and has not flown does not get off its track: it comes down as fast as it rose, and stays.
+    none = landing.time == since and landing.touch.lift >= 0.0
+    touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
+    after = collide(law, touch)
+    if not law.poisson and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
         return Step(flown, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
-    since = segments[0].start
-    # What opens and has not flown does not get off its track.
-    none = landing.time == since and landing.touch.lift >= 0.0
     if none or after.lift <= 0.0:
         cause = "rest" if after.lift > 0.0 else "landing"
         return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), cause)

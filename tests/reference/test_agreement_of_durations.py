@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
-from cases import Case, CoulombFriction, Flight, Gravity, Impact, PerfectlyRough, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Mode, PerfectlyRough, Start, Unilateral, disc
 from cases.library import line
 from reference import METHODS, contact_frame
 from tests.reference.test_random_effects import UNHURRIED
@@ -106,6 +106,17 @@ def test_a_leap_so_low_that_its_rebounds_drown_in_rounding_rests_at_its_limit():
     for answer in (*(reference.simulate(case, method=m) for m in METHODS), contact_frame.solve(case)):
         assert answer.transitions[-1].time == pytest.approx(rest, rel=1e-12)
         assert len(answer.transitions) == 9
+
+
+@pytest.mark.parametrize("lift", [1e-245, 1e-20])
+def test_a_leap_of_nothing_on_a_rough_track_ends_in_rolling(lift):
+    """It comes down before double precision sees it rise; the impact takes the slip: a disc keeps a third of its spin
+    and two thirds of its speed (from angular momentum about the contact)."""
+    case = on_a_slope(1e-6, (PerfectlyRough(),), 0.0343, "poisson", 0.0, lift, 0.3, -1e-230, 1.0)
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), contact_frame.solve(case, times=[1e-9])):
+        assert (answer.status, [t.after for t in answer.transitions]) == ("completed", [Mode.ROLL])
+    motion = reference.simulate(case)
+    assert float(motion(1e-9).vx) == pytest.approx(0.2, rel=1e-7)
 
 
 @pytest.mark.slow
