@@ -7,7 +7,7 @@ size; much later the smallest difference of two computations has grown to the si
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos
+from math import cos, pi
 
 import pytest
 from hypothesis import given, settings
@@ -106,6 +106,18 @@ def test_a_leap_so_low_that_its_rebounds_drown_in_rounding_rests_at_its_limit():
     for answer in (*(reference.simulate(case, method=m) for m in METHODS), contact_frame.solve(case)):
         assert answer.transitions[-1].time == pytest.approx(rest, rel=1e-12)
         assert len(answer.transitions) == 9
+
+
+@pytest.mark.parametrize("closing", [1.0, 0.05, 1e-6])
+def test_a_start_that_closes_is_an_impact_though_the_plate_is_pulled_off(closing):
+    """Under a ceiling: without the impact the gap would open again after 2u/g, a few milliseconds."""
+    case = Case(
+        line(0.0), disc(0.1, 1.0), (Gravity(9.81, pi / 2), Unilateral(), Flight(), Impact(0.5)),
+        Start(0.0, gap=0.0, gap_rate=-closing), 0.5,
+    )  # fmt: skip
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), contact_frame.solve(case)):
+        assert [(t.time, t.after) for t in answer.transitions] == [(0.0, Mode.FLIGHT)]
+    assert float(reference.simulate(case)(0.5).vy) == pytest.approx(0.5 * closing + 9.81 * 0.5, rel=1e-14)
 
 
 @pytest.mark.parametrize("lift", [1e-245, 1e-20])
