@@ -16,7 +16,7 @@ from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
 from .integrators.segment import BREAKDOWN, Segment
-from .landing import Landing, first_landing
+from .landing import Landing, first_landing, start_impact
 from .modes import (
     FLIGHT,
     SLIP_SIGN,
@@ -129,7 +129,8 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, ACCUMULATION
         try:
             if regime == FLIGHT:
-                step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
+                fly = _flown if segments or not _closes(case) else _thrown
+                step = _after_flight(case, *fly(case, now, t, y, near, rtol, integrate), bounces)
             else:
                 step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
             idle = idle + 1 if step.time == t else 0
@@ -320,6 +321,17 @@ def _flown(
         if landing or segment.event.guard or segment.event.time >= case.duration:
             return segments, landing
         t, y, lasts = segment.event.time, segment.event.state, 2.0 * lasts
+
+
+def _closes(case: Case) -> bool:
+    """Whether a case begins with an impact."""
+    return case.start.gap == 0.0 and case.start.gap_rate < 0.0
+
+
+def _thrown(case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate) -> tuple[list[Segment], Landing]:
+    """The flight of no length before the impact that a case begins with, and that."""
+    segment = integrate(now, t, y, 1e3 * np.spacing(t), rtol)
+    return [segment.until(t, 0)], start_impact(case, segment)
 
 
 def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:

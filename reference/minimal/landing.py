@@ -31,9 +31,6 @@ CLOSE = 1 / 16
 # Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
 # Sooner than this part of the step, positions do not resolve it: there is no flight.
 SOONEST = 1e-9
-# A flight that begins on the track with a gap that closes faster than this part of the plate's speeds is an impact at
-# once, even where what pulls the plate off opens the gap again before a first look. (A rate is known to 1e-15 of them.)
-CLOSES = 1e-12
 # A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of the plate's speeds.
 EVEN = 1e-14
 # Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
@@ -68,6 +65,14 @@ class _Look(NamedTuple):
         return self.contact.gap if self.contact else np.inf
 
 
+def start_impact(case: Case, segment: Segment) -> Landing:
+    """The impact that a start with a gap that closes is, also where the plate is pulled off its track; its velocities
+    are the start's own, without rounding."""
+    start, first = case.start, _look(case, segment, 0.0)
+    landing = _landing(case, segment, first, start.xi1)
+    return landing._replace(touch=Touch(start.slip, start.gap_rate, start.omega))
+
+
 def first_landing(case: Case, segment: Segment, near: float, under_way: bool = False) -> Landing | None:
     """The first landing of a flight's segment; None if it flies on.
 
@@ -81,8 +86,6 @@ def first_landing(case: Case, segment: Segment, near: float, under_way: bool = F
         return _landing(case, segment, before, near)  # by a rounding
     leaves = not under_way and before.gap <= 1e-12 * size  # on the track, to the rounding of positions
     if before.contact and leaves:
-        if before.rate < -CLOSES * before.speed:
-            return _landing(case, segment, before, near)
         first = _first_look(case, segment, before, size)
         if first is None:
             return _landing(case, segment, before, near)
