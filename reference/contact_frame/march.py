@@ -197,9 +197,12 @@ class _March:
         z = [begin.xi1, begin.xi2, omega, slip]
         if self.case.start.in_contact:
             return self._touching(z, 0) or self._without_mode(z, 0)
-        if self.case.start.gap == 0.0 and self.case.start.gap_rate < 0.0:
-            return self._landing(Landing(z, 0, self.case.start.gap_rate))
-        return self._leaps(z, 0, self.case.start.gap_rate) if self.case.start.gap == 0.0 else Flying(body)
+        if self.case.start.gap > 0.0:
+            return Flying(body)
+        lift = self.case.start.gap_rate
+        if lift < 0.0 or self._drowns(z, 0, lift):  # what rises by less than a rounding comes down at once, as fast
+            return self._landing(Landing(z, 0, -abs(lift)))
+        return self._leaps(z, 0, lift)
 
     # --- in contact -------------------------------------------------------------------------------------------------
 
