@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, pi, sqrt
+from math import hypot, inf, pi, sqrt
 
 import numpy as np
 
@@ -28,9 +28,9 @@ SHORT = 1 / 32
 SETTLED = 1e-13
 SHORTEST = 1e-7
 
-# A rebound that rises by no more than this part of the plate's size, a position's rounding, is none: bouncing of which
-# no limit was found (each ends otherwise than the one before) is then over.
-OVER = 2.0**-52
+# A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: the end
+# of bouncing, at its limit or, where none was found (each ends otherwise than the one before), at once.
+OVER = 2.0**-50
 
 # A gap this far below zero (in plate's sizes) at the end of a hop is one in another place: far above rounding.
 ELSEWHERE = 1e-9
@@ -95,7 +95,7 @@ def land(course: Course, landing: Landing) -> Touching | Flying | Stopped:
     if result.lift == 0.0:
         return _settle(course, z, turns)
     course.bounces.append(Bounce(course.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
-    listed = result.lift >= LISTED * course.fastest
+    listed = result.lift >= LISTED * course.fastest and not drowns(course, z, turns, result.lift)
     limit = None if listed else _accumulation(course, turns)
     if limit is not None:
         course.t = limit.time
@@ -111,11 +111,17 @@ def _press(course: Course, z, turns: int) -> float:
     return course.scene.forces(course.t, z, Phase(None, None), turns).push
 
 
+def drowns(course: Course, z, turns: int, lift: float) -> bool:
+    """Whether a rebound of that speed (m/s) rises no higher than a position's rounding."""
+    q, (x, y) = course.scene.place(z[0], z[1]), course.scene.body(z, turns)[:2]
+    return lift**2 <= 2.0 * _press(course, z, turns) * OVER * (abs(x) + abs(y) + hypot(q.arm_t, q.arm_n))
+
+
 def leap(course: Course, z, turns: int, lift: float) -> Touching | Flying | Stopped:
     """Flight from the track with a normal velocity."""
     press = _press(course, z, turns)
     lasts = 2.0 * lift / press if press > 0.0 else inf
-    if 0.25 * lasts * lift <= OVER * course.scene.reach or course.t + lasts == course.t:
+    if drowns(course, z, turns, lift) or course.t + lasts == course.t:
         return _settle(course, z, turns)
     pace = course.scene.pace(course.t, z, turns) + sqrt(max(press, 0.0) / course.scene.reach)
     leap = Leap(z, turns, lift, lasts, lasts * pace <= SHORT)

@@ -121,9 +121,12 @@ def _start(course: Course) -> Touching | Flying | Stopped:
     z = [begin.xi1, begin.xi2, omega, slip]
     if course.case.start.in_contact:
         return course.touching(z, 0) or _without_mode(course, z, 0)
-    if course.case.start.gap == 0.0 and course.case.start.gap_rate < 0.0:
-        return aloft.land(course, Landing(z, 0, course.case.start.gap_rate))
-    return aloft.leap(course, z, 0, course.case.start.gap_rate) if course.case.start.gap == 0.0 else Flying(body)
+    if course.case.start.gap > 0.0:
+        return Flying(body)
+    lift = course.case.start.gap_rate
+    if lift < 0.0 or aloft.drowns(course, z, 0, lift):  # what rises by less than a rounding comes down at once, as fast
+        return aloft.land(course, Landing(z, 0, -abs(lift)))
+    return aloft.leap(course, z, 0, lift)
 
 
 def _without_mode(course: Course, z, turns: int) -> Flying | Stopped:
