@@ -1,7 +1,7 @@
 """The paper's application in plain C: the least that the first slip phase's end can cost on this machine.
 
 With w = ξ̇² (35) is linear in ξ: w' + 2μ w = (2g/L) (cos ξ - μ sin ξ), so that w, the time and the slip are integrals of
-elementary functions; ξ = s² takes the root from their start. One Newton's method on the slip, eight nodes a quarter.
+elementary functions; ξ = s² takes the root from their start. Newton's method on the slip, kept between bounds.
 """
 
 from __future__ import annotations
@@ -16,8 +16,6 @@ from pathlib import Path
 
 import numpy as np
 
-NODES = 16
-
 SOURCE = """
 #include <math.h>
 
@@ -28,8 +26,8 @@ static double w(double xi, double mu, double g, double L) {
 
 /* When v = 0 follows a release at xi = 0; x, c: Gauss-Legendre nodes and weights on (0, 1). */
 double first_slip(double mu, double g, double L, int n, const double *x, const double *c) {
-    double s = 1.2, time = 0;
-    for (int i = 0; i < 50; i++) {
+    double s = 1.2, low = 0, high = 1.78, time = 0; /* not beyond xi = pi */
+    for (int i = 0; i < 100; i++) {
         double impulse = 0;
         time = 0;
         for (int k = 0; k < n; k++) {
@@ -43,8 +41,9 @@ double first_slip(double mu, double g, double L, int n, const double *x, const d
         /* L dv/dt by (35), and the friction's share; per s by dt = 2 s ds / v. */
         double rate = g * (cos(xi) - mu * sin(xi)) - mu * L * v2 - 2 * mu * normal;
         double step = slip / (rate * 2 * s / v);
-        s -= step;
         if (fabs(step) < 1e-11 * s) break;
+        if (slip > 0) low = s; else high = s; /* also where there is no motion any more, and no number */
+        s = s - step > low && s - step < high ? s - step : (low + high) / 2;
     }
     return time;
 }
@@ -70,16 +69,17 @@ def library() -> ctypes.CDLL | None:
     return found
 
 
-def first_slip(mu: float) -> Callable[[], float] | None:
-    """A call that returns when the slip of the paper's disc (R = 1 m, r = 0.1 m) vanishes, s; None without compiler."""
+def first_slip(mu: float, nodes: int) -> Callable[[], float] | None:
+    """A call that returns when the slip of the paper's disc (R = 1 m, r = 0.1 m) vanishes, s, by a quadrature
+    of so many nodes; None without compiler."""
     made = library()
     if made is None:
         return None
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    x, c = 0.5 * (nodes + 1.0), 0.5 * weights
+    places, weights = np.polynomial.legendre.leggauss(nodes)
+    x, c = 0.5 * (places + 1.0), 0.5 * weights
     nodes_of_c, weights_of_c = (np.ctypeslib.as_ctypes(np.ascontiguousarray(part)) for part in (x, c))
 
     def run() -> float:
-        return made.first_slip(mu, 9.81, 0.9, NODES, nodes_of_c, weights_of_c)
+        return made.first_slip(mu, 9.81, 0.9, nodes, nodes_of_c, weights_of_c)
 
     return run
