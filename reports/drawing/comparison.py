@@ -11,7 +11,8 @@ from cases.pictures.plots import LABELS, mark_transitions
 from cases.pictures.style import Picture, styled
 
 from ..running.records import Run, Truth
-from .style import TRUTH, Looks, logarithmic
+from .colours import TRUTH
+from .looks import Looks, logarithmic
 
 # Quantities as samples name them, and their differences' names.
 _OFF = {
@@ -34,7 +35,7 @@ def plot(label: str, truth: Truth, runs: Sequence[Run], quantity: str) -> Pictur
     with styled():
         figure = Picture(figsize=(7.2, 4.8), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True)
-        above.plot(times, truth.samples[quantity], color=TRUTH, linewidth=2.6, alpha=0.25, label="truth")
+        above.plot(times, truth.samples[quantity], color=TRUTH.light, linewidth=2.6, alpha=0.25, label="truth")
         for run in runs:
             look = looks.line(run.solver, run.route) if run.route else {"color": looks.colour(run.solver)}
             name = f"{run.solver}{run.route and f', {run.route}'}"

@@ -1,4 +1,6 @@
-"""Figures as files: small SVG whose text stays text, signed with the command that makes them again; PDF for print."""
+"""Figures as files: small SVG whose text stays text, signed with the command that makes them again; PDF for print.
+
+Matplotlib is imported when a figure is made: a report whose figures are kept does without it."""
 
 from __future__ import annotations
 
@@ -9,15 +11,14 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from html import escape
-from io import StringIO
+from io import BytesIO, StringIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import matplotlib
+import numpy as np
 
-matplotlib.use("Agg")
-
-from matplotlib import pyplot as plt  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Whether figures are also written as PDF: asked once by a command, and meant for all that it draws.
 _PRINTED = ContextVar("printed", default=False)
@@ -56,17 +57,55 @@ def printed() -> bool:
     return _PRINTED.get()
 
 
-def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
-    """Write NAME.svg into the folder (and NAME.png; NAME.pdf, `for_print`) and forget the figure."""
-    text = StringIO()
+@dataclass(frozen=True)
+class Picture:
+    """A figure as its files hold it: SVG, and as bytes a PNG and a PDF (none if empty)."""
+
+    drawn: Drawn
+    svg: str
+    png: np.ndarray
+    pdf: np.ndarray
+
+    @classmethod
+    def read(cls, drawn: Drawn, folder: Path) -> Picture:
+        """What was written into the folder; nothing of a figure that failed."""
+        svg, *others = (folder / f"{drawn.name}.{kind}" for kind in ("svg", "png", "pdf"))
+        bytes_of = [_bytes(file.read_bytes() if drawn.name and file.exists() else b"") for file in others]
+        return cls(drawn, svg.read_text(encoding="utf-8") if drawn.name else "", *bytes_of)
+
+    def write(self, folder: Path) -> Drawn:
+        """Write NAME.svg into the folder (and NAME.png, NAME.pdf); nothing of a figure that failed."""
+        if not self.drawn.name:
+            return self.drawn
+        (folder / f"{self.drawn.name}.svg").write_text(self.svg, encoding="utf-8")
+        for kind, content in (("png", self.png), ("pdf", self.pdf)):
+            if len(content):
+                (folder / f"{self.drawn.name}.{kind}").write_bytes(content.tobytes())
+        return self.drawn
+
+
+def picture(figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False) -> Picture:
+    """The figure as SVG (and PNG; PDF, `for_print`); the figure itself is forgotten."""
+    from matplotlib import pyplot as plt
+
+    text, dots, sheet = StringIO(), BytesIO(), BytesIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
-    (folder / f"{name}.svg").write_text(minify(text.getvalue()), encoding="utf-8")
     if png:
-        figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
+        figure.savefig(dots, format="png", dpi=160, bbox_inches="tight")
     if printed():
-        figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches="tight")
+        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches="tight")
     plt.close(figure)
-    return Drawn(name, case, title, caption)
+    drawn = Drawn(name, case, title, caption)
+    return Picture(drawn, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
+
+
+def _bytes(content: bytes) -> np.ndarray:
+    return np.frombuffer(content, dtype=np.uint8)
+
+
+def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
+    """Write NAME.svg into the folder (and NAME.png) and forget the figure."""
+    return picture(figure, name, case, title, caption, png).write(folder)
 
 
 def embed_command(folder: Path, drawn: Drawn, command: str) -> None:
