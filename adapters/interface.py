@@ -18,6 +18,11 @@ and, if errors are to be taken apart by what causes them (`reports.study error_p
                                                     more knobs of the model; each knob's values appear from coarse to
                                                     fine, so the first setting is the coarsest, the last the finest
 
+and, where it can say so,
+
+    MEANINGS: tuple[Meaning, ...]                   what the engine's parameters make of friction, restitution and
+                                                    rolling resistance; for which cases that is another law than theirs
+
 The first setting of a ladder is the engine as it comes and says so: `Setting.of(rung="defaults", ...)`.
 """
 
@@ -27,11 +32,13 @@ import importlib
 import importlib.util
 import pkgutil
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 
+from cases import Case
 from cases.errors import BadValue, UnknownName, unknown
 
 GROUP = "slip_to_roll.adapters"
@@ -48,6 +55,35 @@ NO_ADAPTERS = {"common", "interface", "laws"}
 
 class EngineFailure(RuntimeError):
     """The engine ran and gave no motion: it stopped with an error, or its numbers are not finite."""
+
+
+def _never(case: Case) -> bool:
+    return False
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What an engine makes of one effect, an effect's class, on the routes named (on all if none is).
+
+    `parameter`: the engine's own word for it and how it combines the two bodies' numbers; `law`: what it does with it,
+    a phrase. `differs(case)`: whether that is another law than the case's effect. Such a run is made, not refused, and
+    its row tells the law and how far off it is.
+    """
+
+    effect: type
+    parameter: str
+    law: str
+    routes: tuple[str, ...] = ()
+    differs: Callable[[Case], bool] = _never
+
+
+def other_laws(adapter, case: Case, route: str) -> tuple[str, ...]:
+    """The effects of the case that the route models by another law than theirs, each with that law in a phrase."""
+    return tuple(
+        f"{meaning.effect.__name__} by another law: {meaning.law}"
+        for meaning in getattr(adapter, "MEANINGS", ())
+        if (not meaning.routes or route in meaning.routes) and case.effect(meaning.effect) and meaning.differs(case)
+    )
 
 
 @dataclass(frozen=True)
