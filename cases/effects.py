@@ -178,7 +178,8 @@ class Impact:
     normal velocity turns to −e times itself), both by Routh's construction, which follows the slip along the impulse;
     or "moreau", Newton's restitution with Coulomb's law between the whole impulses and the velocities after the
     impact, as engines with a fixed step have it. Newton's restitution can create energy where friction ends or
-    reverses the slip; such an impact ends the motion with a reason. (Wang & Mason 1992, J. Appl. Mech. 59, 635:
+    reverses the slip: with "newton" such an impact ends the motion with a reason, with "moreau" the motion goes on, as
+    those engines do. (Wang & Mason 1992, J. Appl. Mech. 59, 635:
     reference looked up, not the text; Routh's book of 1905 is known to us, not looked up. "moreau": Siconos' users'
     guide, "Non Smooth Laws", has the normal part; the whole is derived in `reference.minimal.impact`.)
     """

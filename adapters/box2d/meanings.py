@@ -21,8 +21,8 @@ MEANINGS = (
     Meaning(
         Impact,
         "restitution, the larger of both shapes'; none slower than restitution_threshold (1 m/s as it comes)",
-        "friction bounded by the impulse of compression, then Newton's restitution without friction (measured on circles; "
-        "polygons are further off)",
+        "friction bounded by the impulse of compression, then Newton's restitution without friction (measured on "
+        "circles; polygons are further off)",
         differs=_differs,
     ),
     Meaning(

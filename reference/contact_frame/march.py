@@ -382,7 +382,7 @@ class _March:
             result = impact.hit(scene, effect, q, slip, min(landing.lift, 0.0), spin)
         except impact.Jammed:
             return Stopped("paradox")
-        if impact.creates_energy(result):
+        if effect.law == "newton" and impact.creates_energy(result):
             return Stopped("energy_gain")
         z = [xi1, xi2, result.spin, result.slip]
         self.last_xi1 = xi1

@@ -71,7 +71,7 @@ ENDS = {
 }
 LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
 LANDED = ("landing", "The plate meets its track again, and the case names no Impact.")
-ENERGY = ("energy_gain", "Newton's restitution would create energy in this impact; give law='poisson'.")
+ENERGY = ("energy_gain", "Newton's law of restitution would create energy in this impact; give law='poisson'.")
 NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
 NO_SLIP = (
     "paradox",
@@ -343,7 +343,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
         return Step(flown, landing.time, place, "landing", ending=LANDED)
     law = law_of(case, landing.arm_t, landing.arm_n)
     after = collide(law, landing.touch)
-    if law.name != "poisson" and energy(law, after) > (1.0 + 1e-12) * energy(
+    if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(
         law, landing.touch
     ):  # more than by rounding
         return Step(flown, landing.time, place, "landing", ending=ENERGY)

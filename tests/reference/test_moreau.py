@@ -179,11 +179,13 @@ def test_the_law_decides_how_the_ellipse_tumbles():
     assert abs(routh(1.0).x - moreau(1.0).x) > 1e-3
 
 
-def test_a_restitution_that_would_create_energy_ends_the_motion():
-    case = struck(0.96, -2.7, -0.14, -2.9, CoulombFriction(0.76), Impact(0.94, "moreau"))
-    motion = reference.simulate(case)
-    assert (motion.status, contact_frame.solve(case, rtol=1e-13).status) == ("energy_gain", "energy_gain")
-    assert "poisson" in motion.reason
+def test_a_restitution_that_creates_energy_goes_on_as_engines_do():
+    effects = CoulombFriction(0.76), Impact(0.94, "moreau")
+    case = struck(0.96, -2.7, -0.14, -2.9, *effects)
+    place = Scene(case).place(0.0, -2.9)
+    law, before = law_of(case, place.arm_t, place.arm_n), Touch(0.96, -2.7, -0.14)
+    assert energy(law, collide(law, before)) > energy(law, before)
+    assert (reference.simulate(case).status, contact_frame.solve(case, rtol=1e-13).status) == ("completed", "completed")
 
 
 def test_another_name_of_a_law_is_refused():
