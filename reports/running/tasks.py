@@ -164,6 +164,8 @@ def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Traje
     trajectory = module.read(model)
     setup += time.perf_counter() - began
     steps = trajectory.cost.steps or len(trajectory.t) - 1
+    if getattr(module, "TELLS_COST", False):
+        cpu = trajectory.cost.cpu_s
     return replace(trajectory, cost=replace(trajectory.cost, cpu_s=cpu, wall_s=wall, setup_s=setup, steps=steps))
 
 

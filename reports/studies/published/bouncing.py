@@ -183,8 +183,8 @@ def _siconos_stick() -> Publication:
         Number("way along until 0.1 s / m", 3.034051457964930e-01 - x0, moved(0.1), late * 0.0037 + 0.04 * friction),
         Number("height of the centre at 0.1 s / m", 3.383778702709042e-01, at(0.1, "y"), late * 0.374 + 0.04 * impulse),
         Number("speed along after impact 2 / (m/s)", -5.068672606709300e-01, at(0.2, "vx"), 2 * friction),
-        Number("speed across after it, at 0.2 s / (m/s)", -1.213273932906967e00, at(0.2, "vy"), 2 * impulse),
-        Number("spin after it / (rad/s)", 3.212070578753687e00, at(0.2, "omega"), 2 * turn),
+        Number("speed across after impact 2, at 0.2 s / (m/s)", -1.213273932906967e00, at(0.2, "vy"), 2 * impulse),
+        Number("spin after impact 2 / (rad/s)", 3.212070578753687e00, at(0.2, "omega"), 2 * turn),
     )
     return Publication(
         "stick that hits with friction, e = 1",
