@@ -69,10 +69,11 @@ class Engine:
         return None
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
-        """Steps from coarse to fine."""
-        stretched = max(1.0, case.duration / USUAL_DURATION)
+        """Steps from coarse to fine, none so long that too few samples come of it."""
+        stretched, longest = max(1.0, case.duration / USUAL_DURATION), case.duration / (exported.LEAST_SAMPLES + 10)
         first, *others = STEPS
-        return Setting.of(rung="defaults", h=first), *(Setting.of(h=h * stretched) for h in others)
+        steps = dict.fromkeys(min(h * stretched, longest) for h in others)
+        return Setting.of(rung="defaults", h=min(first, longest)), *(Setting.of(h=h) for h in steps)
 
     def build(self, case: Case, route: str, setting: Setting) -> Model:
         """The scene and the setting as text."""
