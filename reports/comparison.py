@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 import adapters
 from adapters import EngineFailure, Setting
+from adapters.common.exported import read_table, trajectory_of
 from cases import BadValue, Case, NotSupported, Trajectory
 from cases.errors import unknown
 
-from .judging.exported import read_table, trajectory_of
 from .running import tasks
 from .running.calls import Calls
 from .running.external import judge_external

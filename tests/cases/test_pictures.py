@@ -10,11 +10,11 @@ from PIL import Image
 
 import cases
 import reference
+from adapters.common.exported import read_table, trajectory_of
 from cases import BadValue, UnknownName
 from cases.pictures import animation, plots
 from cases.pictures.scene import CORNERS
 from reports import animate
-from reports.judging.exported import read_table, trajectory_of
 
 CASE = cases.load("disc_in_circle", mu=0.2)
 MOTION = reference.simulate(CASE)
