@@ -243,12 +243,14 @@ def _summary(plan: Plan, shown: Experiment, studied: Sequence[Result], store: St
     from .page import text
 
     frames = {name: frame for result in studied for name, frame in result.frames.items()}
-    lines = [text.plain(pd.DataFrame(answers.rows(shown, frames))), ""]
+    told = pd.DataFrame(answers.rows(shown, frames))
+    told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
+    lines = [text.plain(told), ""]
     lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
     counts = tables.outcome_counts(shown)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
-    told = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
-    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {told}"]
+    count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
+    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
     lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
