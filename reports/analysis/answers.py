@@ -21,8 +21,8 @@ def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame] | None = Non
 
     `cases`: those it was asked; `right`, `wrong`, `refused`, `failed` (crashed or timed out): what came of its finest
     setting; `default_error`, `finest_error` (s): the median over the cases of the first transition's error, without the
-    motions that are the truth itself (`is_truth`: all are); `hard_right`, …: the same of the study of hard scenes, where
-    the report has it.
+    motions that are the truth itself (`is_truth`: all are); `hard_right`, …: the same of the study of hard scenes,
+    where the report has it.
     """
     found: dict[tuple[str, str], list[list[Run]]] = {}
     for (_, solver, route), group in routes(experiment.runs).items():
