@@ -9,14 +9,14 @@ _IN_SECONDS = 0.45
 
 
 def number(value: float) -> str:
-    """Two significant digits: 0.29, 9.7, 660, 1,700."""
+    """Two significant digits, without a zero behind the point: 0.29, 9.7, 8, 660, 1,700."""
     if not isfinite(value) or value == 0.0:
         return "0" if value == 0.0 else "unknown"
     digits = 1 - floor(log10(abs(value)))
     rounded = round(value, digits)
     # 9.96 rounds to 10, which has one digit less behind the point.
     digits = max(0, 1 - floor(log10(abs(rounded))))
-    return f"{rounded:,.{digits}f}"
+    return f"{rounded:,.{digits}f}".removesuffix(".0")
 
 
 def times(factor: float) -> str:
@@ -29,7 +29,7 @@ def seconds(value: float) -> str:
     if not isfinite(value):
         return "unknown"
     if value >= _IN_SECONDS:
-        return f"{number(value)[:-2] if number(value).endswith('.0') else number(value)} s"
+        return f"{number(value)} s"
     # What would round to a thousand of a unit is one of the next.
     return f"{number(value * 1e3)} ms" if value >= 0.995e-3 else f"{number(value * 1e6)} µs"
 

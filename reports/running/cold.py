@@ -16,6 +16,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from cases import kept
@@ -97,7 +98,8 @@ def _import_all(who: Sequence[Contestant]) -> list[str]:
             answer = _apart(_call, one)
             said[route] = answer if isinstance(answer, str) else ""
             for name in () if isinstance(answer, str) else answer.modules:
-                importlib.import_module(name)
+                with suppress(ImportError):  # some compiled modules have a name that only their package knows
+                    importlib.import_module(name)
     return [said[one[1:3]] for one in who]
 
 
