@@ -49,7 +49,7 @@ def _clause(row: dict[str, Any]) -> str:
     one, other = sorted(spent, key=lambda who: spent[who])
     what = "one simulation from cold takes" if row["runs"] == 1 else f"{row['runs']:,} take"
     end = "they are alike" if row["cheaper"] == ALIKE else f"{row['cheaper']} is cheaper, by {times(row['factor'])}"
-    return f"{what} {one} {seconds(spent[one])} and {other} {seconds(spent[other])}: {end}"
+    return f"{what} {seconds(spent[one])} with {one} and {seconds(spent[other])} with {other}: {end}"
 
 
 def _even(row: dict[str, Any]) -> str:

@@ -12,14 +12,14 @@ from ..running.records import Run, Truth, first_error
 from .convergence import ABOVE as ABOVE
 from .convergence import rounding as step_rounding
 
-# The unit of each quantity's error. Force and energy are parts of the true motion's own (`distances.differences`): 1.
+# The unit of each quantity's error. Force and energy are parts of the true motion's own (`distances.differences`).
 UNITS = {
     "first_transition_time": "s",
     "all_transitions": "s",
     "final_pose": "m",
     "centre_rms": "m",
-    "normal_force_mean": "1",
-    "energy_mean": "1",
+    "normal_force_mean": "part",
+    "energy_mean": "part",
 }
 TIMES = ("first_transition_time", "all_transitions")
 # A single event may be met by chance; several of them, or a pose, are not.

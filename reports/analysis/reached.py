@@ -17,8 +17,6 @@ from . import quantities
 
 # The accuracies that are asked for: what a game, a robot and a numerical analyst would want, and what is left.
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-# The accuracies that engineers ask for.
-ENGINEERING = (1e-2, 1e-4)
 
 
 class Rung(NamedTuple):

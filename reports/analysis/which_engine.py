@@ -75,4 +75,4 @@ def _reason(level: Sequence[dict[str, Any]], engines: bool) -> str:
         if engines and set(words) <= {"never", "by chance"}:
             return NOBODY
         return f"{'the engines' if engines else 'the reference'}: {', '.join(words)}" if words else "nobody took part"
-    return f"{'no engine' if engines else 'the reference'} was not timed from cold"
+    return f"{'the engines were' if engines else 'the reference was'} not timed from cold"

@@ -9,14 +9,15 @@ _IN_SECONDS = 0.45
 
 
 def number(value: float) -> str:
-    """Two significant digits, without a zero behind the point: 0.29, 9.7, 8, 660, 1,700."""
+    """Two significant digits, without zeros at the end of a fraction: 0.29, 0.5, 9.7, 8, 660, 1,700."""
     if not isfinite(value) or value == 0.0:
         return "0" if value == 0.0 else "unknown"
     digits = 1 - floor(log10(abs(value)))
     rounded = round(value, digits)
     # 9.96 rounds to 10, which has one digit less behind the point.
     digits = max(0, 1 - floor(log10(abs(rounded))))
-    return f"{rounded:,.{digits}f}".removesuffix(".0")
+    text = f"{rounded:,.{digits}f}"
+    return text.rstrip("0").removesuffix(".") if "." in text else text
 
 
 def times(factor: float) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..analysis import conclusions, cost_tables, which_engine
-from ..analysis.reached import ACCURACIES, ENGINEERING
+from ..analysis.reached import ACCURACIES
 from ..analysis.time_to_accuracy import REACHED
 from ..analysis.words import level, quantity, seconds, times, unit
 from ..analysis.work_precision import Measured, groups
@@ -68,10 +68,10 @@ def _answers(answers: Sequence[dict[str, Any]]) -> str:
         small = f"<br><small>{escape(quantity(rows[0]['quantity']))}</small>"
         body += f"<tr><th>{escape(case)}{small}</th>{cells}<td>{more}</td></tr>"
     heads = "".join(
-        f"<th>{'once, from cold' if runs == 1 else f'{runs:,} times'}: best engine</th><th>reference</th>"
+        f"<th>{'once, from cold' if runs == 1 else f'{runs:,} times'}<br>best engine</th><th><br>reference</th>"
         for runs in which_engine.RUNS
     )
-    head = f"<tr><th>case, in</th>{heads}<th>reference cheaper from</th></tr>"
+    head = f"<tr><th>case</th>{heads}<th>reference<br>cheaper from</th></tr>"
     return f'<div class="scroll"><table class="short"><thead>{head}</thead><tbody>{body}</tbody></table></div>'
 
 
@@ -89,25 +89,29 @@ def _side(row: dict[str, Any]) -> str:
 
 
 def _shares(lead: Sequence[dict[str, Any]]) -> str:
-    """Of the settings that reach an engineer's accuracies: the parts of a warm run, the whole call, the cold one."""
+    """Of the settings that reach the accuracy asked for: the parts of a warm run, the whole call, the cold one."""
     body = ""
-    rows = [r for r in lead if r["award"] == REACHED and r["accuracy"] in ENGINEERING and isfinite(r["first_call_s"])]
+    rows = [r for r in lead if r["award"] == REACHED and r["accuracy"] == conclusions.ASKED]
     for (case, accuracy), group in groups(rows, "case", "accuracy").items():
         for place, row in enumerate(sorted(group, key=lambda r: r["call_s"])):
             asked = f"to {level(accuracy)}{unit(row['unit'])}"
             name = f'<th rowspan="{len(group)}">{escape(case)}<br><small>{asked}</small></th>'
             parts = "".join(f"<td>{seconds(row[p]) if isfinite(row[p]) else ''}</td>" for p in _PARTS)
-            whole = "".join(f"<td>{seconds(row[c])}</td>" for c in ("cpu_s", "call_s", "first_call_s"))
+            wholes = ("cpu_s", "call_s", "first_call_s")
+            whole = "".join(f"<td>{seconds(row[c]) if isfinite(row[c]) else ''}</td>" for c in wholes)
             runs = f"{row['break_even_runs']:,.0f}" if isfinite(row["break_even_runs"]) else ""
             who = f"{escape(row['solver'])} {escape(row['route'])}"
             first = class_of("first") if place == 0 else ""
             body += f"<tr{first}>{name if place == 0 else ''}<td>{who}</td>{parts}{whole}<td>{runs}</td></tr>"
-    heads = ("case", "used from Python", "engine alone", "binding", "our callback", "our notes", "run, warm",
-             "whole call, warm", "one call from cold", "reference cheaper from")  # fmt: skip
+    heads = ("case", "as used<br>from Python", "engine<br>alone", "its<br>binding", "our<br>callback", "our<br>notes",
+             "run,<br>warm", "whole call,<br>warm", "one call<br>from cold", "reference<br>cheaper from")  # fmt: skip
     head = "".join(f"<th>{text}</th>" for text in heads)
     return (
         f'<details open><summary>Engine, binding, callback, notes; whole calls</summary><div class="scroll">'
         f'<table class="short"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div></details>'
+        '<p class="note">Of the reference the engine is heyoka and the callback its Python. Empty: counted with the '
+        "engine (binding) or the callback (notes), or not measured. Other accuracies: "
+        '<a href="tables/time_to_accuracy.csv">time_to_accuracy.csv</a>.</p>'
     )
 
 

@@ -57,17 +57,15 @@ class _Repeat(NamedTuple):
 def first_calls(who: Sequence[Contestant], budget: float) -> list[tuple[Cold | None, str]]:
     """Of each contestant a first call, or None and why there is none, in a sentence.
 
-    All are repeated in turn, up to three times, within about `budget` wall seconds; those that do not fit in it even
-    once have neither.
+    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond imports;
+    those that do not fit in it even once have neither.
     """
+    failures, spent = _import_all(who)
     deadline = time.perf_counter() + budget
-    failures = _import_all(who)
     repeats: dict[int, list[_Repeat]] = {place: [] for place in range(len(who))}
-    spent: dict[int, float] = {}
     for _ in range(LEAST_REPEATS):
-        for place, one in enumerate(who):
-            expected = spent.get(place, one.expected_s)
-            if failures[place] or time.perf_counter() + expected > deadline:
+        for place, one in sorted(enumerate(who), key=lambda pair: spent[pair[0]]):
+            if failures[place] or time.perf_counter() + spent[place] > deadline:
                 continue
             began = time.perf_counter()
             answer = _apart(_call, one)
@@ -89,18 +87,21 @@ def _median(repeats: Sequence[_Repeat], loop: float) -> Cold | None:
     return Cold(build, run, statistics.median(r.read for r in used), len(used), not calm)
 
 
-def _import_all(who: Sequence[Contestant]) -> list[str]:
-    """Import, in this process, what the calls import; of each call that fails the reason, else ""."""
+def _import_all(who: Sequence[Contestant]) -> tuple[list[str], list[float]]:
+    """Import, in this process, what the calls import; of each call the reason if it fails, else "", and about how long
+    it takes (wall s)."""
     said: dict[tuple[str, str], str] = {}
+    took: dict[tuple[str, str], float] = {}
     for one in who:
         route = one[1:3]
         if route not in said:
+            began = time.perf_counter()
             answer = _apart(_call, one)
-            said[route] = answer if isinstance(answer, str) else ""
+            said[route], took[route] = answer if isinstance(answer, str) else "", time.perf_counter() - began
             for name in () if isinstance(answer, str) else answer.modules:
                 with suppress(ImportError):  # some compiled modules have a name that only their package knows
                     importlib.import_module(name)
-    return [said[one[1:3]] for one in who]
+    return [said[one[1:3]] for one in who], [max(took[one[1:3]], one.expected_s) for one in who]
 
 
 def _call(one: Contestant) -> _Repeat:

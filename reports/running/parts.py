@@ -44,20 +44,24 @@ class Parts(NamedTuple):
 def parts_of_all(who: Sequence[Contestant], budget: float) -> list[tuple[Parts | None, str]]:
     """Of each contestant the parts of its run, or None and why they are not known; within about `budget` wall s."""
     deadline = time.perf_counter() + budget
-    found: list[tuple[Parts | None, str]] = []
-    for one in who:
-        if time.perf_counter() + (1 + len(STRIPPED)) * one.expected_s > deadline:
-            found.append((None, "the time budget did not reach it"))
+    found: list[tuple[Parts | None, str]] = [(None, "")] * len(who)
+    in_turn = sorted(range(len(who)), key=lambda place: who[place].expected_s)
+    for number, place in enumerate(in_turn):
+        one, left = who[place], deadline - time.perf_counter()
+        if (1 + len(STRIPPED)) * one.expected_s > left:
+            found[place] = None, "the time budget did not reach it"
             continue
         try:
-            found.append((parts(one, deadline), ""))
+            # Who is not ready in a share of what is left ends after the least turns.
+            found[place] = parts(one, time.perf_counter() + left / (len(who) - number)), ""
         except Exception as problem:  # an engine that fails now and then loses its parts, not everyone's
-            found.append((None, f"{type(problem).__name__}: {problem}"))
+            found[place] = None, f"{type(problem).__name__}: {problem}"
     return found
 
 
 def parts(one: Contestant, deadline: float) -> Parts | None:
-    """The parts of a contestant's run; None where no compiled engine has a part in it."""
+    """The parts of a contestant's run, by the deadline or after the least turns; None where no compiled engine has a
+    part in it."""
     module = solver(one.solver)
     if hasattr(module, "stripped"):
         return by_difference(module, one, deadline)

@@ -298,8 +298,8 @@ def test_first_sentence_says_who_is_cheaper_by_what_once_and_a_thousand_times():
     said, answers, _ = answered(REFERENCE, ENGINE, cold={"reference": 0.4, "a": 0.05})
     assert said.first == (
         "As used from Python, to reach 1e-4 m in the final pose of disc_on_line[mu=0.1], one simulation from cold "
-        "takes a r 50 ms and reference r 400 ms: a r is cheaper, by 8 ×; 1,000 take reference r 1.4 s and a r 100 s: "
-        "reference r is cheaper, by 71 ×."
+        "takes 50 ms with a r and 400 ms with reference r: a r is cheaper, by 8 ×; 1,000 take 1.4 s with reference r "
+        "and 100 s with a r: reference r is cheaper, by 71 ×."
     )
     # 0.35 s more from cold, 0.099 s less a run: after 3.5 further runs.
     assert "From 5 runs on the reference is cheaper there." in said.rest
@@ -312,7 +312,7 @@ def test_first_sentence_changes_sides_where_an_engine_is_cheaper():
     said, answers, _ = answered(
         ("reference", "s", 1e-13, 0.1), ("a", "s", 1e-7, 0.001), cold={"reference": 0.4, "a": 0.05}
     )
-    assert "1,000 take a r 1 s and reference r 100 s: a r is cheaper, by 96 ×." in said.first
+    assert "1,000 take 1 s with a r and 100 s with reference r: a r is cheaper, by 96 ×." in said.first
     assert "However often it is run, an engine stays cheaper there." in said.rest
     assert all(isnan(row["break_even_runs"]) and row["cheaper"] == "a r" for row in answers)
 
