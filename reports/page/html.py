@@ -74,7 +74,7 @@ def _summary(experiment: Experiment) -> str:
 
 
 def _contents(experiment: Experiment, studied: Sequence[Result]) -> str:
-    links = [("headline", "First transition"), ("precision", "What accuracy costs in time")]
+    links = [("headline", "Transitions"), ("precision", "What accuracy costs in time")]
     links += [(result.name, result.study.TITLE) for result in studied]
     links += [(_anchor(case.label), case.label) for case in experiment.cases]
     links += [
@@ -116,10 +116,10 @@ def _headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, comman
     table = f"<thead><tr><th>case</th>{head}</tr></thead><tbody>{body}</tbody>"
     return (
         f'{picture}<div class="scroll"><table class="short">{table}</table></div>'
-        '<p class="note">Above: the finest setting. Below, small: the engine as it comes; and at the finest setting, '
-        "since one event may be met by chance, the worst of all transitions in s where there are several, else the "
-        "final pose in m, with the accuracy the ladder reaches in it. Where the truth has no transition, the largest "
-        "error of the centre in m stands above instead; an error inside the truth's own error bar is told as below "
+        '<p class="note">Above: the worst of all transitions in s where there are several, else the final pose in m, '
+        "at the finest setting, and the accuracy the ladder reaches in it. Small: the error of the first transition's "
+        "time in s, solver minus truth, at the finest setting and for the engine as it comes; where the truth has no "
+        "transition, the largest error of the centre in m; an error inside the truth's own error bar is told as below "
         'that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
         f"</p>{remake(command)}"
     )
@@ -130,8 +130,10 @@ def _headline_cell(row: dict[str, Any] | None) -> str:
         return ""
     finest, own = (error_text(row, which) for which in ("finest", "default"))
     lead, level = lead_text(row, "finest"), reached_text(row)
-    told = f"{lead}{f', reaches {level}' if level else ''}" if lead != finest else ""
-    return "<br>".join([escape(finest), *(f"<small>{escape(text)}</small>" for text in (own, told) if text)])
+    if lead == finest:  # a word, the same for both
+        return escape(lead)
+    small = [f"reaches {level}" if level else "reaches none", f"first: {finest}", f"as it comes: {own}" if own else ""]
+    return "<br>".join([escape(lead), *(f"<small>{escape(text)}</small>" for text in small if text)])
 
 
 def _study(result: Result, drawn: Sequence[Drawn], figures: Path) -> str:
