@@ -119,7 +119,7 @@ def _build(plan: Plan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, studied, store))
+    print(_summary(plan, shown, ran, measured, studied, store))
     idle = _run_by_nobody(shown) if plan.named else []
     for sentence in idle:
         _say(f"{COMMAND}: {sentence}")
@@ -135,16 +135,20 @@ def _run_by_nobody(shown: Experiment) -> list[str]:
 
 def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     """The timed pass, after everything else has ended; a quick report goes without."""
-    from .analysis import baselines
+    from .analysis import baselines, time_to_accuracy, which_engine, work_precision
     from .analysis.work_precision import Measured
     from .running import timings
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
         return Measured()
-    timed = timings.measure(ran, plan.effort == "full", calls)
+    full = plan.effort == "full"
+    timed = timings.measure(ran, full, calls)
     labels = tuple(case.label for case in timed.cases)
-    return Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
+    measured = Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
+    told = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured))
+    beside = timings.beside(ran, which_engine.wanted(told), full, calls)
+    return measured._replace(cold=beside.cold, parts=beside.parts)
 
 
 def _studies_wanted(plan: Plan) -> bool:
@@ -188,9 +192,10 @@ def _write(
     place: Path,
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
-    from .analysis import tables, work_precision
+    from .analysis import cost_tables, tables
+    from .analysis.columns import described
     from .drawing.files import embed_command
-    from .page import folder, html, pictures, text
+    from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
     from .running import external
 
@@ -207,12 +212,14 @@ def _write(
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
     }
     told["solvers"] |= external.sources(plan.trajectories)
-    frames = tables.frames(shown) | work_precision.frames(ran, measured)
-    words = tables.WORDS | work_precision.WORDS
+    frames = cost_tables.frames(ran, measured) | tables.frames(shown)
+    holds = cost_tables.HOLDS | tables.HOLDS
+    words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
     text.write(frames, words, place / "tables", command, plan.paper)
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
+    dictionary.write(frames, words, place / "tables", command)
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
     for figure in drawn:
@@ -235,18 +242,23 @@ def _options(plan: Plan) -> str:
     return " ".join(words)
 
 
-def _summary(plan: Plan, shown: Experiment, studied: Sequence[Result], store: Store) -> str:
+def _summary(
+    plan: Plan, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], store: Store
+) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
     import pandas as pd
 
-    from .analysis import answers, tables
+    from .analysis import answers, tables, time_to_accuracy, work_precision
     from .page import text
 
     frames = {name: frame for result in studied for name, frame in result.frames.items()}
-    told = pd.DataFrame(answers.rows(shown, frames))
+    costs = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured)) if measured.cases else []
+    told = pd.DataFrame(answers.rows(shown, frames, costs))
     told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
     lines = [text.plain(told), ""]
     lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
+    if costs:
+        lines += ["costs: whole calls, s, the first from cold, the median over the timed cases that reach the accuracy"]
     counts = tables.outcome_counts(shown)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
     count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
