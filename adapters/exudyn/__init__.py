@@ -1,5 +1,15 @@
-"""Exudyn's adapter; `adapters.exudyn.adapter` says what it does."""
+"""Exudyn's adapter; `adapters.exudyn.adapter` says what it does.
 
-from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version
+The engine is imported as a study would: its build without range checks, which its own wheel brings, and without the
+settings that a user may keep in the home folder. An exudyn that was imported before stays as it is.
+"""
+
+import os
+import sys
+
+os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
+sys.exudynFast = True  # type: ignore[attr-defined]
+
+from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version  # noqa: E402
 
 __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import sqrt
+from math import copysign, isnan, sqrt
 from typing import Any, NamedTuple
 
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, CoulombFriction, Gravity, Load
-from cases.contact import start_motion
+from cases import Case, CoulombFriction, Gravity, Load, Unilateral
+from cases.contact import Motion, start_motion
+from cases.mechanics import gravity as gravity_of
+from cases.shapes import Circle
 
+from ..common.facets import round_plate
 from ..interface import Setting
 
 
@@ -66,16 +69,59 @@ def node_sensors(system, node: int) -> tuple[int, int]:
     return pose, velocity
 
 
-def disc_body(case: Case, system) -> tuple[int, int]:
-    """The plate as a rigid body in the plane at the case's start, with gravity and load: its node and its marker."""
-    start, plate, gravity, load = start_motion(case), case.plate, case.effect(Gravity), case.effect(Load)
+def disc_circle(case: Case) -> Circle:
+    """The circle of a plate that is known to have one."""
+    circle = round_plate(case)
+    assert circle is not None, "refuses() lets discs alone pass"
+    return circle
+
+
+def settled_start(case: Case, setting: Setting) -> Motion:
+    """The case's start, deeper in the track by the contact's deflection under the first normal force.
+
+    A plate that is set down without it falls onto the contact's spring and presses with many times its weight, or with
+    nothing, for some steps: friction then slips where it would hold. The first normal force follows from the motion at
+    the start, as for any joint: the plate's point of contact keeps to the track, so that
+
+        n·(a + α × ρ + ω × (ċ − v)) = κ ṡ v_t
+
+    with the contact's place c and its way s along the track, the lever ρ from the centre of mass to c, and the slip v_t
+    (the derivative of "no velocity along the normal n at c"). Slip brings its friction; what sticks is taken to have
+    none yet. A contact that only pushes is not pulled.
+    """
+    start, k = start_motion(case), setting.get("k")
+    if not k or isnan(start.xi1_dot):
+        return start
+    plate, (tx, ty), (nx, ny) = case.plate, case.track.tangent(start.xi1), case.track.normal(start.xi1)
+    along = float(case.track.speed(start.xi1)) * start.xi1_dot
+    px, py = case.track.point(start.xi1) - (start.x, start.y)
+    (fx, fy), moment, load = plate.mass * gravity_of(case), 0.0, case.effect(Load)
+    if load:
+        lx, ly, moment = load.at(0.0, start.x, start.y, start.theta, start.vx, start.vy, start.omega)
+        fx, fy = fx + lx, fy + ly
+    lever_n, lever_t = px * ny - py * nx, px * ty - py * tx
+    turned = start.omega * ((along * tx - start.vx) * ny - (along * ty - start.vy) * nx)
+    bent = float(case.track.curvature(start.xi1)) * along * start.slip
+    free = (nx * fx + ny * fy) / plate.mass + lever_n * moment / plate.inertia + turned - bent
+    drag = -friction_coefficient(case) * np.sign(start.slip)
+    force = -free / (1.0 / plate.mass + lever_n * (lever_n + drag * lever_t) / plate.inertia)
+    if case.effect(Unilateral):
+        force = max(force, 0.0)
+    return start._replace(x=float(start.x - nx * force / k), y=float(start.y - ny * force / k))
+
+
+def disc_body(case: Case, setting: Setting, system) -> tuple[int, int]:
+    """The plate as a rigid body in the plane at the case's start, with gravity and load: its node, and a marker at the
+    centre of its circle, which need not be the centre of mass."""
+    start, plate, gravity, load = settled_start(case, setting), case.plate, case.effect(Gravity), case.effect(Load)
+    circle = disc_circle(case)
     node = system.AddNode(
         item.NodeRigidBody2D(
             initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
         )
     )
     body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, mass=plate.mass, inertia=plate.inertia))
-    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[*circle.centre.tolist(), 0.0]))
     if gravity:
         pull = [*gravity.vector, 0.0]
         mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
@@ -92,8 +138,9 @@ def disc_body(case: Case, system) -> tuple[int, int]:
         def moment(system, time, _vector) -> list[float]:
             return [0.0, 0.0, now(system, time)[2]]
 
-        system.AddLoad(item.LoadForceVector(markerNumber=disc, loadVectorUserFunction=force))  # type: ignore[arg-type]
-        system.AddLoad(item.LoadTorqueVector(markerNumber=disc, loadVectorUserFunction=moment))  # type: ignore[arg-type]
+        pulled = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+        system.AddLoad(item.LoadForceVector(markerNumber=pulled, loadVectorUserFunction=force))  # type: ignore[arg-type]
+        system.AddLoad(item.LoadTorqueVector(markerNumber=pulled, loadVectorUserFunction=moment))  # type: ignore[arg-type]
     return node, disc
 
 
@@ -114,32 +161,36 @@ def applied(case: Case, stored: Stored) -> np.ndarray:
     return force
 
 
-def cut_steps(case: Case, setting: Setting, system, slip: Callable[[], float]) -> None:
+def cut_steps(case: Case, setting: Setting, system, slip: Callable[[Any], float]) -> None:
     """With `cut` in the setting: a step in which the slip changes its sign is made again, smaller.
 
     Friction flips within such a step, and the trapezoidal rule gives either side half of the step wherever the crossing
     lies: what should stick then slips backward, by up to h/2 of the acceleration, and where the cone is nearly used up
     it takes many steps to come to rest. The engine lets a user's function ask for another step size, as its contacts do
-    where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the end of the step
-    as `slip()` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks anyway.
+    where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the beginning and
+    the end of the step as `slip` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks
+    anyway.
     """
     if "cut" not in setting:
         return
     smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
-    begun = ended = case.start.slip
-    step_begins, time_of, now = 0.0, system.systemData.GetTime, exu.ConfigurationType.StartOfStep
+    time_of, begin, end = system.systemData.GetTime, exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current
+    sign, stands = copysign(1.0, case.start.slip), [0.0, -1.0]
 
     def ask(_system, time: float) -> list[float]:
         """[error, step to make it again with], or [0, −1] if it may stand."""
-        nonlocal begun, ended, step_begins
-        begins = time_of(now)
-        if begins != step_begins:
-            step_begins, begun = begins, ended
-        ended = slip()
-        if begun * ended >= 0.0 or abs(ended) <= vreg or time - begins <= smallest:
-            return [0.0, -1.0]
+        nonlocal sign
+        ended = slip(end)
+        # It is called in every iteration: nearly always this is all it does.
+        if ended * sign >= 0.0 or abs(ended) <= vreg:
+            return stands
+        begun, step = slip(begin), time - time_of(begin)
+        sign = copysign(1.0, ended)
+        if begun * ended >= 0.0 or step <= smallest:
+            return stands
+        sign = copysign(1.0, begun)
         # Any error above the solver's tolerance of 1 makes it listen.
-        return [10.0, max((time - begins) * abs(begun) / (abs(begun) + abs(ended)), smallest)]
+        return [10.0, max(step * abs(begun) / (abs(begun) + abs(ended)), smallest)]
 
     system.SetPostNewtonUserFunction(ask)
 

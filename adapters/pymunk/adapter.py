@@ -60,9 +60,6 @@ def refuses(case: Case, route: str) -> str | None:
 def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
-    outline = case.plate.outline
-    if not facets.is_convex(outline):
-        return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
     endless = not case.track.period and not case.track.domain
     if case.effect(Load) and endless and facets.track_kind(case) == "chain":
         return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
