@@ -13,7 +13,7 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, CoulombFriction, Flight, PerfectlyRough, Unilateral
-from cases.contact import follow, slip_velocity
+from cases.contact import follow, slip_velocity, start_motion
 from cases.shapes import as_circle, as_line
 
 from ..common.follow import BEYOND
@@ -40,7 +40,7 @@ def build(case: Case, setting: Setting) -> System:
     """The disc with its constraint; a unilateral contact is cut by the reader where the joint would have to pull."""
     container = exu.SystemContainer()
     system = container.AddSystem()
-    node, disc = disc_body(case, setting, system)
+    node, disc = disc_body(case, start_motion(case), system)
     line, circle = as_line(case.track), as_circle(case.track)
     radius = disc_circle(case).radius
     if line:

@@ -53,8 +53,10 @@ def build(case: Case, setting: Setting) -> System:
     """A disc in the plane, its gravity, and the contact object that fits the track."""
     container = exu.SystemContainer()
     system = container.AddSystem()
-    node, disc = disc_body(case, setting, system)
     line, circle = as_line(case.track), as_circle(case.track)
+    # On a line friction acts on the track; on a circle in the middle of the overlap.
+    start = settled_start(case, setting, depth=1.0 if line else 0.5)
+    node, disc = disc_body(case, start, system)
     if line:
         number, contact = _on_line(case, setting, system, disc, line)
         slip = _slip_on_line(case, system, line)
@@ -162,10 +164,11 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
 
 def _contact_law(case: Case, setting: Setting, system) -> dict:
     """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
-    # Told of no gap it would let the plate fall for a step before it presses.
+    # Told of no gap it would let the plate fall for a step before it presses; told of no slip, friction would begin on
+    # the steep branch of its law, with a thousand times its bound.
     touching, settled = start_motion(case), settled_start(case, setting)
     gap = -hypot(settled.x - touching.x, settled.y - touching.y)
-    data = item.NodeGenericData(initialCoordinates=[gap, 0.0, 0.0, 0.0], numberOfDataCoordinates=4)
+    data = item.NodeGenericData(initialCoordinates=[gap, abs(touching.slip), 0.0, 0.0], numberOfDataCoordinates=4)
     impact = case.effect(Impact)
     law: dict = dict(contactDamping=critical_damping(case, setting))
     if impact and impact.restitution > 0.0:

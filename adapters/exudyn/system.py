@@ -76,7 +76,7 @@ def disc_circle(case: Case) -> Circle:
     return circle
 
 
-def settled_start(case: Case, setting: Setting) -> Motion:
+def settled_start(case: Case, setting: Setting, depth: float = 1.0) -> Motion:
     """The case's start, deeper in the track by the contact's deflection under the first normal force.
 
     A plate that is set down without it falls onto the contact's spring and presses with many times its weight, or with
@@ -87,7 +87,8 @@ def settled_start(case: Case, setting: Setting) -> Motion:
 
     with the contact's place c and its way s along the track, the lever ρ from the centre of mass to c, and the slip v_t
     (the derivative of "no velocity along the normal n at c"). Slip brings its friction; what sticks is taken to have
-    none yet. A contact that only pushes is not pulled.
+    none yet. A contact that only pushes is not pulled. Friction acts where `depth` of the deflection is passed, on a
+    lever that is as much shorter: the centre's velocity makes up for it, so that what rolls does not begin with slip.
     """
     start, k = start_motion(case), setting.get("k")
     if not k or isnan(start.xi1_dot):
@@ -107,14 +108,20 @@ def settled_start(case: Case, setting: Setting) -> Motion:
     force = -free / (1.0 / plate.mass + lever_n * (lever_n + drag * lever_t) / plate.inertia)
     if case.effect(Unilateral):
         force = max(force, 0.0)
-    return start._replace(x=float(start.x - nx * force / k), y=float(start.y - ny * force / k))
+    sunk = float(force) / k
+    made_up = start.omega * depth * sunk
+    return start._replace(
+        x=float(start.x - nx * sunk),
+        y=float(start.y - ny * sunk),
+        vx=float(start.vx + tx * made_up),
+        vy=float(start.vy + ty * made_up),
+    )
 
 
-def disc_body(case: Case, setting: Setting, system) -> tuple[int, int]:
-    """The plate as a rigid body in the plane at the case's start, with gravity and load: its node, and a marker at the
-    centre of its circle, which need not be the centre of mass."""
-    start, plate, gravity, load = settled_start(case, setting), case.plate, case.effect(Gravity), case.effect(Load)
-    circle = disc_circle(case)
+def disc_body(case: Case, start: Motion, system) -> tuple[int, int]:
+    """The plate as a rigid body in the plane at a start, with gravity and load: its node, and a marker at the centre of
+    its circle, which need not be the centre of mass."""
+    plate, gravity, load, circle = case.plate, case.effect(Gravity), case.effect(Load), disc_circle(case)
     node = system.AddNode(
         item.NodeRigidBody2D(
             initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
