@@ -68,7 +68,8 @@ def build(case: Case, setting: Setting) -> System:
         item.SensorObject(objectNumber=number, outputVariableType=exu.OutputVariableType.Force, storeInternal=True)
     )
     motion = node_sensors(system, node)
-    cut_steps(case, setting, system, slip)
+    state = system.systemData.GetDataCoordinates
+    cut_steps(case, setting, system, slip, speed=lambda: state()[1])
     system.Assemble()
     return System(container, system, motion, force, contact)
 
@@ -166,9 +167,10 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
     # Told of no gap it would let the plate fall for a step before it presses; told of no slip, friction would begin on
     # the steep branch of its law, with a thousand times its bound.
-    touching, settled = start_motion(case), settled_start(case, setting)
+    touching, settled = start_motion(case), settled_start(case, setting, depth=0.0)
     gap = -hypot(settled.x - touching.x, settled.y - touching.y)
-    data = item.NodeGenericData(initialCoordinates=[gap, abs(touching.slip), 0.0, 0.0], numberOfDataCoordinates=4)
+    slip = hypot(settled.vx - touching.vx, settled.vy - touching.vy) or abs(touching.slip)
+    data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
     impact = case.effect(Impact)
     law: dict = dict(contactDamping=critical_damping(case, setting))
     if impact and impact.restitution > 0.0:

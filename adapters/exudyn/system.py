@@ -11,7 +11,7 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, CoulombFriction, Gravity, Load, Unilateral
+from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import Motion, start_motion
 from cases.mechanics import gravity as gravity_of
 from cases.shapes import Circle
@@ -77,45 +77,74 @@ def disc_circle(case: Case) -> Circle:
 
 
 def settled_start(case: Case, setting: Setting, depth: float = 1.0) -> Motion:
-    """The case's start, deeper in the track by the contact's deflection under the first normal force.
+    """The case's start as the contact's law has it: deeper in the track by its deflection under the first normal force,
+    and with the creep of the first friction.
 
-    A plate that is set down without it falls onto the contact's spring and presses with many times its weight, or with
-    nothing, for some steps: friction then slips where it would hold. The first normal force follows from the motion at
-    the start, as for any joint: the plate's point of contact keeps to the track, so that
-
-        n·(a + α × ρ + ω × (ċ − v)) = κ ṡ v_t
-
-    with the contact's place c and its way s along the track, the lever ρ from the centre of mass to c, and the slip v_t
-    (the derivative of "no velocity along the normal n at c"). Slip brings its friction; what sticks is taken to have
-    none yet. A contact that only pushes is not pulled. Friction acts where `depth` of the deflection is passed, on a
-    lever that is as much shorter: the centre's velocity makes up for it, so that what rolls does not begin with slip.
+    A plate that is set down without them falls onto the contact's spring, presses with many times its weight or with
+    nothing for some steps, and its friction rings. Friction acts where `depth` of the deflection is passed, on a lever
+    that is as much shorter: the centre's velocity makes up for it, so that what rolls does not begin with slip.
     """
     start, k = start_motion(case), setting.get("k")
     if not k or isnan(start.xi1_dot):
         return start
-    plate, (tx, ty), (nx, ny) = case.plate, case.track.tangent(start.xi1), case.track.normal(start.xi1)
+    force, creep = first_force(case, start, setting["vreg"])
+    sunk = force / k
+    (tx, ty), (nx, ny) = case.track.tangent(start.xi1).tolist(), case.track.normal(start.xi1).tolist()
+    along = start.omega * depth * sunk + creep
+    return start._replace(
+        x=start.x - nx * sunk, y=start.y - ny * sunk, vx=start.vx + tx * along, vy=start.vy + ty * along
+    )
+
+
+def first_force(case: Case, start: Motion, vreg: float) -> tuple[float, float]:
+    """The normal force (N) at the start, and the slip velocity (m/s) at which the law gives the friction of then.
+
+    As for any joint they follow from the motion: the plate's point of contact keeps to the track and, if it sticks,
+    does not slip. With the place c of the contact, its way s along the track, and the lever ρ from the centre of mass
+    to c, the derivatives of its velocity v + ω × ρ along normal and tangent give
+
+        n·(a + α × ρ + ω × (ċ − v)) = κ ṡ v_t    and, in stick,    t·(a + α × ρ + ω × (ċ − v)) = 0
+
+    Zero for a contact that would have to pull, and where rigid friction has no one answer (Painlevé).
+    """
+    plate, load = case.plate, case.effect(Load)
+    (tx, ty), (nx, ny) = case.track.tangent(start.xi1).tolist(), case.track.normal(start.xi1).tolist()
     along = float(case.track.speed(start.xi1)) * start.xi1_dot
-    px, py = case.track.point(start.xi1) - (start.x, start.y)
-    (fx, fy), moment, load = plate.mass * gravity_of(case), 0.0, case.effect(Load)
+    px, py = (case.track.point(start.xi1) - (start.x, start.y)).tolist()
+    fx, fy = (plate.mass * gravity_of(case)).tolist()
+    moment = 0.0
     if load:
         lx, ly, moment = load.at(0.0, start.x, start.y, start.theta, start.vx, start.vy, start.omega)
         fx, fy = fx + lx, fy + ly
     lever_n, lever_t = px * ny - py * nx, px * ty - py * tx
-    turned = start.omega * ((along * tx - start.vx) * ny - (along * ty - start.vy) * nx)
+    turned_x, turned_y = -start.omega * (along * ty - start.vy), start.omega * (along * tx - start.vx)
     bent = float(case.track.curvature(start.xi1)) * along * start.slip
-    free = (nx * fx + ny * fy) / plate.mass + lever_n * moment / plate.inertia + turned - bent
-    drag = -friction_coefficient(case) * np.sign(start.slip)
-    force = -free / (1.0 / plate.mass + lever_n * (lever_n + drag * lever_t) / plate.inertia)
-    if case.effect(Unilateral):
-        force = max(force, 0.0)
-    sunk = float(force) / k
-    made_up = start.omega * depth * sunk
-    return start._replace(
-        x=float(start.x - nx * sunk),
-        y=float(start.y - ny * sunk),
-        vx=float(start.vx + tx * made_up),
-        vy=float(start.vy + ty * made_up),
-    )
+    normal_free = (nx * fx + ny * fy) / plate.mass + lever_n * moment / plate.inertia
+    normal_free += nx * turned_x + ny * turned_y - bent
+    tangent_free = (tx * fx + ty * fy) / plate.mass + lever_t * moment / plate.inertia
+    tangent_free += tx * turned_x + ty * turned_y
+    normal_ease, tangent_ease = (1.0 / plate.mass + lever**2 / plate.inertia for lever in (lever_n, lever_t))
+    crossed = lever_n * lever_t / plate.inertia
+
+    def pressed(friction: float) -> float:
+        """The normal force if friction is so many times as large."""
+        ease = normal_ease + friction * crossed
+        return -normal_free / ease if ease > 0.0 else 0.0
+
+    rough, mu = case.effect(PerfectlyRough) is not None, friction_coefficient(case)
+    if not rough and (mu == 0.0 or abs(start.slip) > vreg):
+        force, share = pressed(-mu * copysign(1.0, start.slip)), 0.0
+    else:
+        force = (crossed * tangent_free - tangent_ease * normal_free) / (normal_ease * tangent_ease - crossed**2)
+        friction = -(tangent_free + crossed * force) / tangent_ease
+        bound = rough_friction(case) if rough else mu * abs(force)
+        share = -friction / bound if bound > 0.0 else 0.0
+        if not rough and abs(share) > 1.0:
+            share = copysign(1.0, share)
+            force = pressed(-mu * share)
+    if case.effect(Unilateral) and force <= NOTHING * plate.mass * scales(case)[1]:
+        return 0.0, 0.0
+    return force, share * vreg
 
 
 def disc_body(case: Case, start: Motion, system) -> tuple[int, int]:
@@ -168,7 +197,15 @@ def applied(case: Case, stored: Stored) -> np.ndarray:
     return force
 
 
-def cut_steps(case: Case, setting: Setting, system, slip: Callable[[Any], float]) -> None:
+# A part of the weight that is but rounding, as the force of a release on a vertical wall is.
+NOTHING = 1e-9
+# Friction and gravity change the slip at some gravities times 1 + mu; so many are beyond every plate here.
+MOST_GRAVITIES = 20.0
+
+
+def cut_steps(
+    case: Case, setting: Setting, system, slip: Callable[[Any], float], speed: Callable[[], float] | None = None
+) -> None:
     """With `cut` in the setting: a step in which the slip changes its sign is made again, smaller.
 
     Friction flips within such a step, and the trapezoidal rule gives either side half of the step wherever the crossing
@@ -176,19 +213,24 @@ def cut_steps(case: Case, setting: Setting, system, slip: Callable[[Any], float]
     it takes many steps to come to rest. The engine lets a user's function ask for another step size, as its contacts do
     where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the beginning and
     the end of the step as `slip` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks
-    anyway.
+    anyway. `speed` tells the size of the slip at less cost, if the engine knows it: what is too fast to be stopped
+    within a step is not looked at any further. (An impact may stop anything; a case that has one does without.)
     """
     if "cut" not in setting:
         return
     smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
     time_of, begin, end = system.systemData.GetTime, exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current
     sign, stands = copysign(1.0, case.start.slip), [0.0, -1.0]
+    fast = MOST_GRAVITIES * (1.0 + friction_coefficient(case)) * scales(case)[1] * setting["h"]
+    speed = None if case.effect(Flight) else speed
 
     def ask(_system, time: float) -> list[float]:
         """[error, step to make it again with], or [0, −1] if it may stand."""
         nonlocal sign
+        # It is called in every iteration: nearly always it does no more than this.
+        if speed and speed() > fast:
+            return stands
         ended = slip(end)
-        # It is called in every iteration: nearly always this is all it does.
         if ended * sign >= 0.0 or abs(ended) <= vreg:
             return stands
         begun, step = slip(begin), time - time_of(begin)
