@@ -187,6 +187,7 @@ def _write(
     from .page import folder, html, text
     from .page.manifest import manifest
     from .running import external
+    from .running.solvers import missing_words
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
     told = manifest(ran.versions) | {
@@ -200,6 +201,7 @@ def _write(
         "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
     }
+    told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
     frames = tables.frames(shown) | work_precision.frames(ran, measured)
     words = tables.WORDS | work_precision.WORDS
@@ -235,6 +237,7 @@ def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
 
     from .analysis import tables
     from .page.text import error_text
+    from .running.solvers import missing_words
 
     lines = [f"report: {plan.out / 'index.html'} ({shown.seconds:.0f} s of runs)", ""]
     counts = tables.outcome_counts(shown)
@@ -252,6 +255,7 @@ def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
     headers = ["first transition", "solver", "route", "as it comes / s", "finest / s"]
     lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
+    lines += ["", *missing] if (missing := missing_words(shown.versions)) else []
     lines += ["", f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
     return "\n".join(lines)

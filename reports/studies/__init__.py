@@ -88,7 +88,9 @@ def run(name: str, request: Request, calls: Calls, command: str) -> Result:
 
     made = study(name)
     try:
-        found = made.run(request, calls)
+        # One that is not installed has no part in it.
+        present = calls.present(request.solvers) if request.solvers else ()
+        found = made.run(request._replace(solvers=present), calls)
         frames = {table: pd.DataFrame(rows) for table, rows in made.rows(found).items()}
         return Result(name, made, command, frames, found)
     except Exception as problem:  # whatever it is, the report goes on without this study and says so
