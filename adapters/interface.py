@@ -4,7 +4,8 @@ An adapter is one module, or a package, with
 
     NAME: str                                       the engine's name in every table
     routes: tuple[str, ...]                         "native" (the engine's own shapes and contact), "assisted" (our
-                                                    geometry, the engine's contact law and step)
+                                                    contact point, the engine's contact law and step), "integrator"
+                                                    (our contact point and our contact law, the engine's step alone)
     refuses(case, route) -> str | None              why this route cannot model the case, in one sentence, or None
     ladder(case, route) -> tuple[Setting, ...]      from coarse to fine, all knobs tightened together
     build(case, route, setting) -> model            untimed

@@ -6,9 +6,13 @@ settings that a user may keep in the home folder. An exudyn that was imported be
 
 import os
 import sys
+from contextlib import redirect_stdout
+from io import StringIO
 
 os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
 sys.exudynFast = True  # type: ignore[attr-defined]
+with redirect_stdout(StringIO()):  # it says which build it is
+    import exudyn as _  # noqa: F401
 
 from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version  # noqa: E402
 

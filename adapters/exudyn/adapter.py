@@ -5,7 +5,9 @@ straight line ObjectContactSphereTriangle. (ObjectConnectorRollingDiscPenalty, m
 where it should roll it chattered about zero slip in half the runs tried, at up to a hundred times its `vreg`.)
 Pure rolling on a line, and a frictionless guide from both sides, are constraints (`constrained`). An impact
 takes some periods of the contact's spring, and its restitution comes out to a thousandth.
-`assisted` hands the same law, at the suite's contact point, to ObjectGenericODE2, for any plate and track.
+`integrator` is for any plate and track, and no contact of the engine's: contact point and contact law are ours, in
+Python, after the form of the engine's own; ObjectGenericODE2 integrates them. It says how good the engine's solver is
+with such a law, not its contacts.
 
 The law presses with a spring and a damper and regularises Coulomb's friction: below `vreg` it grows with the slip
 velocity, so what sticks creeps. A setting's `h` is the step (s), `k` the contact stiffness (N/m), `vreg` the
@@ -26,14 +28,14 @@ from cases import Case, Cost, CoulombFriction, Flight, Gravity, Impact, Load, Pe
 from cases.errors import unknown
 
 from ..interface import Setting
-from . import assisted, constrained, native
+from . import constrained, integrator, native
 from .reading import Model, read
 from .system import scales
 
 __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
 
 NAME = "exudyn"
-routes = ("native", "assisted")
+routes = ("native", "integrator")
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
@@ -58,10 +60,11 @@ RUNGS = (
     (9e-3, 3e6, 1e-5),
     (4e-3, 5e6, 1e-5),
     (2.4e-3, 1e7, 3e-6),
+    (1.25e-3, 1e7, 3e-6),
 )
-# The route whose contact is Python meets that rounding one rung earlier: its Newton iterations cannot change branch
+# The route whose contact is Python meets that rounding two rungs earlier: its Newton iterations cannot change branch
 # of the friction law between two iterations, as the engine's own contacts do.
-FINEST = {"native": len(RUNGS), "assisted": len(RUNGS) - 1}
+FINEST = {"native": len(RUNGS), "integrator": len(RUNGS) - 2}
 
 # The smallest share of a step that is asked for where the slip crosses zero: at h/100 the overshoot, some h/200 of the
 # acceleration, is below every rung's vreg.
@@ -157,7 +160,7 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     """The engine's system for a case the route does not refuse."""
     if _constrained(case, route):
         return Model(case, setting, constrained.build(case, setting))
-    maker = native if route == "native" else assisted
+    maker = native if route == "native" else integrator
     return Model(case, setting, maker.build(case, setting))
 
 

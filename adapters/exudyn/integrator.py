@@ -1,7 +1,7 @@
-"""Our contact geometry inside Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver and step.
+"""Our contact geometry and our contact law in Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver.
 
-The law is that of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that grows
-linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
+The law has the form of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that
+grows linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
 bound: friction grows on, and what rolls creeps with vreg where friction is the plate's weight.
 """
 
