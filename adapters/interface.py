@@ -19,6 +19,10 @@ and, if errors are to be taken apart by what causes them (`reports.study error_p
                                                     more knobs of the model; each knob's values appear from coarse to
                                                     fine, so the first setting is the coarsest, the last the finest
 
+and, if its rungs are to be compared with what else its knobs allow (`reports.study settings`),
+
+    wide_grid(case, route) -> tuple[Setting, ...]   the same as wide as the ladder is long, in one order for all cases
+
 The first setting of a ladder is the engine as it comes and says so: `Setting.of(rung="defaults", ...)`.
 """
 

@@ -14,6 +14,6 @@ sys.exudynFast = True  # type: ignore[attr-defined]
 with redirect_stdout(StringIO()):  # it says which build it is
     import exudyn as _  # noqa: F401
 
-from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version  # noqa: E402
+from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version, wide_grid  # noqa: E402
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]

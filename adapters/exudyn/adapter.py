@@ -32,7 +32,7 @@ from . import constrained, integrator, native
 from .reading import Model, read
 from .system import scales
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]
 
 NAME = "exudyn"
 routes = ("native", "integrator")
@@ -55,16 +55,16 @@ MOST_SAMPLES = 20_000
 RUNGS = (
     (1e-1, 1e4, 1e-3),
     (6e-2, 1e5, 3e-4),
-    (3e-2, 3e5, 3e-5),
+    (3e-2, 3e5, 6e-5),
     (1.7e-2, 1e6, 3e-5),
-    (9e-3, 3e6, 1e-5),
-    (4e-3, 5e6, 1e-5),
+    (9e-3, 3e6, 1.2e-5),
+    (4e-3, 5e6, 8e-6),
     (2.4e-3, 1e7, 3e-6),
-    (1.25e-3, 1e7, 3e-6),
+    (1.25e-3, 1.2e7, 2e-6),
 )
-# The route whose contact is Python meets that rounding two rungs earlier: its Newton iterations cannot change branch
+# The route whose contact is Python meets that rounding one rung earlier: its Newton iterations cannot change branch
 # of the friction law between two iterations, as the engine's own contacts do.
-FINEST = {"native": len(RUNGS), "integrator": len(RUNGS) - 2}
+FINEST = {"native": len(RUNGS), "integrator": len(RUNGS) - 1}
 
 # The smallest share of a step that is asked for where the slip crosses zero: at h/100 the overshoot, some h/200 of the
 # acceleration, is below every rung's vreg.
@@ -132,6 +132,18 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
         return ()
     chosen = (RUNGS[0], RUNGS[2], RUNGS[4])
     return tuple(_setting(case, route, h, k, vreg) for h, k, vreg in product(*zip(*chosen, strict=True)))
+
+
+# What the rungs were chosen among, for each route in a time that a study may take; in multiples as RUNGS.
+_WIDE = {
+    "native": ((6e-2, 3e-2, 1.7e-2, 9e-3, 4e-3), (1e5, 1e6, 3e6, 1e7), (3e-4, 3e-5, 1e-5, 3e-6)),
+    "integrator": ((6e-2, 3e-2, 1.7e-2), (1e5, 1e6, 3e6), (3e-4, 3e-5)),
+}
+
+
+def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Step times stiffness times regularisation as wide as a ladder is long; none for a constraint."""
+    return () if _constrained(case, route) else tuple(_setting(case, route, *knobs) for knobs in product(*_WIDE[route]))
 
 
 def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: int) -> Setting:

@@ -169,7 +169,7 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     # the steep branch of its law, with a thousand times its bound.
     touching, settled = start_motion(case), settled_start(case, setting, depth=0.0)
     gap = -hypot(settled.x - touching.x, settled.y - touching.y)
-    slip = hypot(settled.vx - touching.vx, settled.vy - touching.vy) or abs(touching.slip)
+    slip = hypot(settled.vx - touching.vx, settled.vy - touching.vy) or abs(touching.slip) if gap else 0.0
     data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
     impact = case.effect(Impact)
     law: dict = dict(contactDamping=critical_damping(case, setting))

@@ -85,7 +85,8 @@ def settled_start(case: Case, setting: Setting, depth: float = 1.0) -> Motion:
     that is as much shorter: the centre's velocity makes up for it, so that what rolls does not begin with slip.
     """
     start, k = start_motion(case), setting.get("k")
-    if not k or isnan(start.xi1_dot):
+    # The engine as it comes is set down by hand.
+    if not k or setting.is_default or isnan(start.xi1_dot):
         return start
     force, creep = first_force(case, start, setting["vreg"])
     sunk = force / k

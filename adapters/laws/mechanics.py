@@ -300,14 +300,11 @@ def _swing(run: Run) -> float:
 
 
 def _common(here: Run, there: Run) -> tuple[Trajectory, Trajectory]:
-    """Both motions up to the end of the shorter."""
-    count = min(len(here.motion.t), len(there.motion.t))
-    return _cut(here.motion, count), _cut(there.motion, count)
-
-
-def _cut(motion: Trajectory, count: int) -> Trajectory:
-    names = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force", "xi1", "xi2")
-    return replace(motion, dense=None, **{name: getattr(motion, name)[:count] for name in names})
+    """Both motions at the times of the first, up to the end of the shorter: an engine that chooses its steps may choose
+    others in another frame, by a rounding."""
+    a, b = here.motion, there.motion
+    times = a.t[a.t <= b.t[-1] + 1e-9]
+    return tuple(replace(each, dense=None, t=times, **each(times)._asdict()) for each in (a, b))  # type: ignore[return-value]
 
 
 def _hold_same_motion(law: str, run: Run, a: Trajectory, b: Trajectory) -> None:

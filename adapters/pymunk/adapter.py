@@ -24,7 +24,7 @@ from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import Drive
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]
 
 NAME = "pymunk"
 routes = ("native", "assisted")
@@ -108,6 +108,16 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
     if route == "assisted":
         return tuple(Setting.of(h=h, iterations=n) for h in GRID_STEPS for n in (1, 2, 5, 10))
     return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
+
+
+def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Every step of the ladder but the finest with shapes for four times, one time and a quarter of the step."""
+    if route == "assisted":
+        return grid(case, route)
+    rungs = ladder(case, route)[1:-1]
+    return tuple(
+        rung.but(**native.shape_knobs(case, rung["h"] * share)) for rung in rungs for share in (4.0, 1.0, 0.25)
+    )
 
 
 # --- build, run, read -------------------------------------------------------------------------------------------------

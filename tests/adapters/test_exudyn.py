@@ -75,8 +75,8 @@ def test_first_transition_in_a_circle_is_exact_on_the_finest_rung(mu, route, tol
 def test_first_transition_converges_with_every_rung(route):
     case = cases.load("disc_in_circle", mu=0.1)
     exact = FIRST_TRANSITION[0.1][0]
-    errors = [abs(end_of_slip(solve(case, route, rung), after=0.02) - exact) for rung in range(1, 5)]
-    # Each rung tightens everything threefold or more; the error must at least halve.
+    errors = [abs(end_of_slip(solve(case, route, rung), after=0.02) - exact) for rung in (1, 2, 3, 4, -1)]
+    # A rung's step is shorter by 1.7 or more, and the rest goes with it; the error must at least halve.
     assert all(fine < 0.5 * coarse for coarse, fine in zip(errors, errors[1:], strict=False)), errors
     assert errors[-1] < 5e-3 * errors[0]
 
@@ -233,7 +233,7 @@ def test_disc_inside_a_circle_may_run_its_track_either_way():
 )
 def test_frictionless_energy_is_kept_better_on_finer_rungs(case):
     drift = []
-    for rung in (2, 3, 4):
+    for rung in (3, 5, 6):
         E = energy(case, solve(case, "integrator", rung))
         drift.append(np.abs(E - E[0]).max())
     # The penalty's own energy N²/2k and the step's error both fall at least threefold from rung to rung.

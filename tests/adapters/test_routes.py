@@ -152,7 +152,7 @@ def test_pymunk_converges_with_its_order_of_the_step(route, expected, rungs):
 
 
 @pytest.mark.parametrize(("name", "route", "rungs"), [
-    ("exudyn", "native", (1, 3, 6)), ("exudyn", "integrator", (1, 3, 5)), ("pymunk", "assisted", (1, 3, 5)),
+    ("exudyn", "native", (1, 3, 8)), ("exudyn", "integrator", (1, 3, 7)), ("pymunk", "assisted", (1, 3, 5)),
 ])  # fmt: skip
 def test_four_transitions_none_missed_and_none_invented(name, route, rungs, accuracy):
     adapter = pytest.importorskip(f"adapters.{name}")

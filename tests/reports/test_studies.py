@@ -16,6 +16,7 @@ from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
 from reports.studies.paper import measure as paper
 from reports.studies.published import study as published
+from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 from reports.studies.stability.sensitivity import Conditioning, Spread
 from reports.studies.stability.step_limit import Bracket
@@ -34,6 +35,7 @@ FOUND = {
     "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
     "published": published.of_one(0)[:1],
     "reference_cost": [reference_cost._row("all", UNTIMED, reason="It blew up.")],
+    "settings": [settings.Cell(CASE.label, "engine", "native", "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)
     ),
