@@ -62,9 +62,9 @@ RUNGS = (
     (2.4e-3, 1e7, 3e-6),
     (1.25e-3, 1.2e7, 2e-6),
 )
-# The route whose contact is Python meets that rounding one rung earlier: its Newton iterations cannot change branch
-# of the friction law between two iterations, as the engine's own contacts do.
-FINEST = {"native": len(RUNGS), "integrator": len(RUNGS) - 1}
+# The route whose contact is Python meets that rounding at less: its Newton iterations cannot change branch of the
+# friction law between two iterations, as the engine's own contacts do.
+LADDERS = {"native": RUNGS, "integrator": (*RUNGS[:4], (9e-3, 1.5e6, 2e-5), (5e-3, 2e6, 1.5e-5), (2.5e-3, 3e6, 1e-5))}
 
 # The smallest share of a step that is asked for where the slip crosses zero: at h/100 the overshoot, some h/200 of the
 # acceleration, is below every rung's vreg.
@@ -119,7 +119,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     typed = Setting.of(rung="defaults", solver="GeneralizedAlpha", newton="modified", h=step)
     if not _constrained(case, route):
         typed = Setting((*typed.values, ("k", _rounded(1e3 * stiffness)), ("vreg", DEFAULT_VREG)))
-    return (typed, *(_setting(case, route, *knobs, rung=n) for n, knobs in enumerate(RUNGS[: FINEST[route]], start=1)))
+    return (typed, *(_setting(case, route, *knobs, rung=n) for n, knobs in enumerate(LADDERS[route], start=1)))
 
 
 def _constrained(case: Case, route: str) -> bool:

@@ -35,7 +35,7 @@ FOUND = {
     "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
     "published": published.of_one(0)[:1],
     "reference_cost": [reference_cost._row("all", UNTIMED, reason="It blew up.")],
-    "settings": [settings.Cell(CASE.label, "engine", "native", "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
+    "settings": [settings.Cell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)
     ),
