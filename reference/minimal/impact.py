@@ -49,19 +49,24 @@ class _Rates(NamedTuple):
 
 
 def collide(law: Law, before: Touch) -> Touch:
-    """The velocities after the impact of a contact that closes (lift < 0); slip or spin that ends at 0 is exactly 0."""
-    if before.lift >= 0.0:
+    """The velocities after the impact of a contact that closes; slip or spin that ends at 0 is exactly 0.
+
+    A contact that neither opens nor closes has an impact only where friction without bound ends its slip.
+    """
+    if before.lift > 0.0 or (before.lift == 0.0 and law.mu < inf):
         return before
     now = _stopped(law, before) if law.mu == inf else before
-    if now.lift >= 0.0:
-        return now
-    now, compression = _advance(law, now, lambda spent, now, rates: _until(now.lift, rates.lift, 0.0))
-    now = now._replace(lift=0.0)
+    goal = 0.0 if law.poisson else -law.restitution * before.lift
+    if now.lift >= goal:
+        return now  # what ended the slip has lifted the contact
+    compression = 0.0
+    if now.lift < 0.0:
+        now, compression = _advance(law, now, lambda spent, now, rates: _until(now.lift, rates.lift, 0.0))
+        now = now._replace(lift=0.0)
     if law.restitution == 0.0:
         return now
     if law.poisson:
         return _advance(law, now, lambda spent, now, rates: law.restitution * compression - spent)[0]
-    goal = -law.restitution * before.lift
     return _advance(law, now, lambda spent, now, rates: _until(now.lift, rates.lift, goal))[0]._replace(lift=goal)
 
 
