@@ -81,6 +81,31 @@ def test_first_transition_converges_with_every_rung(route):
     assert errors[-1] < 5e-3 * errors[0]
 
 
+def test_disc_about_another_point_than_its_centre_is_the_engine_s_own(accuracy):
+    case = cases.load("eccentric_disc_on_line")
+    assert exudyn.refuses(case, "native") is None
+    exact = reference.simulate(case, rtol=1e-12)
+    motion = solve(case, rung=5)
+    off = float(np.hypot(motion.x - exact(motion.t).x, motion.y - exact(motion.t).y).max())
+    # Creep, 1.2e-5 m/s for a second, and the penetration of 4e-8 m.
+    accuracy(case=case.label, solver="exudyn", route="native", quantity="centre / m", error=off, tolerance=3e-5)
+
+
+@pytest.mark.parametrize(
+    "label", ["driven_disc", "rolling_loop[ratio=3.5]", "disc_rolling_off_hill", "ellipse_on_hill"]
+)
+def test_first_step_presses_and_rubs_as_the_rigid_plate_does(label):
+    (case,) = cases.select(label)
+    route = "integrator" if exudyn.refuses(case, "native") else "native"
+    motion, exact = solve(case, route, rung=3), reference.simulate(case)
+    begin = slice(1, 6)
+    # Within the curvature of the path in five steps; set down by hand it is off by several times the weight.
+    weight = case.plate.mass * G
+    for name in ("normal_force", "friction_force"):
+        apart = getattr(motion, name)[begin] - getattr(exact(motion.t[begin]), name)
+        assert np.abs(apart).max() < 0.05 * weight, name
+
+
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_four_transitions_at_a_friction_of_a_fifth(route):
     motion = solve(cases.load("disc_in_circle", mu=0.2), route)
