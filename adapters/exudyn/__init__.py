@@ -15,5 +15,6 @@ with redirect_stdout(StringIO()):  # it says which build it is
     import exudyn as _  # noqa: F401
 
 from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version, wide_grid  # noqa: E402
+from .meanings import MEANINGS  # noqa: E402
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]
+__all__ = ["MEANINGS", "NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]

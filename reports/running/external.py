@@ -16,10 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from adapters import Setting
+from adapters.common import exported
 from cases import BadValue, Case, CaseError, Cost, DoesNotFit, Trajectory
 from cases.errors import unknown
 
-from ..judging import exported, noticed
+from ..judging import noticed
 from .records import Experiment, Run, Truth
 from .tasks import judge, true_motion
 

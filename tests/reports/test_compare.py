@@ -6,10 +6,11 @@ import pytest
 
 import cases
 import reference
+from adapters.common import exported
 from adapters.interface import engine as adapter_of
 from cases import registry
 from reports import compare
-from reports.judging import exported, noticed, residuals
+from reports.judging import noticed, residuals
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
