@@ -198,6 +198,7 @@ def _write(
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
     from .running import external
+    from .running.solvers import missing_words
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
     told = manifest(ran.versions) | {
@@ -211,6 +212,7 @@ def _write(
         "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
     }
+    told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
     frames = cost_tables.frames(ran, measured) | tables.frames(shown)
     holds = cost_tables.HOLDS | tables.HOLDS
@@ -250,6 +252,7 @@ def _summary(
 
     from .analysis import answers, tables, time_to_accuracy, work_precision
     from .page import text
+    from .running.solvers import missing_words
 
     frames = {name: frame for result in studied for name, frame in result.frames.items()}
     costs = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured)) if measured.cases else []
@@ -265,6 +268,7 @@ def _summary(
     lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
+    lines += missing_words(shown.versions)
     lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
     return "\n".join([*lines, str(plan.out / "index.html")])

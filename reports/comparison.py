@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import adapters
 from adapters import EngineFailure, Setting
-from adapters.common.exported import read_table, trajectory_of
-from cases import BadValue, Case, NotSupported, Trajectory
+from adapters.common.exported import columns_of, read_table, trajectory_of
+from cases import BadValue, Case, DoesNotFit, NotSupported, Trajectory
 from cases.errors import unknown
 
 from .running import tasks
@@ -64,23 +64,30 @@ def compare(case: Case, **given: str | Path | Trajectory) -> Comparison:
     Raises CaseError where there is no truth, or what is given is no motion of the case.
     """
     truth = tasks.find_truth(case)
+    if truth.failure:
+        raise DoesNotFit(f"there is no truth to judge by: {truth.failure}")
     motions, runs = {}, []
     for name, what in given.items():
-        motion, route = _motion(case, name, what)
-        row = Run(case.label, name, route, Setting.of(), 0, outcome="", status=motion.status)
-        runs.append(judge_external(row, case, motion, truth))
-        motions[name] = motion
+        motions[name], run = _judged(case, truth, name, what)
+        runs.append(run)
     return Comparison(case, truth, motions, tuple(runs))
 
 
-def _motion(case: Case, name: str, what: str | Path | Trajectory) -> tuple[Trajectory, str]:
-    if isinstance(what, Trajectory):
-        return what, ""
-    if str(what).endswith(".csv"):
-        return trajectory_of(case, read_table(what)), ""
-    if not isinstance(what, str):
+def _judged(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -> tuple[Trajectory, Run]:
+    """A motion of what is given, and its row."""
+    row = Run(case.label, name, "", Setting.of(), 0, outcome="")
+    if not isinstance(what, Trajectory | str | Path):
         raise BadValue(f"{name} is {what!r}; give a Trajectory, the path of a .csv, or a route of the engine {name}")
-    return motion_of(case, name, what), what
+    if str(what).endswith(".csv"):
+        table = read_table(str(what))
+        motion = trajectory_of(case, table)
+        return motion, judge_external(replace(row, status=motion.status), case, motion, truth, columns_of(table))
+    if isinstance(what, Trajectory):
+        motion = what
+    else:
+        motion, row = motion_of(case, name, str(what)), replace(row, route=str(what))
+    row = replace(row, status=motion.status)
+    return motion, tasks.judge(row, case, motion, tasks.true_motion(case, truth.method), truth)
 
 
 @dataclass(frozen=True, repr=False)
