@@ -18,6 +18,14 @@ and, if errors are to be taken apart by what causes them (`reports.study error_p
                                                     more knobs of the model; each knob's values appear from coarse to
                                                     fine, so the first setting is the coarsest, the last the finest
 
+and, if the parts of its time are to be told,
+
+    stripped(case, route, setting, without) -> Callable[[], None]
+                                                    as many steps as `run` takes, ready to be called, without "notes";
+                                                    and with "callback" empty, too; and without the "binding", too
+    ENGINE: str                                     or, without that function, the Python package whose compiled code is
+                                                    the engine's, for a profile, if it is not called NAME
+
 and, where it can say so,
 
     MEANINGS: tuple[Meaning, ...]                   what the engine's parameters make of friction, restitution and
