@@ -19,6 +19,7 @@ COMMANDS = {
     "report": ("reports.build", "run cases through solvers and write the comparison"),
     "cases": ("cases.commands", "list, show, make, check and export cases"),
     "compare": ("reports.compare", "judge a motion from a file"),
+    "submit": ("reports.submit", "check motions that are to be handed in"),
     "study": ("reports.study", "one of the studies beside the comparison"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
     "completion": ("", "print what completes words in bash, zsh or fish"),
