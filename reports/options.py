@@ -78,6 +78,10 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         default=[],
         help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
     ),
+    "submissions": dict(
+        metavar="DIR",
+        help="folder of motions that others handed in, as ENGINE/VERSION/CASE.csv, each a solver of its own",
+    ),
     "creep": dict(
         metavar="SPEED",
         type=float,
@@ -240,7 +244,7 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     store = checked_store(options.store, out)
     names = options.case or own
     found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
-    external = _trajectories(options.trajectory, found)
+    external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
     named = bool(names)
     return Plan(
         out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper
@@ -292,6 +296,14 @@ def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External
     from .running import external
 
     return external.from_options(texts, found, solvers())
+
+
+def _submissions(folder: str | None, found: Sequence[Case]) -> tuple[External, ...]:
+    if folder is None:
+        return ()
+    from .running import submissions
+
+    return submissions.externals(submissions.found_in(Path(folder).expanduser()), found, solvers())
 
 
 def whole_jobs(text: str) -> int:

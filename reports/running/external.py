@@ -40,6 +40,7 @@ class External:
     digest: str
     motion: Trajectory
     columns: dict[str, np.ndarray]  # as the file has them
+    route: str = ROUTE
 
 
 def from_options(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[External, ...]:
@@ -60,10 +61,11 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
         motion = exported.trajectory_of(case, table)
     except CaseError as problem:
         raise type(problem)(f"--trajectory {text!r}: {problem}") from problem
-    return External(name, case, file.name, _digest(file), motion, exported.columns_of(table))
+    return External(name, case, file.name, digest(file), motion, exported.columns_of(table))
 
 
-def _digest(file: Path) -> str:
+def digest(file: Path) -> str:
+    """What tells one file's content from another's."""
     return hashlib.sha256(file.read_bytes()).hexdigest()[:12]
 
 
@@ -96,7 +98,7 @@ def joined(experiment: Experiment, trajectories: Sequence[External]) -> Experime
 
 def judged(given: External, rung: int, truth: Truth) -> Run:
     """The trajectory's row, judged like any solver's."""
-    row = Run(given.case.label, given.name, ROUTE, Setting.of(file=given.file), rung, outcome="")
+    row = Run(given.case.label, given.name, given.route, Setting.of(file=given.file), rung, outcome="")
     row = replace(row, cost=Cost(steps=len(given.motion.t) - 1), status=given.motion.status)
     try:
         return judge_external(row, given.case, given.motion, truth, given.columns)
