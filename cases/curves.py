@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 import sympy as sp
 
-from . import expressions, features, measured
+from . import expressions, features, formulas, measured
 from .errors import BadCurve, BadValue, finite
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 from .kept import kept
@@ -79,7 +79,10 @@ class Curve:
 
     def at(self, s) -> tuple[sp.Expr, sp.Expr]:
         """(X, Y) as expressions, with another expression for the parameter: how a curve is written into another."""
-        x, y = (part.xreplace({PARAMETER: sp.sympify(s)}) for part in self.expression)
+        place = expressions.as_expression(s)
+        if place is None:
+            raise BadValue(f"the parameter of a curve is {s!r}; give an expression")
+        x, y = (part.xreplace({PARAMETER: place}) for part in self.expression)
         return x, y
 
     @classmethod
@@ -318,7 +321,7 @@ def _checked_domain(domain) -> tuple[float, float] | None:
 
 def _from_strings(texts: tuple[str, str]) -> tuple[sp.Expr, sp.Expr]:
     """A pair of strings as expressions in s."""
-    x, y = (expressions.parse(text, {"s": PARAMETER}, "the curve's coordinate", BadCurve) for text in texts)
+    x, y = (formulas.parse(text, {"s": PARAMETER}, "the curve's coordinate", BadCurve) for text in texts)
     return x, y
 
 
@@ -330,18 +333,20 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         raise BadCurve(f"a curve is a function of its parameter, not {function!r}; give lambda s: (X, Y)")
     try:
         pair = tuple(function(PARAMETER))
-        x, y = (sp.sympify(part) for part in pair)
+        x, y = pair
     except BadCurve:
         raise
     except Exception as problem:
         raise BadCurve(
             f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"
         ) from problem
-    for part in (x, y):
-        if not isinstance(part, sp.Expr) or part.free_symbols - {PARAMETER}:
-            raise BadCurve(f"the curve's coordinate {part} is not an expression in the parameter alone")
-        if part.has(sp.nan, sp.zoo, sp.oo):
-            raise BadCurve(f"the curve's coordinate {part} is not finite; give finite sizes")
+    x, y = (expressions.admitted(part, (PARAMETER,), "the curve's coordinate", BadCurve) for part in (x, y))
+    parts = sum(expressions.parts_of_derivatives(part)[3] for part in (x, y))
+    if parts > expressions.MOST_DERIVED:
+        raise BadCurve(
+            f"the curve's third derivatives would have some {parts} parts; give a formula with fewer than "
+            f"{expressions.MOST_DERIVED}: fewer factors, or fewer functions inside each other"
+        )
     return x, y
 
 

@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 import sympy as sp
 
-from . import expressions, features
+from . import expressions, features, formulas
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 
 # What a load may depend on: time (s), pose (m, rad) and velocities (m/s, rad/s) of the centre of mass.
@@ -95,17 +95,8 @@ def _arrived(*trees) -> Load:
 
 def _formula(what: str, value) -> sp.Expr:
     if isinstance(value, str):
-        value = expressions.parse(value, {s.name: s for s in MOTION}, what, BadValue)
-    try:
-        formula = sp.sympify(value)
-    except (sp.SympifyError, TypeError, AttributeError):
-        formula = None
-    if not isinstance(formula, sp.Expr) or isinstance(value, bool) or formula.free_symbols - set(MOTION):
-        names = ", ".join(s.name for s in MOTION)
-        raise BadValue(f"{what} is {value!r}; give a number or a formula in {names}")
-    if formula.has(sp.nan, sp.zoo, sp.oo, sp.I):
-        raise BadValue(f"{what} is {value!r}; give finite real numbers")
-    return formula
+        return formulas.parse(value, {s.name: s for s in MOTION}, what, BadValue)
+    return expressions.admitted(value, MOTION, what, BadValue)
 
 
 @dataclass(frozen=True)
