@@ -69,8 +69,8 @@ class _Reader:
         match node:
             case ast.Constant(value=bool()):
                 pass
-            case ast.Constant(value=int() | float()):
-                return self._number(node.value)
+            case ast.Constant(value=int() | float() as value):
+                return self._number(value)
             case ast.Name():
                 return self._name(node.id)
             case ast.UnaryOp() if type(node.op) in _OPERATIONS:
@@ -81,10 +81,10 @@ class _Reader:
                 return _power(self.read(node.left, depth + 1), self.read(node.right, depth + 1))
             case ast.BinOp() if type(node.op) in _OPERATIONS:
                 return _OPERATIONS[type(node.op)](self.read(node.left, depth + 1), self.read(node.right, depth + 1))
-            case ast.Call(func=ast.Name(), args=[argument], keywords=[]):
-                return self._call(node.func.id, self.read(argument, depth + 1))
-            case ast.Call(func=ast.Name()) if node.func.id in FUNCTIONS:
-                raise _Refused(f"gives {node.func.id} other than one argument; give it one")
+            case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]):
+                return self._call(name, self.read(argument, depth + 1))
+            case ast.Call(func=ast.Name(id=name)) if name in FUNCTIONS:
+                raise _Refused(f"gives {name} other than one argument; give it one")
         raise _Refused(f"is more than arithmetic in {', '.join(self._variables)}; write it as an expression")
 
     def _number(self, value: int | float) -> sp.Expr:

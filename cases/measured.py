@@ -7,6 +7,7 @@ order, so the third derivatives the paper needs exist and are finite.
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -37,6 +38,10 @@ def paths_count_from(folder: Path) -> Iterator[None]:
         yield
     finally:
         _folder.reset(before)
+
+
+# A heading names its columns; a first row with a typing error has a digit, a sign or nothing where a name begins.
+_HEADING = re.compile(r"\s*[^\W\d_]")
 
 
 class Fit(NamedTuple):
@@ -95,8 +100,8 @@ def read(path: str | Path) -> np.ndarray:
         try:
             x, y = (float(cell) for cell in row)
         except ValueError:
-            if number == told[0][0]:
-                continue  # a heading
+            if number == told[0][0] and all(_HEADING.match(cell) for cell in row):
+                continue
             raise BadValue(f"{path}:{number} is {','.join(row)!r}; give two numbers x,y in metres") from None
         rows.append((x, y))
     return np.array(rows, dtype=float).reshape(-1, 2)
@@ -116,10 +121,27 @@ def _checked(points, closed: bool) -> np.ndarray:
         points = points[:-1]
     if len(points) < 8:
         raise BadValue(f"{len(points)} points are not enough for a smooth curve; give at least 8")
+    if closed:
+        _check_round(points)
     same = np.flatnonzero(np.all(points[1:] == points[:-1], axis=1))
     if same.size:
         raise BadValue(f"points {same[0] + 1} and {same[0] + 2} are the same; leave one out")
     return points
+
+
+# The chord from the last point to the first may be so many times the longest other one: a quarter of a circle left out
+# shows from eight points on, and hands place points more evenly than that.
+GAP = 2.0
+
+
+def _check_round(points: np.ndarray) -> None:
+    """Raises BadCurve for points of a closed curve that leave a part of it out."""
+    chords = np.hypot(*np.diff(np.vstack([points, points[:1]]), axis=0).T)
+    if chords[-1] > GAP * chords[:-1].max():
+        raise BadCurve(
+            f"the last point lies {chords[-1]:.3g} m from the first, {chords[-1] / chords[:-1].max():.2g} times as far "
+            "as any two others: a part of the closed curve has no points; give points there, or closed=False"
+        )
 
 
 def _chord_parameter(points: np.ndarray, closed: bool) -> np.ndarray:
