@@ -42,13 +42,14 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
     try:
         with warnings.catch_warnings():  # Python's own about style are no answer to an author
             warnings.simplefilter("ignore")
-            tree = ast.parse(text.strip(), mode="eval")
+            source = text.strip()
+            tree = ast.parse(source, mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
         raise error(f"{what} {shown} cannot be read ({getattr(problem, 'msg', problem)})") from None
     if sum(1 for _ in ast.walk(tree)) > 4 * MOST_PARTS:  # an operation is a node of its own, and so is a name's use
         raise error(f"{what} {shown} is too long a formula; give one of at most {MOST_PARTS} parts")
     try:
-        made = _Reader(variables).read(tree.body, 0)
+        made = _Reader(variables, source).read(tree.body, 0)
     except _Refused as problem:
         raise error(f"{what} {shown} {problem}") from None
     except (ArithmeticError, TypeError, ValueError) as problem:  # no number at all, such as 1/0 within a power
@@ -59,8 +60,8 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
 class _Reader:
     """Walks a syntax tree from its leaves up; what is in no table is refused."""
 
-    def __init__(self, variables: Mapping[str, sp.Symbol]):
-        self._variables = variables
+    def __init__(self, variables: Mapping[str, sp.Symbol], source: str):
+        self._variables, self._source = variables, source
 
     def read(self, node: ast.expr, depth: int) -> sp.Expr:
         """The expression of one node."""
@@ -70,7 +71,7 @@ class _Reader:
             case ast.Constant(value=bool()):
                 pass
             case ast.Constant(value=int() | float() as value):
-                return self._number(value)
+                return self._number(value, node)
             case ast.Name():
                 return self._name(node.id)
             case ast.UnaryOp() if type(node.op) in _OPERATIONS:
@@ -87,10 +88,13 @@ class _Reader:
                 raise _Refused(f"gives {name} other than one argument; give it one")
         raise _Refused(f"is more than arithmetic in {', '.join(self._variables)}; write it as an expression")
 
-    def _number(self, value: int | float) -> sp.Expr:
+    def _number(self, value: int | float, node: ast.expr) -> sp.Expr:
         if not abs(value) <= LARGEST_NUMBER:
             raise _Refused(f"has a number beyond {LARGEST_NUMBER:g}; give a smaller one")
-        return sp.Integer(value) if isinstance(value, int) else sp.Float(value)
+        if isinstance(value, int):
+            return sp.Integer(value)
+        # By its digits, as it was written: quadruple precision has use for more than a double holds.
+        return sp.Float((ast.get_source_segment(self._source, node) or repr(value)).replace("_", ""))
 
     def _name(self, name: str) -> sp.Expr:
         if name in self._variables:
