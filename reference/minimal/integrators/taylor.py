@@ -24,7 +24,7 @@ from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..eliminated import Motion, T
 from ..modes import Phase
 from ..system import System
-from .segment import BREAKDOWN, Event, Segment
+from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, Event, Segment
 
 try:
     import heyoka as hy
@@ -198,7 +198,8 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     event, steps = ended
 
     def record():
-        again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
+        # To the same step: the compiled loop looks up from its work at every thousandth.
+        again = _one_by_one(integrator, phase, t, y, end, float, tolerance, most_steps=steps)
         return np.append(again.times[:-1], event.time), again.states
 
     return Segment(phase, t, event, steps, steps, record)
@@ -224,6 +225,8 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, 
     while guard is None and integrator.time < end:
         outcome, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
         steps, guard = steps + count, _guard(outcome, phase)
+        if guard is None and steps >= MOST_STEPS:
+            guard = EXHAUSTED
         known = guard is not None or int(outcome) in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(integrator.time) or not known:
             return None
@@ -236,7 +239,9 @@ def _guard(outcome, phase: Phase) -> str | None:
     return list(phase.system.guards)[number] if 0 <= number < len(phase.system.guards) else None
 
 
-def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Segment:
+def _one_by_one(
+    integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float, most_steps: int = MOST_LOOKED_AT
+) -> Segment:
     """The phase with all its steps."""
     integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
     series = _series(integrator, t, y, real)
@@ -248,6 +253,9 @@ def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, t
     last, longest = real(end), real(most)
     with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
         while integrator.time < end and guard is None:
+            if len(coefficients) >= most_steps:
+                guard = EXHAUSTED
+                break
             outcome = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
             longest = real(inf)
             coefficients.append(integrator.tc.astype(float))
