@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 
-from .errors import BadCurve, BadValue, UnknownName
+from . import files
+from .errors import BadCurve, BadValue
 from .expressions import PARAMETER, cos, sin
 
 # More terms than this follow the noise of a measurement before its shape, and make the equations slow.
@@ -25,6 +26,9 @@ MOST_TERMS = 10
 # Points missed by less than this part of the curve's size are met: about what a caliper reads off a hand-sized plate.
 CLOSE_ENOUGH = 1e-3
 
+
+# Bytes of a file of points: a hundred thousand of them.
+LARGEST_FILE = 4 * 2**20
 
 # The folder of the case file that is being read, from which its paths count; outside of one: where one works.
 _folder: ContextVar[Path] = ContextVar("_folder", default=Path())
@@ -83,17 +87,12 @@ def read(path: str | Path) -> np.ndarray:
     A relative path counts from the case file that names it, else from the working folder.
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
     """
-    try:
-        path = Path(_folder.get(), path)
-        there = path.is_file()
-    except (TypeError, ValueError, OSError):
-        raise BadValue(f"the file to read points from is {path!r}; give its path") from None
-    if not there:
-        raise UnknownName(f"there is no file {str(path)!r} to read points from")
+    what = "file of points"
+    path = files.existing(what, Path(_folder.get(), files.place(what, path)))
     rows = []
     try:
-        lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
-    except (UnicodeDecodeError, csv.Error) as problem:
+        lines = list(csv.reader(files.text(what, path, LARGEST_FILE).splitlines()))
+    except csv.Error as problem:
         raise BadValue(f"{path} is no CSV text ({problem}); give two columns x,y in metres") from None
     told = [(n, row) for n, row in enumerate(lines, start=1) if row and not row[0].lstrip().startswith("#")]
     for number, row in told:

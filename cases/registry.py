@@ -12,11 +12,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.metadata import entry_points
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
+from . import files
 from .case import Case
-from .errors import BadValue, CaseError, UnknownName, unknown
+from .errors import BadValue, CaseError, unknown
 from .measured import paths_count_from
 
 
@@ -109,15 +111,17 @@ def load(name: str, **parameters) -> Case:
     bare, written = _parse(name)
     found = entry(bare)
     parameters = {**written, **parameters}
-    for key in parameters:
+    for key, value in parameters.items():
         if key not in found.parameters:
             raise unknown(f"parameter of {bare}", key, found.parameters)
+        if not isinstance(value, Real):
+            raise BadValue(f"{key} of {bare} is {value!r}; give a number")
     try:
         with paths_count_from(found.folder):
             made = found.function(**parameters)
     except CaseError:
         raise
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         told = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
         raise BadValue(f"{bare} cannot be made with {told}: {type(problem).__name__}: {problem}") from problem
     if not isinstance(made, Case):
@@ -150,9 +154,7 @@ def load_file(path: str | Path) -> list[str]:
 
     Raises CaseError, in one sentence, if the file cannot be read, fails, or holds no case.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise UnknownName(f"there is no case file {str(path)!r}")
+    path = files.existing("case file", path)
     before = dict(_entries)
     if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
@@ -186,12 +188,14 @@ def _import_packages() -> None:
     for found in entry_points(group="slip_to_roll.cases"):
         try:
             found.load()
-        except Exception as problem:
+        except (Exception, SystemExit) as problem:
             raise BadValue(f"the cases of {found.value} fail: {type(problem).__name__}: {problem}") from problem
 
 
 def _parse(text: str) -> tuple[str, dict[str, float]]:
     """Split "name[a=1,b=2]" into the name and its numbers."""
+    if not isinstance(text, str):
+        raise BadValue(f"{text!r} is not a case; give its name, for example disc_in_circle")
     match = re.fullmatch(r"\s*(\w+)\s*(?:\[(.*)\])?\s*", text)
     if not match:
         raise BadValue(f"{text!r} is not a case; write name or name[parameter=value,…]")

@@ -6,16 +6,14 @@ farther apart than the curve's speed explains.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
+import sympy as sp
 
 from . import features
 from .errors import BadCurve
 from .expressions import PARAMETER
-
-if TYPE_CHECKING:
-    from .curves import Curve
 
 # Enough samples to see a cusp or a hole of any curve a person would write; a finer feature is found where it matters,
 # by the solver that meets it.
@@ -34,6 +32,23 @@ FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK = 240, 8.0, 2400, 200
 PIECES, CLOSER = 16, 3
 # Strands of a curve closer than this part of its size are one: a circle run round again misses itself by rounding.
 TOGETHER = 1e-9
+
+
+class Curve(Protocol):
+    """What is asked of a curve here: `cases.curves.Curve`, which asks for these checks."""
+
+    @property
+    def expression(self) -> tuple[sp.Expr, sp.Expr]: ...
+    @property
+    def domain(self) -> tuple[float, float] | None: ...
+    @property
+    def period(self) -> float | None: ...
+    @property
+    def span(self) -> tuple[float, float]: ...
+    def jets(self, s) -> np.ndarray: ...
+    def point(self, s) -> np.ndarray: ...
+    def speed(self, s): ...
+    def tangent_angle(self, s): ...
 
 
 def check_regular(curve: Curve) -> None:

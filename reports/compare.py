@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import cases
 from cases import Case
+from cases.files import existing
 
 from . import options
 
@@ -79,8 +80,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         }
         parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", words=positional)
         given = parser.parse_args(words)
+        file = existing("file", given.FILE)
         options.load_files(given.case_file)
-        print(compare(cases.load(given.CASE), given.FILE))
+        print(compare(options.guarded(f"the case {given.CASE}", lambda: cases.load(given.CASE)), file))
 
     return options.status(COMMAND, work, argv)
 

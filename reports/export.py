@@ -17,16 +17,20 @@ import numpy as np
 from cases import Case, Curve
 from cases.contact import start_motion
 
-from .show import case_of, main
+from .show import MADE_BY, case_of, check_ours, main
 
 # Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
 SAMPLES = 1001
+FILES = ("scene.json", "track.csv", "outline.csv")
 
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError if what was asked for makes no sense."""
-    case, out = case_of("export", words)
+    case, out, force = case_of("export", words)
     folder = out or Path(case.name)
+    check_ours(folder / FILES[0], force)
+    for name in FILES[1:]:  # what stands beside a scene of ours is ours
+        check_ours(folder / name, force or (folder / FILES[0]).exists())
     written = export(case, folder)
     print("\n".join(f"written: {path}" for path in written))
 
@@ -35,7 +39,7 @@ def export(case: Case, folder: Path) -> list[Path]:
     """Write a case into a folder; returns the files."""
     said = scene(case)
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / "scene.json", folder / "track.csv", folder / "outline.csv"]
+    paths = [folder / name for name in FILES]
     paths[0].write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     for path, curve in zip(paths[1:], (case.track, case.plate.outline), strict=True):
         np.savetxt(path, sampled(curve), delimiter=",", comments="", header="s,x,y,normal_x,normal_y,curvature")
@@ -54,6 +58,7 @@ def scene(case: Case) -> dict:
 
     certificate = reference.certify(case)
     return {
+        "made_by": f"{MADE_BY} export",
         "case": case.label,
         "units": "SI, radians; the plate lies on the left of the track; components along its tangent and left normal",
         "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},

@@ -146,7 +146,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, step.ending
         t, y, regime, near = step.time, step.state, step.regime, step.place[0]
         if steps >= MOST_STEPS:
-            return segments, transitions, exhausted(t)
+            return segments, transitions, exhausted(t, steps)
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
     return segments, transitions, ("unfinished", sentence)
 
@@ -157,11 +157,11 @@ def undecidable(t: float) -> Ending:
     return BREAKDOWN, f"After t = {t:.9g} s {why}."
 
 
-def exhausted(t: float) -> Ending:
+def exhausted(t: float, steps: int) -> Ending:
     """What is said where the steps of a motion are used up."""
     return "unfinished", (
-        f"The motion took {MOST_STEPS} steps until t = {t:.9g} s, as many as a run takes; end it there, or look at "
-        "slower speeds and forces."
+        f"The motion took {steps} steps until t = {t:.9g} s, as many as a run takes; end it there, or look at slower "
+        "speeds and forces."
     )
 
 
@@ -206,7 +206,7 @@ def _after_contact(case: Case, segment: Segment, error: float) -> Step:
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
     if guard == EXHAUSTED:
-        return Step((segment,), t, ending=exhausted(t))
+        return Step((segment,), t, ending=exhausted(t, segment.steps))
     if guard == BREAKDOWN:
         return Step((segment,), t, ending=_breakdown(now, segment))
     if guard == "slip":
@@ -348,7 +348,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     """What the impact makes of a landing."""
     last = segments[-1]
     if landing is None and last.event.guard == EXHAUSTED:
-        return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time))
+        return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time, last.steps))
     if landing is None:
         return Step(
             tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETED
