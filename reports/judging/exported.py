@@ -12,6 +12,8 @@ omega (m/s, rad/s), slip (m/s), normal_force and friction_force (N). What is mis
 
 from __future__ import annotations
 
+import io
+import re
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -19,9 +21,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, files
 from cases.contact import Contact, find, slip_velocity, start_motion
-from cases.errors import UnknownName
 from cases.nearest import nearest
 
 from .residuals import LOOSE
@@ -31,6 +32,8 @@ OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
 
 # Fewer samples than these leave no branch long enough to extrapolate a transition from.
 LEAST_SAMPLES = 50
+# A file's size in bytes, and its samples: each is looked at by itself, a tenth of a millisecond.
+LARGEST_FILE, MOST_SAMPLES = 100 * 2**20, 200_000
 # The plate's or the track's direction may turn by so much (rad) between samples: differences are then good to
 # 0.2²/6 < 1 %, and the contact point is found from the one before.
 MOST_TURN = 0.2
@@ -44,14 +47,17 @@ OFF = 0.05
 
 def read_table(path: str | Path) -> pd.DataFrame:
     """The known columns of the file as finite floats with growing times. Raises CaseError, in one sentence."""
-    path = Path(path)
-    if not path.is_file():
-        raise UnknownName(f"there is no file {str(path)!r}")
+    path = files.existing("file", path)
+    said = files.text("file", path, LARGEST_FILE)
     try:
-        table = pd.read_csv(path, skipinitialspace=True)
-    except (ValueError, OSError) as problem:
+        # Every cell as text: what pandas takes for a number, a date or an index is decided below.
+        table = pd.read_csv(io.StringIO(said), skipinitialspace=True, header=None, dtype=str, index_col=False)
+    except (ValueError, OverflowError, RecursionError) as problem:
         raise BadValue(f"{path} cannot be read as comma-separated values: {problem}") from problem
-    table = table.rename(columns=lambda name: str(name).strip())
+    heading = ["" if cell is None else str(cell).strip() for cell in table.iloc[0].where(table.iloc[0].notna(), None)]
+    table = table.iloc[1:].reset_index(drop=True)
+    table.columns = pd.Index(heading)
+    _check_heading(path.name, heading)
     missing = [name for name in NEEDED if name not in table]
     if missing:
         first = ",".join(str(name) for name in table.columns)
@@ -59,6 +65,12 @@ def read_table(path: str | Path) -> pd.DataFrame:
             f"{path.name} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
             "t, x, y, theta, separated by commas"
         )
+    if len(table) > MOST_SAMPLES:
+        raise BadValue(f"{path.name} has {len(table)} samples; give at most {MOST_SAMPLES}")
+    again = table.duplicated().to_numpy()
+    if again.any():
+        line = int(np.argmax(again)) + 2
+        raise BadValue(f"line {line} of {path.name} stands there before; leave duplicated lines out")
     table = table[[name for name in (*NEEDED, *OPTIONAL) if name in table]]
     for name in table:
         numbers = pd.to_numeric(table[name], errors="coerce")
@@ -72,6 +84,22 @@ def read_table(path: str | Path) -> pd.DataFrame:
     if len(table) < LEAST_SAMPLES:
         raise BadValue(f"{path.name} has {len(table)} samples, too coarse to judge; give at least {LEAST_SAMPLES}")
     return table
+
+
+def _check_heading(file: str, heading: list[str]) -> None:
+    """Raises BadValue for a first line that leaves open what a column holds."""
+    if "" in heading:
+        number = heading.index("") + 1
+        raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
+    for name in (*NEEDED, *OPTIONAL):
+        if heading.count(name) > 1:
+            raise BadValue(f"{file} has {heading.count(name)} columns {name}; leave one")
+        # t_ms, x [mm], time (min): a unit beside a name that is known says that it is not metres or seconds.
+        other = [
+            given for given in heading if re.fullmatch(rf"{name}[\s_(\[/]+(ms|us|min|h|mm|cm|km|deg|in|ft).*", given)
+        ]
+        if other and name not in heading:
+            raise BadValue(f"{file} has a column {other[0]!r}; give {name} in SI units and radians, and call it {name}")
 
 
 def check_start(case: Case, table: pd.DataFrame) -> None:
