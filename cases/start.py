@@ -72,9 +72,8 @@ class Start:
             raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {self.slip:g}")
 
 
-# Contact speeds are divided by the difference of the curvatures, and enter with their squares: 1e12 leaves four digits
-# of sixteen.
-NARROW = 1e6
+# Contact speeds are divided by the difference of the curvatures: 1e10 leaves six digits of it.
+NARROW = 1e10
 
 # What follows depends on the curves and the start alone, and scenes are made again and again with another friction.
 

@@ -80,9 +80,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         }
         parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", words=positional)
         given = parser.parse_args(words)
-        file = existing("file", given.FILE)
         options.load_files(given.case_file)
-        print(compare(options.guarded(f"the case {given.CASE}", lambda: cases.load(given.CASE)), file))
+        case = options.guarded(f"the case {given.CASE}", lambda: cases.load(given.CASE))
+        print(compare(case, existing("file", given.FILE)))
 
     return options.status(COMMAND, work, argv)
 

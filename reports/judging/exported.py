@@ -86,6 +86,9 @@ def read_table(path: str | Path) -> pd.DataFrame:
     return table
 
 
+_UNITS = "(ms|us|min|h|mm|cm|km|deg|in|ft)"
+
+
 def _check_heading(file: str, heading: list[str]) -> None:
     """Raises BadValue for a first line that leaves open what a column holds."""
     if "" in heading:
@@ -95,9 +98,7 @@ def _check_heading(file: str, heading: list[str]) -> None:
         if heading.count(name) > 1:
             raise BadValue(f"{file} has {heading.count(name)} columns {name}; leave one")
         # t_ms, x [mm], time (min): a unit beside a name that is known says that it is not metres or seconds.
-        other = [
-            given for given in heading if re.fullmatch(rf"{name}[\s_(\[/]+(ms|us|min|h|mm|cm|km|deg|in|ft).*", given)
-        ]
+        other = [given for given in heading if re.fullmatch(rf"{name}[\s_(\[/]+{_UNITS}.*", given)]
         if other and name not in heading:
             raise BadValue(f"{file} has a column {other[0]!r}; give {name} in SI units and radians, and call it {name}")
 
