@@ -9,7 +9,7 @@ they follow each other.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, pi, sqrt
+from math import hypot, inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -63,9 +63,9 @@ SHORT = 1 / 32
 SETTLED = 1e-13
 SHORTEST = 1e-7
 
-# A rebound that rises by no more than this part of the plate's size, a position's rounding, is none: bouncing of which
-# no limit was found (each ends otherwise than the one before) is then over.
-OVER = 2.0**-52
+# A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: the end
+# of bouncing, at its limit or, where none was found (each ends otherwise than the one before), at once.
+OVER = 2.0**-50
 
 # A gap this far below zero (in plate's sizes) at the end of a hop is one in another place: far above rounding.
 ELSEWHERE = 1e-9
@@ -197,9 +197,12 @@ class _March:
         z = [begin.xi1, begin.xi2, omega, slip]
         if self.case.start.in_contact:
             return self._touching(z, 0) or self._without_mode(z, 0)
-        if self.case.start.gap == 0.0 and self.case.start.gap_rate < 0.0:
-            return self._landing(Landing(z, 0, self.case.start.gap_rate))
-        return self._leaps(z, 0, self.case.start.gap_rate) if self.case.start.gap == 0.0 else Flying(body)
+        if self.case.start.gap > 0.0:
+            return Flying(body)
+        lift = self.case.start.gap_rate
+        if lift < 0.0 or self._drowns(z, 0, lift):  # what rises by less than a rounding comes down at once, as fast
+            return self._landing(Landing(z, 0, -abs(lift)))
+        return self._leaps(z, 0, lift)
 
     # --- in contact -------------------------------------------------------------------------------------------------
 
@@ -390,7 +393,7 @@ class _March:
         if result.lift == 0.0:
             return self._settled(z, turns)
         self.bounces.append(Bounce(self.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
-        listed = result.lift >= LISTED * self.fastest
+        listed = result.lift >= LISTED * self.fastest and not self._drowns(z, turns, result.lift)
         limit = None if listed else self._accumulation(turns)
         if limit is not None:
             self.t = limit.time
@@ -404,11 +407,16 @@ class _March:
         """The acceleration (m/s²) that brings a plate back to its track."""
         return self.scene.forces(self.t, z, Phase(None, None), turns).push
 
+    def _drowns(self, z, turns: int, lift: float) -> bool:
+        """Whether a rebound of that speed (m/s) rises no higher than a position's rounding."""
+        q, (x, y) = self.scene.place(z[0], z[1]), self.scene.body(z, turns)[:2]
+        return lift**2 <= 2.0 * self._press(z, turns) * OVER * (abs(x) + abs(y) + hypot(q.arm_t, q.arm_n))
+
     def _leaps(self, z, turns: int, lift: float) -> Touching | Flying | Stopped:
         """Flight from the track with a normal velocity."""
         press = self._press(z, turns)
         lasts = 2.0 * lift / press if press > 0.0 else inf
-        if 0.25 * lasts * lift <= OVER * self.scene.reach or self.t + lasts == self.t:
+        if self._drowns(z, turns, lift) or self.t + lasts == self.t:
             return self._settled(z, turns)
         pace = self.scene.pace(self.t, z, turns) + sqrt(max(press, 0.0) / self.scene.reach)
         leap = Leap(z, turns, lift, lasts, lasts * pace <= SHORT)

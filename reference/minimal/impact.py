@@ -49,8 +49,8 @@ class _Rates(NamedTuple):
 
 
 def collide(law: Law, before: Touch) -> Touch:
-    """The velocities after the impact of a contact that closes (lift < 0); slip or spin that ends at 0 is exactly 0."""
-    if before.lift >= 0.0:
+    """The velocities after the impact of a contact that closes (lift <= 0); a slip or spin that ends is exactly 0."""
+    if before.lift > 0.0:
         return before
     now = _stopped(law, before) if law.mu == inf else before
     if now.lift >= 0.0:

@@ -22,9 +22,7 @@ from reports.studies.stability.step_limit import Bracket
 
 CASE = cases.load("disc_on_line", mu=0.1)
 ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
-SCENE = stability.Scene(
-    Truth(), Truth(), None, Conditioning(nan, nan, nan), Spread("", nan, nan), ((ROW, Residuals()),)
-)
+SCENE = stability.Scene(Truth(), Truth(), None, Conditioning(nan, nan, nan), Spread("", nan, nan))
 WHO = (0, "engine", "native")
 # Of each study what it may have found where next to nothing came of it.
 FOUND = {
