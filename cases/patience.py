@@ -18,7 +18,7 @@ PATIENCE = 60.0
 GRACE = 30.0
 
 
-class _TimeUp(BaseException):
+class TimeUp(BaseException):
     """No Exception: an author's own `except Exception` is not to catch it."""
 
 
@@ -35,7 +35,7 @@ def patience(what: str, seconds: float = PATIENCE) -> Iterator[None]:
     sentence = f"{what} does not end within {seconds:g} s; look for a loop without end in it"
 
     def ring(*_) -> None:
-        raise _TimeUp
+        raise TimeUp
 
     def give_up() -> None:
         print(sentence, file=sys.stderr, flush=True)
@@ -49,7 +49,7 @@ def patience(what: str, seconds: float = PATIENCE) -> Iterator[None]:
     last.start()
     try:
         yield
-    except _TimeUp:
+    except TimeUp:
         raise BadValue(sentence) from None
     finally:
         last.cancel()

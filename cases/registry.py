@@ -20,6 +20,7 @@ from . import files
 from .case import Case
 from .errors import BadValue, CaseError, unknown
 from .measured import paths_count_from
+from .patience import TimeUp
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,8 @@ def case(
 def entry(name: str) -> Entry:
     """The registered case of that name; raises UnknownName with the nearest names."""
     _import_catalogue()
+    if not isinstance(name, str):
+        raise BadValue(f"{name!r} is not a case; give its name, for example disc_in_circle")
     if name not in _entries:
         raise unknown("case", name, _entries)
     return _entries[name]
@@ -119,9 +122,9 @@ def load(name: str, **parameters) -> Case:
     try:
         with paths_count_from(found.folder):
             made = found.function(**parameters)
-    except CaseError:
+    except (CaseError, KeyboardInterrupt, TimeUp):
         raise
-    except (Exception, SystemExit) as problem:
+    except BaseException as problem:  # sys.exit among them
         told = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
         raise BadValue(f"{bare} cannot be made with {told}: {type(problem).__name__}: {problem}") from problem
     if not isinstance(made, Case):
@@ -164,9 +167,9 @@ def load_file(path: str | Path) -> list[str]:
     try:
         with paths_count_from(place.parent):
             spec.loader.exec_module(importlib.util.module_from_spec(spec))
-    except CaseError:
+    except (CaseError, KeyboardInterrupt, TimeUp):
         raise
-    except (Exception, SystemExit) as problem:
+    except BaseException as problem:
         raise BadValue(f"the case file {path} fails: {type(problem).__name__}: {problem}") from problem
     new = [name for name in _entries if _entries[name] is not before.get(name)]
     if not new:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
@@ -44,11 +45,33 @@ def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder
     files = []
     for name, frame in tables.items():
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
-        frame.to_csv(files[-2], index=False)
+        inert(frame).to_csv(files[-2], index=False)
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{markdown(frame)}\n" + (f"\n{meanings}" if meanings else "") + f"\nMake it again: `{command}`\n"
         files[-1].write_text(text, encoding="utf-8")
     return files
+
+
+# What a spreadsheet takes for a formula, or skips to reach one.
+_FORMULA = re.compile(r"\s*[=+\-@]")
+# What a reader of Markdown may take for HTML.
+_TAG = re.compile(r"<(?=[A-Za-z/!?])")
+
+
+def inert(frame: pd.DataFrame) -> pd.DataFrame:
+    """The table with an apostrophe before each text that a spreadsheet would work out; a number in words is none."""
+    texts = [column for column in frame.columns if frame[column].dtype == object or str(frame[column].dtype) == "str"]
+    return frame.assign(**{column: [_inert(value) for value in frame[column]] for column in texts})
+
+
+def _inert(value: Any) -> Any:
+    if not isinstance(value, str) or not _FORMULA.match(value):
+        return value
+    try:
+        float(value)
+    except ValueError:
+        return f"'{value}"
+    return value
 
 
 def markdown(frame: pd.DataFrame) -> str:
@@ -58,7 +81,9 @@ def markdown(frame: pd.DataFrame) -> str:
     if frame.empty:
         return "No rows."
     columns = [str(column) for column in frame.columns]
-    rows = [[shorten(row[c], c).replace("|", "\\|") for c in columns] for row in frame.to_dict("records")]
+    rows = [
+        [_TAG.sub("&lt;", shorten(row[c], c).replace("|", "\\|")) for c in columns] for row in frame.to_dict("records")
+    ]
     return tabulate(rows, headers=columns, tablefmt="pipe", disable_numparse=True)
 
 

@@ -1,0 +1,47 @@
+"""Hostile and unlucky input: whatever is given is run, or refused by a typed error in one sentence."""
+
+import pytest
+
+from cases import commands
+from reports import build, compare, study
+
+from . import harness
+from .harness import kinds, sweep, told_by
+
+KINDS = kinds()
+# What `make test-all` tries at least.
+WHOLE = 3000
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    """What commands write, they write into an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+
+def tabulated(request, kind, counts):
+    # User properties travel with the report, and conftest prints them as one table.
+    request.node.user_properties.append(("fuzz", (kind.name, counts.total(), counts["ran"], counts["refused"])))
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_input_runs_or_is_refused_in_a_sentence(kind, request):
+    tabulated(request, kind, sweep(kind, kind.sample, 0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_every_input_runs_or_is_refused_in_a_sentence(kind, request):
+    counts = sweep(kind, kind.whole, harness.seed())
+    tabulated(request, kind, counts)
+    assert counts["refused"] > 0, "a kind that nothing of is refused is no fuzz"
+
+
+def test_the_whole_fuzz_is_large():
+    assert sum(kind.whole + len(kind.found) for kind in KINDS) >= WHOLE
+
+
+@pytest.mark.parametrize("command", [build.main, compare.main, commands.main, study.main], ids=lambda f: f.__module__)
+def test_help_is_help(command):
+    status, out, _ = told_by(command, ["--help"])
+    assert status == 0 and len(out) > 100
