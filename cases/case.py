@@ -90,7 +90,7 @@ def _check_name(name: object) -> None:
     """Raises BadValue for a name that cannot stand in file names, tables and `--case`."""
     if not isinstance(name, str) or not name or len(name) > LONGEST_NAME:
         raise BadValue(f"the name of a case is {name!r}; give a text of up to {LONGEST_NAME} characters")
-    if not name.isprintable() or name.startswith(".") or set(name) & set("/\\[]<>\"'`"):
+    if not name.isprintable() or name.startswith(".") or set(name) & set("/\\[]<>$\"'`"):
         raise BadValue(f"the name of a case is {name!r}; give one of letters, digits, spaces and hyphens")
 
 

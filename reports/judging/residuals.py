@@ -41,6 +41,8 @@ LOOSE = 1e-2
 ENERGY = 2e-2
 # Relative; forces that a file holds with six digits, summed by their writer.
 CONE = 1e-4
+# A force that changes by so much of its largest between two samples jumps.
+JUMP = 0.2
 # Relative: what a hundred roundings leave of a difference.
 ROUNDING = 1e-12
 
@@ -209,6 +211,9 @@ def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
         off = mass * (rate - rate[0]) - cumulative_trapezoid(force, motion.t, initial=0.0)
         # Of forces that balance to rounding the sum is known no better than the larger of them.
         known = mass * _slow(case, motion) + ROUNDING * float(trapezoid(np.abs(motion.normal_force), motion.t))
+        # Where a force jumps between two samples, its sum is known to half the jump in that time.
+        leaps = np.abs(np.diff(force))
+        known += 0.5 * float(np.sum((leaps * np.diff(motion.t))[leaps > JUMP * np.abs(force).max()]))
         allowed = ENERGY * float(trapezoid(np.abs(force), motion.t)) + known
         found.append((f"m v{'xy'[axis]}", float(np.abs(off).max()), allowed))
     return found

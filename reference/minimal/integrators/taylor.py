@@ -32,6 +32,7 @@ except ImportError:
     AVAILABLE = False
 else:
     AVAILABLE = True
+    hy.set_logger_level_error()  # a step that is no number ends the phase, with a sentence of ours
     # As numbers: heyoka's own are compared by name, which costs as much as a step.
     SUCCESS, TIME_LIMIT, STEP_LIMIT = (
         int(outcome)
