@@ -52,8 +52,10 @@ def admitted(value: object, variables: Iterable[sp.Symbol], what: str, error: ty
     if found is None:
         names = ", ".join(symbol.name for symbol in known)
         raise error(f"{what} is {_quoted(value)}; give a number or an expression in {names}")
-    foreign = _checked(found, known, what, error)
-    return _rewritten(found) if foreign else found
+    if _checked(found, known, what, error):
+        found = _rewritten(found)
+        _checked(found, known, what, error)
+    return found
 
 
 def as_expression(value: object) -> sp.Expr | None:
@@ -80,6 +82,8 @@ def _checked(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: t
                 raise error(f"{what} has {node.name!r}; use {', '.join(s.name for s in variables)} alone")
         elif node in (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
             raise error(f"{what} holds {node}, which is no finite real number; give finite real numbers")
+        elif node.is_number and node.is_real is False:  # a root or a logarithm of less than 0
+            raise error(f"{what} holds {str(node)[:40]}, which is no real number; give real numbers")
         elif isinstance(node, sp.Number):
             if abs(node) > LARGEST_NUMBER:
                 raise error(

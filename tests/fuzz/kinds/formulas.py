@@ -61,6 +61,7 @@ POISON = (
     "*".join(f"sin({i}*s+0.{i})" for i in range(1, 21)), "((1+s)**64)**64", "2**s", "s**s", "(-1)**0.5*s", "1/0*s",
     "s/0", "0**-1+s", "Abs(s)", "erf(s)", "s**1e9", "s**(1/3)", "cos(s, s)", "cos", "pi(s)", "sqrt(s**2)", "1_000.0*s",
     "\u0455", "s\0", "9" * 4000, "log(s)", "(2+s)**(2/3)/3", "exp(s/3)*2**(1/7)",
+    "log(0.5)**s", "(-2)**(1/3)*s", "asin(2)*s",
 )  # fmt: skip
 FOUND = tuple((f"curve s, {text[:60]}", curve("s", text)) for text in POISON) + tuple(
     (f"load {text[:60]}", load(text.replace("s/", "t/").replace("(s", "(t"))) for text in POISON
