@@ -6,9 +6,7 @@ the origin in sizes of the plate.
 
 from __future__ import annotations
 
-from math import isfinite
-
-import numpy as np
+from math import hypot, isfinite
 
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Gravity, Load, RollingResistance, one
@@ -80,7 +78,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             f"{RATIO:g} times"
         )
     _check_load(track, plate, one(effects, Load), start)
-    away = float(np.hypot(*track.point(start.xi1)))
+    away = hypot(*track.jet(start.xi1)[:2])
     if not away <= FURTHEST * extent:
         raise BadValue(
             f"the plate begins {away / extent:.3g} times its own length from the origin; give a place, or a track, "

@@ -16,16 +16,20 @@ import io
 import re
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
-import pandas as pd
 
 from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, files
 from cases.contact import Contact, find, slip_velocity, start_motion
 from cases.nearest import nearest
 
-from .residuals import LOOSE
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Relative to the plate's size: what a solver's penalty or facets may miss the track by, and what a printed start may
+# be rounded to. Beyond, it is another scene.
+LOOSE = 1e-2
 
 NEEDED = ("t", "x", "y", "theta")
 OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
@@ -48,41 +52,47 @@ OFF = 0.05
 def read_table(path: str | Path) -> pd.DataFrame:
     """The known columns of the file as finite floats with growing times. Raises CaseError, in one sentence."""
     path = files.existing("file", path)
-    said = files.text("file", path, LARGEST_FILE)
+    return parsed(io.StringIO(files.text("file", path, LARGEST_FILE)), path.name)
+
+
+def parsed(source: TextIO, called: str) -> pd.DataFrame:
+    """The same of text; lines that begin with # are comments."""
+    import pandas as pd  # it takes half a second, and most who are here read no file
+
     try:
         # Every cell as text: what pandas takes for a number, a date or an index is decided below.
-        table = pd.read_csv(io.StringIO(said), skipinitialspace=True, header=None, dtype=str, index_col=False)
+        table = pd.read_csv(source, skipinitialspace=True, comment="#", header=None, dtype=str, index_col=False)
     except (ValueError, OverflowError, RecursionError) as problem:
-        raise BadValue(f"{path} cannot be read as comma-separated values: {problem}") from problem
+        raise BadValue(f"{called} cannot be read as comma-separated values: {problem}") from problem
     heading = ["" if cell is None else str(cell).strip() for cell in table.iloc[0].where(table.iloc[0].notna(), None)]
     table = table.iloc[1:].reset_index(drop=True)
     table.columns = pd.Index(heading)
-    _check_heading(path.name, heading)
+    _check_heading(called, heading)
     missing = [name for name in NEEDED if name not in table]
     if missing:
         first = ",".join(str(name) for name in table.columns)
         raise BadValue(
-            f"{path.name} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
+            f"{called} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
             "t, x, y, theta, separated by commas"
         )
     if len(table) > MOST_SAMPLES:
-        raise BadValue(f"{path.name} has {len(table)} samples; give at most {MOST_SAMPLES}")
+        raise BadValue(f"{called} has {len(table)} samples; give at most {MOST_SAMPLES}")
     again = table.duplicated().to_numpy()
     if again.any():
         line = int(np.argmax(again)) + 2
-        raise BadValue(f"line {line} of {path.name} stands there before; leave duplicated lines out")
+        raise BadValue(f"line {line} of {called} stands there before; leave duplicated lines out")
     table = table[[name for name in (*NEEDED, *OPTIONAL) if name in table]]
     for name in table:
         numbers = pd.to_numeric(table[name], errors="coerce")
         bad = np.flatnonzero(~np.isfinite(numbers))
         if len(bad):
-            raise BadValue(f"{name} in line {bad[0] + 2} of {path.name} is not a finite number")
+            raise BadValue(f"{name} in line {bad[0] + 2} of {called} is not a finite number")
         table = table.assign(**{str(name): numbers.astype(float)})
     backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
     if len(backwards):
-        raise BadValue(f"the time in line {backwards[0] + 3} of {path.name} does not grow; sort the lines by t")
+        raise BadValue(f"the time in line {backwards[0] + 3} of {called} does not grow; sort the lines by t")
     if len(table) < LEAST_SAMPLES:
-        raise BadValue(f"{path.name} has {len(table)} samples, too coarse to judge; give at least {LEAST_SAMPLES}")
+        raise BadValue(f"{called} has {len(table)} samples, too coarse to judge; give at least {LEAST_SAMPLES}")
     return table
 
 
