@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 import cases
+from adapters.common import exported
 from cases import CaseError, Curve, Load, kept, registry
 from cases.effects import MOTION
 from reports.analysis.tables import Table
-from reports.judging import exported
 from reports.page import text
 from reports.running import external, packing, store
 

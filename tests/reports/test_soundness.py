@@ -7,8 +7,9 @@ import pytest
 
 import cases
 import reference
+from adapters.common import exported
 from cases import Mode, State, Transition
-from reports.judging import exported, residuals
+from reports.judging import residuals
 from reports.running.records import Run
 from tests.reports.test_compare import FULL, table
 from tests.reports.test_tasks import bowling, line, performed  # noqa: F401 - a fixture

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 import cases
+from adapters.common import exported
 from cases import Curve, registry
-from reports.judging import exported, soundness
+from reports.judging import soundness
 
 from ..harness import Kind
 
