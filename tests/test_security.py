@@ -13,7 +13,7 @@ import cases
 from adapters.common import exported
 from cases import CaseError, Curve, Load, kept, registry
 from cases.effects import MOTION
-from reports.analysis.tables import Table
+from reports.analysis.columns import Table
 from reports.page import text
 from reports.running import external, packing, store
 
