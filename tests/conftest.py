@@ -89,9 +89,9 @@ def pytest_terminal_summary(terminalreporter):
     _print_table(terminalreporter, "accuracy", _COLUMNS, [(*row[:4], f"{row[4]:.1e}", f"{row[5]:.0e}") for row in rows])
     rows = sorted(_noted(terminalreporter, "fuzz"))
     if rows:  # what did neither is a failure, and told as one
-        rows.append(("all", *(sum(row[i] for row in rows) for i in (1, 2, 3))))
-    texts = [(kind, *map(str, (tried, ran, refused, tried - ran - refused))) for kind, tried, ran, refused in rows]
-    _print_table(terminalreporter, "fuzz", ("kind", "tried", "ran", "refused", "none else"), texts)
+        rows.append(("all", *(sum(row[i] for row in rows) for i in (1, 2, 3, 4))))
+    texts = [(row[0], *map(str, row[1:])) for row in rows]
+    _print_table(terminalreporter, "fuzz", ("kind", "tried", "ran", "refused", "else"), texts)
 
 
 def _noted(terminalreporter, wanted: str) -> list[tuple]:

@@ -19,21 +19,25 @@ def _elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def tabulated(request, kind, counts):
-    # User properties travel with the report, and conftest prints them as one table.
-    request.node.user_properties.append(("fuzz", (kind.name, counts.total(), counts["ran"], counts["refused"])))
+def swept(request, kind, count, seed):
+    """The counts, noted before anything is asserted: user properties travel with the report, and conftest prints
+    them as one table."""
+    counts, failures = sweep(kind, count, seed)
+    row = (kind.name, counts.total(), counts["ran"], counts["refused"], counts["else"])
+    request.node.user_properties.append(("fuzz", row))
+    assert not failures, f"{len(failures)} of {kind.name}, seed {seed}\n" + "\n".join(failures)
+    return counts
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_input_runs_or_is_refused_in_a_sentence(kind, request):
-    tabulated(request, kind, sweep(kind, kind.sample, 0))
+    swept(request, kind, kind.sample, 0)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_every_input_runs_or_is_refused_in_a_sentence(kind, request):
-    counts = sweep(kind, kind.whole, harness.seed())
-    tabulated(request, kind, counts)
+    counts = swept(request, kind, kind.whole, harness.seed())
     assert counts["refused"] > 0, "a kind that nothing of is refused is no fuzz"
 
 

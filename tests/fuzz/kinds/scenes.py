@@ -105,7 +105,6 @@ FOUND = (
     ("1e90", driven("1e90")),
     ("r = R", on_line(track=library.circle(0.1), start=Start(-1.0))),
     ("omega 1e8", on_line(**GUIDE, start=Start(-1.0, omega=1e8))),
-    ("slip 1e8", on_line(**GUIDE, start=Start(-1.0, slip=1e8))),
     ("1e8 s", on_line(**GUIDE, start=Start(-1.0), duration=1e8)),
     (
         "a vertical track",
