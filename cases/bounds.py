@@ -34,10 +34,7 @@ def _check_load(track: Curve, plate: Plate, load: Load | None, start: Start) -> 
         return
     begun = start.motion(track, plate.outline)
     now = (0.0, begun.x, begun.y, begun.theta, begun.vx, begun.vy, begun.omega)
-    try:
-        values = [float(value) for value in load.at(*now)]
-    except (ArithmeticError, ValueError, TypeError):  # a logarithm of 0, 1/0, a root of less than 0
-        values = [float("nan")]
+    values = [float(value) for value in load.at(*now)]
     if not all(isfinite(value) for value in values):
         raise BadValue("the Load has no finite value where the motion begins; give one that is finite at t = 0")
     if max(map(abs, values)) > ENORMOUS * plate.mass:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import atan2
+from math import atan2, isfinite, nan
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -202,7 +202,8 @@ class Curve:
         if np.ndim(s) == 0:
             xp, yp = self.jet(float(s))[2:4]
             angle, near = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s, dtype=float)))
-            return angle + 2 * np.pi * round((near - angle) / (2 * np.pi))
+            turns = (near - angle) / (2 * np.pi)
+            return angle + 2 * np.pi * round(turns) if isfinite(turns) else nan
         s = np.asarray(s, dtype=float)
         d = self.jets(s)[2:4]
         principal = np.arctan2(d[1], d[0]).reshape(s.shape)

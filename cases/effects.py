@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, pi, sin
+from math import cos, isfinite, nan, pi, sin
 from typing import TypeVar
 
 import numpy as np
@@ -70,8 +70,18 @@ class Load:
 
     @cached_property
     def at(self) -> Callable[..., list[float]]:
-        """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats."""
-        return sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+        """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats; NaN where there is no value."""
+        compiled = sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+
+        def values(*motion: float) -> list[float]:
+            try:
+                found = compiled(*motion)
+                isfinite(sum(found))  # Python's root of less than 0 is a complex number, which this refuses
+                return found
+            except (ArithmeticError, ValueError, TypeError):
+                return [nan, nan, nan]
+
+        return values
 
     @cached_property
     def features(self) -> features.Features | None:

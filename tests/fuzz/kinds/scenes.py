@@ -84,17 +84,17 @@ def draw(chance):
     return "a random scene", call
 
 
-def on_line(**changes):
+def on_line(method=None, **changes):
     given = dict(
         track=library.line(0.0), plate=disc(0.1, 1.0), effects=(Gravity(9.81), CoulombFriction(0.2), Unilateral()),
         start=Start(0.0, slip=1.0), duration=1.0,
     )  # fmt: skip
-    return lambda: simulated(Case(**(given | changes)))  # type: ignore[arg-type]
+    return lambda: simulated(Case(**(given | changes)), method)  # type: ignore[arg-type]
 
 
-def driven(text: str, **more):
+def driven(text: str, method=None):
     effects = (Gravity(9.81), CoulombFriction(0.2), Unilateral(), Load(text))
-    return lambda: on_line(effects=effects, **more)()
+    return on_line(method, effects=effects)
 
 
 GUIDE = dict(track=library.circle(1.0), effects=(Gravity(9.81),))
@@ -103,6 +103,7 @@ FOUND = (
     ("1/t", driven("1/t")),
     ("a third at some depth", driven("(1+sin(t)**2)**(2/3)/3")),
     ("1e90", driven("1e90")),
+    *((f"a root of less than 0 by {m}", driven("(0.5-t)**0.3", m)) for m in ("taylor", "dop853", "augmented")),
     ("r = R", on_line(track=library.circle(0.1), start=Start(-1.0))),
     ("omega 1e8", on_line(**GUIDE, start=Start(-1.0, omega=1e8))),
     ("1e8 s", on_line(**GUIDE, start=Start(-1.0), duration=1e8)),
