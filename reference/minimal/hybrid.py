@@ -15,7 +15,7 @@ from .bouncing import Bounces
 from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
-from .integrators.segment import BREAKDOWN, Segment
+from .integrators.segment import BREAKDOWN, EXHAUSTED, MOST_STEPS, Segment
 from .landing import Landing, first_landing, start_impact
 from .modes import (
     FLIGHT,
@@ -121,7 +121,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if step.regime is None:
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces, progress, near, idle = Bounces(case), _Progress(), case.start.xi1, 0
+    bounces, progress, near, idle, steps = Bounces(case), _Progress(), case.start.xi1, 0, 0
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
@@ -139,12 +139,15 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         except Undecidable:
             return segments, transitions, undecidable(t)
         segments.extend(step.segments)
+        steps += sum(segment.steps for segment in step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime and step.listed):
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
             return segments, transitions, step.ending
         t, y, regime, near = step.time, step.state, step.regime, step.place[0]
+        if steps >= MOST_STEPS:
+            return segments, transitions, exhausted(t, steps)
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
     return segments, transitions, ("unfinished", sentence)
 
@@ -153,6 +156,14 @@ def undecidable(t: float) -> Ending:
     """What is said where a decision meets numbers that are none."""
     why = "sizes, speeds and forces are too far apart for double precision, or a formula has no value"
     return BREAKDOWN, f"After t = {t:.9g} s {why}."
+
+
+def exhausted(t: float, steps: int) -> Ending:
+    """What is said where the steps of a motion are used up."""
+    return "unfinished", (
+        f"The motion took {steps} steps until t = {t:.9g} s, as many as a run takes; end it there, or look at slower "
+        "speeds and forces."
+    )
 
 
 class _Progress:
@@ -195,6 +206,8 @@ def _after_contact(case: Case, segment: Segment, error: float) -> Step:
     y = full_state(case, now, segment.event.state)
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
+    if guard == EXHAUSTED:
+        return Step((segment,), t, ending=exhausted(t, segment.steps))
     if guard == BREAKDOWN:
         return Step((segment,), t, ending=_breakdown(now, segment))
     if guard == "slip":
@@ -346,6 +359,8 @@ def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
 def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, bounces: Bounces) -> Step:
     """What the impact makes of a landing."""
     last = segments[-1]
+    if landing is None and last.event.guard == EXHAUSTED:
+        return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time, last.steps))
     if landing is None:
         return Step(
             tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETED

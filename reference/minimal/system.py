@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import nan
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -178,8 +178,10 @@ def _without_raising(compiled: Callable[..., list], count: int) -> Callable[...,
 
     def evaluated(t, y, parameters) -> list:
         try:
-            return compiled(t, y, parameters)
-        except (ArithmeticError, ValueError):
+            values = compiled(t, y, parameters)
+            isfinite(sum(values))  # Python's root of less than 0 is a complex number, which this refuses
+            return values
+        except (ArithmeticError, ValueError, TypeError):
             return [nan] * count
 
     return evaluated

@@ -22,7 +22,7 @@ from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..eliminated import Motion
 from ..modes import Phase
 from ..system import System
-from .segment import BREAKDOWN, Event, Segment
+from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, Event, Segment
 
 try:
     import heyoka as hy
@@ -32,6 +32,7 @@ else:
     from .conversion import converted, variables
 
     AVAILABLE = True
+    hy.set_logger_level_error()  # a step that is no number ends the phase, with a sentence of ours
     # As numbers: heyoka's own are compared by name, which costs as much as a step.
     SUCCESS, TIME_LIMIT, STEP_LIMIT = (
         int(outcome)
@@ -141,12 +142,14 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
         return _one_by_one(integrator, phase, t, y, end, float, tolerance)
     event, steps = ended
     # No closure: of 10⁵ phases its cells would be a third of all that the garbage collector walks through.
-    return Segment(phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time))
+    return Segment(
+        phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time, steps)
+    )
 
 
-def _again(integrator, phase: Phase, t: float, y, end: float, tolerance: float, ended: float):
-    """Times and dense output of a phase that the compiled loop carried to its end."""
-    again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
+def _again(integrator, phase: Phase, t: float, y, end: float, tolerance: float, ended: float, steps: int):
+    """Times and dense output of a phase that the compiled loop carried to its end, in so many steps."""
+    again = _one_by_one(integrator, phase, t, y, end, float, tolerance, most_steps=steps)
     return np.append(again.times[:-1], ended), again.states
 
 
@@ -170,6 +173,8 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, 
     while guard is None and integrator.time < end:
         outcome, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
         steps, guard = steps + count, _guard(outcome, phase)
+        if guard is None and steps >= MOST_STEPS:
+            guard = EXHAUSTED
         known = guard is not None or int(outcome) in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(integrator.time) or not known:
             return None
@@ -182,7 +187,9 @@ def _guard(outcome, phase: Phase) -> str | None:
     return phase.system.guards.names[number] if 0 <= number < len(phase.system.guards) else None
 
 
-def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Segment:
+def _one_by_one(
+    integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float, most_steps: int = MOST_LOOKED_AT
+) -> Segment:
     """The phase with all its steps."""
     _parametrise(integrator, phase, real)
     series = _series(integrator, t, y, real)
@@ -194,6 +201,9 @@ def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, t
     last, longest = real(end), real(most)
     with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
         while integrator.time < end and guard is None:
+            if len(coefficients) >= most_steps:
+                guard = EXHAUSTED
+                break
             outcome = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
             longest = real(inf)
             coefficients.append(integrator.tc.astype(float))
