@@ -224,7 +224,7 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     following = decide(case, t, y, LOCATED, able(case, slip, turn))
     if following is None:
         # What began a rounding ago and ends with the event is no motion that goes on.
-        slips, turns = senses(case, y, *_moves(case, y), LOCATED)
+        slips, turns = senses(case, y, *slip_and_spin(case, y), LOCATED)
         following = decide(case, t, y, LOCATED, able(case, slip * abs(slips), turn * abs(turns)))
     return following
 
@@ -244,12 +244,12 @@ def _leave(case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[floa
     """No contact follows: the plate flies, or that is the end."""
     ending = _nothing_follows(case, t, y)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
-        slip, omega = _moves(case, y)
+        slip, omega = slip_and_spin(case, y)
         return Step(segments, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
     return Step(segments, t, (y[0], y[1]), guard, ending=ending)
 
 
-def _moves(case: Case, y: Sequence[float]) -> tuple[float, float]:
+def slip_and_spin(case: Case, y: Sequence[float]) -> tuple[float, float]:
     """Slip velocity (12) and spin (9) of a full state in contact."""
     along_track = y[2] * float(case.track.speed(y[0]))
     along_outline = y[3] * float(case.plate.outline.speed(y[1]))

@@ -73,3 +73,16 @@ def _runge_kutta(now: Columns, t: np.ndarray, y: np.ndarray, h: np.ndarray) -> n
     k3 = f(t + h / 2, y + h / 2 * k2)
     k4 = f(t + h, y + h * k3)
     return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def course(now: Columns, t: np.ndarray, y: np.ndarray, guard: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of a guard at its zero: its first and second derivative by time there, and its size before, each (n,)."""
+    h = 10.0 * PART / _often(now, t, y)
+    values = []
+    for part in (-2.0, -1.0, 0.0, 1.0, 2.0):
+        there = _runge_kutta(now, t, y, part * h)
+        values.append(rows(now.system.guards_of_arrays(t + part * h, there, now.parameters), len(t))[guard])
+    before, back, here, on, after = values
+    slope = (8.0 * (on - back) - (after - before)) / (12.0 * h)
+    bend = (16.0 * (on + back) - (after + before) - 30.0 * here) / (12.0 * h * h)
+    return slope, bend, np.abs(slope) / _often(now, t, y) + np.abs(here)

@@ -7,11 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Mode
+from cases import Case, Mode, State, Transition, geometry
+from cases.contact import start_motion
 from cases.mechanics import energy
 
-from ..minimal.hybrid import CAUSES
-from ..solve import simulate
+from ..minimal.decision import Undecidable
+from ..minimal.hybrid import CAUSES, slip_and_spin, undecidable
+from ..minimal.modes import FLIGHT, Phase, full_state, start_state
+from ..solve import INTEGRATORS, METHODS, first_regime, prepare, solved
 from .scenes import Scenes
 
 MODES = tuple(Mode)
@@ -65,24 +68,42 @@ class Motions:
 
 
 def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> None:
-    """Scenarios by `simulate`, one after the other, in the place of what is noted of them."""
-    keep = np.ones(len(moved.first), dtype=bool)
+    """Scenarios as `simulate` does them, one after the other, in the place of what is noted of them."""
+    keep, everybody = (np.ones(len(moved.first), dtype=bool) for _ in range(2))
     keep[who] = False
-    noted = [moved.events]
+    noted = [Events.joined([moved.events], keep)]
     for i in who.tolist():
-        case = scenes.alone(i)
-        motion = simulate(case, rtol=rtol)
-        moved.first[i] = NUMBER[motion.first_mode] if motion.first_mode else -1
-        moved.status[i], moved.reason[i], moved.alone[i] = motion.status, motion.reason, True
-        moved.end[i], moved.steps[i] = motion.t[-1], motion.cost.steps
-        total = energy(case, motion)
-        moved.energy_start[i], moved.energy_end[i] = total[0], total[-1]
-        rows = [
-            (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause))
-            for e in motion.transitions
-        ]
-        if rows:
-            noted.append(Events(*(np.array(column) for column in zip(*rows, strict=True))))
-    keep_new = np.ones(len(moved.first), dtype=bool)
-    old = Events.joined(noted[:1], keep)
-    moved.events = Events.joined([old, *noted[1:]], keep_new)
+        transitions = _simulated(scenes.alone(i), rtol, moved, i)
+        numbers = [(i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions]
+        noted += [Events(*(np.array(column) for column in zip(*numbers, strict=True)))] if numbers else []
+    moved.events = Events.joined(noted, everybody)
+
+
+@np.errstate(all="ignore")  # as in `simulate`
+def _simulated(case: Case, rtol: float, moved: Motions, i: int) -> list[Transition]:
+    """What `simulate` finds, without samples, into row i; returns the transitions."""
+    prepare(case, None, rtol)
+    start = start_state(case)
+    try:
+        segments, transitions, ending = solved(case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1])
+    except Undecidable:
+        segments, transitions, ending = [], [], undecidable(0.0)
+    moved.status[i], moved.reason[i] = ending
+    moved.alone[i], moved.steps[i] = True, sum(segment.steps for segment in segments)
+    moved.first[i] = NUMBER[segments[0].phase.regime.mode] if segments else -1
+    moved.energy_start[i] = moved.energy_end[i] = energy(case, start_motion(case))
+    moved.end[i] = 0.0
+    if segments:
+        last = segments[-1]
+        moved.end[i], moved.energy_end[i] = last.event.time, energy(case, _motion_in(case, last.phase, last.event.state))
+    return transitions
+
+
+def _motion_in(case: Case, now: Phase, own) -> geometry.Motion | State:
+    """A phase's own state as pose and velocities."""
+    if now.regime == FLIGHT:
+        nan = float("nan")
+        return State(*map(float, own), nan, 0.0, 0.0, nan, nan)
+    y = full_state(case, now, own)
+    slip, omega = slip_and_spin(case, y)
+    return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip, omega)

@@ -13,19 +13,19 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from cases import CoulombFriction, RollingResistance
+from cases import CoulombFriction, Flight, Mode, RollingResistance, Unilateral
 
 from ..minimal import hybrid
 from ..minimal.decision import Undecidable
 from ..minimal.effects import laws
 from ..minimal.integrators import taylor
-from ..minimal.modes import FLIGHT, SLIP_SIGN, able, candidates, phase, start_state, state_in
+from ..minimal.modes import SLIP_SIGN, able, candidates, phase, start_state, state_in
 from ..minimal.series import EPS
 from ..minimal.system import contact_system
 from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
 from .decisions import UNDECIDED, Columns, decide, rows
-from .leaving import leave
+from .leaving import course, leave
 from .motions import NUMBER, PHRASES, Events, Motions, simulated
 from .room import one_contact
 from .scenes import Scenes, structure
@@ -239,7 +239,9 @@ class _Wave:
         elif guard in hybrid.BEGINS:
             slip, turn = (hybrid.BEGINS[guard], turn) if guard.startswith("cone") else (slip, hybrid.BEGINS[guard])
         else:
-            for i in who.tolist():
+            lifts = self._lifts_off(number, who, t, y) if guard == "normal_force" else np.zeros(len(who), dtype=bool)
+            self._leave(number, who[lifts], t[lifts], y[:, lifts], guard)
+            for i in who[~lifts].tolist():
                 self._one(i)
             return
         among, sure = able(self.base, slip, turn), np.ones(len(who), dtype=bool)
@@ -257,6 +259,35 @@ class _Wave:
         known = found != UNDECIDED
         cause = PHRASES.index(hybrid.CAUSES[guard])
         self._go_on(number, numbers[found[known]], who[known], t[known], y[:, known], cause)
+
+    def _lifts_off(self, number: int, who: np.ndarray, t, y: np.ndarray) -> np.ndarray:
+        """Where a normal force that vanished leaves no doubt: it falls on, or dips a million times as deep as a touch, and
+        the plate would not move into its track."""
+        if self.base.effect(Unilateral) is None:
+            return np.zeros(len(who), dtype=bool)
+        columns = self.columns[number].only(who)
+        place = list(columns.system.guards).index("normal_force")
+        slope, bend, force = course(columns, t, y[columns.places], place)
+        deep = slope**2 > 2e6 * max(self.rtol, hybrid.LOCATED) * force * bend
+        free = self.columns[-1].only(who)
+        m = free.system.record(*free.system.observed_of_arrays(t, y[free.places], free.parameters))
+        forces = np.abs(m.normal) + np.abs(m.friction) + np.abs(m.slip_dot)
+        own = y[free.places][free.system.positions :]
+        fastest = np.max([np.abs(u) / unit for u, unit in zip(own, free.lengths, strict=False)] or [0.0 * t], axis=0)
+        scale = forces + free.size * (np.abs(m.omega_dot) + fastest**2)
+        return (slope < 0.0) & deep & (m.free_approach <= 1e6 * hybrid.LOCATED * scale)
+
+    def _leave(self, number: int, who: np.ndarray, t, y: np.ndarray, guard: str) -> None:
+        """The plate leaves its track: the end, or a flight, which is not for waves."""
+        if self.base.effect(Flight) is not None:
+            self.now[who] = _ALONE
+            return
+        mode, nothing = NUMBER[self.regimes[number].mode], np.ones(len(who), dtype=int)
+        cause = PHRASES.index(hybrid.CAUSES[guard])
+        self.events.append(
+            Events(who, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing)
+        )
+        self._end(who, t, y, hybrid.LIFT_OFF)
 
     def _unique_force(self, number: int, who: np.ndarray, t, y) -> np.ndarray:
         """Where a slip that begins has a force at all."""
@@ -279,17 +310,18 @@ class _Wave:
         except Undecidable:
             self.now[i] = _ALONE
             return
-        who, t = np.array([i]), np.array([step.time])
-        if step.regime == FLIGHT or (step.regime is None and step.ending is not hybrid.COMPLETED):
-            self.now[i] = _ALONE  # it flies, or its ending has a sentence of its own
-        elif step.regime is None:
-            state = step.state or hybrid.full_state(case, now, step.segments[-1].event.state)
-            self._end(who, t, np.array(state)[:, None], step.ending)
-        else:
-            self.steps[i] += sum(segment.steps for segment in step.segments)
-            cause = PHRASES.index(hybrid.CAUSES[step.cause])
+        who, t, last = np.array([i]), np.array([step.time]), step.segments[-1].event.state
+        y = np.array(step.state or hybrid.full_state(case, now, last))[:, None]
+        self.steps[i] += sum(segment.steps for segment in step.segments)
+        if step.ending is hybrid.LIFT_OFF:
+            self._leave(number, who, t, y, step.cause)
+        elif step.regime is None and step.ending is hybrid.COMPLETED:
+            self._end(who, t, y, step.ending)
+        elif step.regime in self.regimes:
             after = np.array([self.regimes.index(step.regime)])
-            self._go_on(number, after, who, t, np.array(step.state)[:, None], cause)
+            self._go_on(number, after, who, t, y, PHRASES.index(hybrid.CAUSES[step.cause]))
+        else:
+            self.now[i] = _ALONE  # it flies, or its ending has a sentence of its own
 
     def _go_on(self, number: int, after: np.ndarray, who: np.ndarray, t, y: np.ndarray, cause: int) -> None:
         """Note transitions and begin the next phases; what gets nowhere is left to the solver of one."""
