@@ -71,6 +71,21 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     ),
     "fresh": dict(action="store_true", help="run everything anew, whatever is kept"),
     "list": dict(action="store_true", help="print cases and solvers, and stop"),
+    "vary": dict(
+        metavar="PARAMETER=VALUES",
+        action="append",
+        default=[],
+        help="low:high:count, low:high:count:log, or a,b,c; low:high to draw from; given again they make a grid",
+    ),
+    "sample": dict(metavar="HOW", default="grid", help="grid, random or sobol (default: grid)"),
+    "number": dict(metavar="N", help="scenarios to draw, where they are not a grid"),
+    "seed": dict(metavar="N", default="0", help="what random and sobol begin with (default: 0)"),
+    "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
+    "certify": dict(action="store_true", help="error bars by witnesses, for each scenario (seconds each)"),
+    "refine": dict(
+        metavar="WIDTH", help="find the boundaries between what follows, to this width of the first parameter that varies"
+    ),
+    "dask": dict(metavar="ADDRESS", help='a Dask scheduler, as tcp://host:port, or "local" for a cluster of its own'),
 }
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import inspect
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import prod
 from numbers import Real
@@ -54,6 +54,9 @@ class Axis:
 
     def __len__(self) -> int:
         return len(self.values) or self.count or 0
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def drawn(self, part: np.ndarray) -> np.ndarray:
         """Values at parts between 0 and 1 of the range."""
@@ -170,6 +173,10 @@ class Plan:
             whole("seed", self.seed, 0, 2**63)
         if len(self) > MOST:
             raise BadValue(f"the grid has {len(self):.3g} scenarios; give fewer")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A plan travels as what it says, without what was worked out of it."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property
     def name(self) -> str:
