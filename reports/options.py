@@ -83,7 +83,8 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
     "certify": dict(action="store_true", help="error bars by witnesses, for each scenario (seconds each)"),
     "refine": dict(
-        metavar="WIDTH", help="find the boundaries between what follows, to this width of the first parameter that varies"
+        metavar="WIDTH",
+        help="find the boundaries between what follows, to this width of the first parameter that varies",
     ),
     "dask": dict(metavar="ADDRESS", help='a Dask scheduler, as tcp://host:port, or "local" for a cluster of its own'),
 }

@@ -82,8 +82,11 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: flo
     """Make the rows, the boundaries and the maps, and say where they are."""
     from .drawing.files import embed_command
     from .running.progress import bar
-    from .sweeping import maps, refine, run
+    from .sweeping import cluster, maps, refine, run
     from .sweeping.folder import Folder
+
+    if given.dask is not None:
+        cluster.check(given.dask)
 
     folder = Folder.opened(out, run.asked(plan, given.certify), given.fresh)
     folder.tell({"command": command})

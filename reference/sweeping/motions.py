@@ -61,10 +61,16 @@ class Motions:
     @classmethod
     def none(cls, n: int) -> Motions:
         """Of n scenarios nothing yet."""
-        words = [np.full(n, "", dtype=object) for _ in range(2)]
-        numbers = [np.full(n, np.nan) for _ in range(3)]
+
+        def words() -> np.ndarray:
+            return np.full(n, "", dtype=object)
+
+        def numbers() -> np.ndarray:
+            return np.full(n, np.nan)
+
         events = Events.joined([], np.zeros(n, dtype=bool))
-        return cls(np.full(n, -1), *words, *numbers, np.zeros(n, dtype=int), np.zeros(n, dtype=bool), events)
+        steps, alone = np.zeros(n, dtype=int), np.zeros(n, dtype=bool)
+        return cls(np.full(n, -1), words(), words(), numbers(), numbers(), numbers(), steps, alone, events)
 
 
 def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> None:
@@ -74,7 +80,9 @@ def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> N
     noted = [Events.joined([moved.events], keep)]
     for i in who.tolist():
         transitions = _simulated(scenes.alone(i), rtol, moved, i)
-        numbers = [(i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions]
+        numbers = [
+            (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions
+        ]
         noted += [Events(*(np.array(column) for column in zip(*numbers, strict=True)))] if numbers else []
     moved.events = Events.joined(noted, everybody)
 
@@ -95,7 +103,10 @@ def _simulated(case: Case, rtol: float, moved: Motions, i: int) -> list[Transiti
     moved.end[i] = 0.0
     if segments:
         last = segments[-1]
-        moved.end[i], moved.energy_end[i] = last.event.time, energy(case, _motion_in(case, last.phase, last.event.state))
+        moved.end[i], moved.energy_end[i] = (
+            last.event.time,
+            energy(case, _motion_in(case, last.phase, last.event.state)),
+        )
     return transitions
 
 
@@ -103,7 +114,8 @@ def _motion_in(case: Case, now: Phase, own) -> geometry.Motion | State:
     """A phase's own state as pose and velocities."""
     if now.regime == FLIGHT:
         nan = float("nan")
-        return State(*map(float, own), nan, 0.0, 0.0, nan, nan)
+        x, y, theta, vx, vy, omega = map(float, own)
+        return State(x, y, theta, vx, vy, omega, nan, 0.0, 0.0, nan, nan)
     y = full_state(case, now, own)
     slip, omega = slip_and_spin(case, y)
     return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip, omega)

@@ -76,7 +76,9 @@ class Axis:
         try:
             values = [finite(name, value) for value in (given.tolist() if isinstance(given, np.ndarray) else given)]
         except TypeError:
-            raise BadValue(f"{name} is {given!r}; give a number, a list of numbers or text such as 0.01:0.5:200") from None
+            raise BadValue(
+                f"{name} is {given!r}; give a number, a list of numbers or text such as 0.01:0.5:200"
+            ) from None
         if not values:
             raise BadValue(f"{name} has no value; give at least one")
         return cls(name, values=tuple(values))
@@ -88,7 +90,7 @@ class Axis:
         if self.values and len(self.values) != 2:
             raise BadValue(f"{self.name} has {len(self.values)} values; to be drawn from, give low:high")
         if self.values:
-            return _range(self.name, *self.values, log=False)
+            return _range(self.name, self.values[0], self.values[1], log=False)
         return Axis(self.name, self.low, self.high, None, self.log)
 
 
@@ -107,7 +109,7 @@ def _from_text(name: str, text: str) -> Axis:
         raise BadValue(how) from None
     if len(numbers) not in (2, 3):
         raise BadValue(how)
-    found = _range(name, *numbers[:2], log=log)
+    found = _range(name, numbers[0], numbers[1], log=log)
     if len(numbers) == 2:
         return found
     count = whole(f"the count of {name}", numbers[2], 1, MOST)
@@ -161,7 +163,9 @@ class Plan:
     def _check_sample(self) -> None:
         if self.sample == "grid":
             if self.number is not None:
-                raise BadValue("a grid has as many scenarios as its axes say; leave the number out, or sample at random")
+                raise BadValue(
+                    "a grid has as many scenarios as its axes say; leave the number out, or sample at random"
+                )
             for axis in self.axes:
                 if not len(axis):
                     raise BadValue(f"{axis.name} has no count; write {axis.name}={axis.low:g}:{axis.high:g}:count")
@@ -195,7 +199,7 @@ class Plan:
         """The case's parameters and their defaults."""
         if self._entry is not None:
             return self._entry.parameters
-        return {name: p.default for name, p in inspect.signature(self.case).parameters.items()}
+        return {name: p.default for name, p in inspect.signature(self.function).parameters.items()}
 
     def __len__(self) -> int:
         return prod(map(len, self.axes)) if self.sample == "grid" else int(self.number or 0)

@@ -49,7 +49,7 @@ def _one_contact(scenes: Scenes, base: Case) -> np.ndarray:
         return np.ones(n, dtype=bool)  # a straight line is the same wherever the plate goes
     if (track.domain is not None or track.period) and fits_everywhere(base, ()):
         return np.ones(n, dtype=bool)
-    if base.plate.radius is None or base.effect(Load) or not base.effect(Gravity):
+    if base.plate.radius is None or base.effect(Load) is not None or base.effect(Gravity) is None:
         return np.zeros(n, dtype=bool)
     return _within(scenes, base, _free(track, outline, float(np.median(scenes.numbers["xi1"]))))
 
@@ -75,7 +75,8 @@ def _count(track: Curve, outline: Curve, grid: np.ndarray, fits: np.ndarray) -> 
     if not count:
         return 0
     xi2 = np.full(count, outline.span[0])
-    found = first_overlap(track, outline, *pose(track, outline, grid[:count], xi2), grid[:count])
+    x, y, theta = pose(track, outline, grid[:count], xi2)
+    found = first_overlap(track, outline, x, y, theta, grid[:count])
     return count if found is None else found[0]
 
 
@@ -88,8 +89,9 @@ def _within(scenes: Scenes, base: Case, free: np.ndarray) -> np.ndarray:
     if not len(free):
         return np.zeros(n, dtype=bool)
     pull = known["gx"], known["gy"]
-    f, h = places(track, scenes.constants("track"), known["xi1"]), places(
-        outline, scenes.constants("outline"), known["xi2"]
+    f, h = (
+        places(track, scenes.constants("track"), known["xi1"]),
+        places(outline, scenes.constants("outline"), known["xi2"]),
     )
     has = energy(f, h, known["slip"], known["omega"], pull, known["mass"], known["inertia"])
     x, y, _ = pose(track, outline, free, np.full(len(free), outline.span[0]))

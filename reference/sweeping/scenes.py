@@ -10,6 +10,7 @@ from __future__ import annotations
 import dis
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import product
 from types import CodeType, FunctionType
 from typing import Any, NamedTuple
@@ -69,7 +70,7 @@ class Scenes:
     def only(self, chosen: np.ndarray) -> Scenes:
         """Some of them."""
         numbers = {name: column[chosen] for name, column in self.numbers.items()}
-        return Scenes(self.rows[chosen], self.base, self.same, numbers, lambda i: self.alone(int(chosen[i])))
+        return Scenes(self.rows[chosen], self.base, self.same, numbers, partial(_nth, self.alone, chosen))
 
 
 class Bad(NamedTuple):
@@ -155,8 +156,12 @@ def _each(alone: Callable[[int], Case], n: int) -> tuple[list[Scenes], list[Bad]
         base = members[0][2]
         same = all((c.track, c.plate.outline) == (base.track, base.plate.outline) for _, _, c in members)
         columns = {name: np.array([known[name] for _, known, _ in members]) for name in members[0][1]}
-        found.append(Scenes(rows, base, same, columns, lambda i, rows=rows: alone(int(rows[i]))))
+        found.append(Scenes(rows, base, same, columns, partial(_nth, alone, rows)))
     return found, bad
+
+
+def _nth(alone: Callable[[int], Case], rows: np.ndarray, i: int) -> Case:
+    return alone(int(rows[i]))
 
 
 # --- all at once ------------------------------------------------------------------------------------------------------

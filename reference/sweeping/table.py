@@ -81,7 +81,9 @@ def schema(plan: Plan) -> pa.Schema:
 def _arrow(column, kind: pa.DataType) -> pa.Array:
     if isinstance(column, pa.Array):
         return column
-    return pa.array(column, pa.string()).dictionary_encode() if kind == _WORDS else pa.array(column, kind)
+    if kind == _WORDS:
+        return pa.array(column, pa.string()).dictionary_encode()
+    return pa.array(column, kind, from_pandas=True)  # what is not known is null, not NaN
 
 
 def _moved(group: Scenes, rtol: float, optimised: bool) -> Motions:
@@ -104,7 +106,11 @@ def _columns(n: int, moved: list[tuple[Scenes, Motions]], bad: list[Bad]) -> dic
     nan, nothing = np.full(n, np.nan), np.full(n, "", dtype=object)
     columns: dict = {name: nothing.copy() for name in ("outcome", "reason", "sequence", "first_after")}
     columns |= {name: nan.copy() for name in ("first_time", "first_xi1", "end", "energy_start", "energy_end")}
-    columns |= {"transitions": np.zeros(n, dtype=int), "steps": np.zeros(n, dtype=int), "alone": np.zeros(n, dtype=bool)}
+    columns |= {
+        "transitions": np.zeros(n, dtype=int),
+        "steps": np.zeros(n, dtype=int),
+        "alone": np.zeros(n, dtype=bool),
+    }
     for row, reason in bad:
         columns["outcome"][row], columns["reason"][row] = BAD, reason
     owners, events = [np.empty(0, dtype=int)], [np.empty((3, 0))]
@@ -146,7 +152,7 @@ def _bars(plan: Plan, parameters: Mapping[str, np.ndarray], columns: dict) -> pa
     """The certified error bars of each scenario's transitions; none where the witnesses do not agree with it."""
     from ..certification.certificate import certify  # a second formulation beside this one
 
-    bars = []
+    bars: list[list[float] | None] = []
     for i, sequence in enumerate(columns["sequence"].tolist()):
         bars.append(None)
         if columns["outcome"][i] in (BAD, FAILED):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from math import ulp
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from ..minimal.series import EPS
 from ..minimal.system import contact_system
 from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
-from .decisions import UNDECIDED, Columns, decide, rows
+from .decisions import UNDECIDED, Columns, decide
 from .leaving import course, leave
 from .motions import NUMBER, PHRASES, Events, Motions, simulated
 from .room import one_contact
@@ -239,7 +240,7 @@ class _Wave:
         elif guard in hybrid.BEGINS:
             slip, turn = (hybrid.BEGINS[guard], turn) if guard.startswith("cone") else (slip, hybrid.BEGINS[guard])
         else:
-            lifts = self._lifts_off(number, who, t, y) if guard == "normal_force" else np.zeros(len(who), dtype=bool)
+            lifts = self._lifts_off(number, who, t, y) & (guard == "normal_force")
             self._leave(number, who[lifts], t[lifts], y[:, lifts], guard)
             for i in who[~lifts].tolist():
                 self._one(i)
@@ -284,9 +285,7 @@ class _Wave:
             return
         mode, nothing = NUMBER[self.regimes[number].mode], np.ones(len(who), dtype=int)
         cause = PHRASES.index(hybrid.CAUSES[guard])
-        self.events.append(
-            Events(who, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing)
-        )
+        self.events.append(Events(who, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing))
         self._end(who, t, y, hybrid.LIFT_OFF)
 
     def _unique_force(self, number: int, who: np.ndarray, t, y) -> np.ndarray:
@@ -304,8 +303,8 @@ class _Wave:
         now, number = phase(case, regime), int(self.now[i])
         _, integrate = INTEGRATORS[METHODS[0]]
         try:
-            y = state_in(now, tuple(self.y[:, i].tolist()))
-            segment = integrate(now, float(self.t[i]), y, case.duration, self.rtol)
+            own = state_in(now, tuple(self.y[:, i].tolist()))
+            segment = integrate(now, float(self.t[i]), own, case.duration, self.rtol)
             step = hybrid.after_contact(case, segment, max(self.rtol, hybrid.LOCATED))
         except Undecidable:
             self.now[i] = _ALONE
@@ -349,7 +348,7 @@ def _columns(scenes: Scenes, regime, gyration: np.ndarray, lengths: tuple[np.nda
         CoulombFriction: SimpleNamespace(mu=known.get("mu"), stick=known.get("mu_stick")),
         RollingResistance: SimpleNamespace(arm=known.get("arm")),
     }
-    case = SimpleNamespace(effect=effects.get)  # what the laws ask of a case, with columns for numbers
+    case: Any = SimpleNamespace(effect=effects.get)  # what the laws ask of a case, with columns for numbers
     values = {**known, "G": known["inertia"] / known["mass"], "m": known["mass"], "nu": float(regime.side)}
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)

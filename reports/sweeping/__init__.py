@@ -1,1 +1,1 @@
-"""Sweeps: one case with many parameters, in parts that any machine can do by itself, and the maps of what came of it."""
+"""Sweeps: one case with many parameters, in parts that any machine can do by itself, and their maps."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
-from reference.paper.application import rolls_beyond
+from reference.paper.application import rolls_beyond, slip_end
 from reference.sweeping import Plan
 
 
@@ -33,6 +34,9 @@ def _circle(plan: Plan) -> list[Line]:
     axis = next(axis for axis in plan.axes if axis.name == "mu")
     low, high = (axis.low, axis.high) if not axis.values else (min(axis.values), max(axis.values))
     mu = np.linspace(max(low, 1e-3), high, POINTS)
+    # Let go on the level wall the disc rolls from a coefficient on: there the second line ends.
+    most = brentq(lambda m: slip_end(m).needed - 1.0, 0.05, 0.5, xtol=1e-9)
+    mu = np.unique(np.append(mu, most * (1.0 - 1e-9))) if low < most < high else mu
     after = np.array([rolls_beyond(float(m)) for m in mu])
     there = after > 0.0
     return [

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import sys
 import time
+from asyncio import CancelledError
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from cases import BadValue
 
-from . import parts
+from . import parts, probe
 from .local import Part, joined
 from .parts import Work
 
@@ -40,15 +41,13 @@ def say(text: str) -> None:
     print(f"dask: {text}", file=sys.stderr, flush=True)
 
 
-def done(work: Work, wanted: Sequence[Part], address: str, jobs: int, patience: float = PATIENCE) -> Iterator[tuple[Part, bytes]]:
+def done(
+    work: Work, wanted: Sequence[Part], address: str, jobs: int, patience: float = PATIENCE
+) -> Iterator[tuple[Part, bytes]]:
     """The bytes of each part as they come.
 
-    Raises BadValue if nobody is at the address at first, and OSError if scheduler or fitting workers stay away."""
-    try:
-        import distributed
-    except ImportError as problem:
-        raise BadValue(f"--dask needs Dask ({problem}); install it: pip install 'slip-to-roll[dask]'") from None
-    cluster = None
+    Raises OSError if the scheduler or workers that fit stay away."""
+    distributed, cluster = _dask(), None
     if address == LOCAL:
         cluster = distributed.LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
         address = cluster.scheduler_address
@@ -59,58 +58,79 @@ def done(work: Work, wanted: Sequence[Part], address: str, jobs: int, patience: 
             cluster.close()
 
 
+def check(address: str) -> None:
+    """Raises BadValue, in one sentence, if there is no Dask here, or no scheduler at the address."""
+    distributed = _dask()
+    if address == LOCAL:
+        return
+    try:
+        distributed.Client(address, timeout=5, set_as_default=False).close()
+    except (OSError, TimeoutError, ValueError) as problem:
+        raise BadValue(f"nobody answers at --dask {address} ({problem}); start a scheduler there") from None
+
+
+def _dask():
+    try:
+        import cloudpickle
+        import distributed
+    except ImportError as problem:
+        raise BadValue(f"--dask needs Dask ({problem}); install it: pip install 'slip-to-roll[dask]'") from None
+    cloudpickle.register_pickle_by_value(probe)
+    return distributed
+
+
 class _Sweep:
     """What is left to do, what is under way, and what came of it."""
 
     def __init__(self, distributed, work: Work, wanted: Sequence[Part], address: str, patience: float):
         self.dask, self.work, self.address, self.patience = distributed, work, address, patience
         self.waiting = [Piece(part, *part) for part in reversed(wanted)]
-        self.flying: dict[Any, Piece] = {}  # futures
+        self.flying: dict[Any, tuple[Piece, tuple[str, ...]]] = {}  # futures, and who may do them
+        self.asked: dict[str, Any] = {}  # workers that have not said yet what they are
         self.came: dict[Part, list[bytes]] = {}  # of parts that had to be cut
         self.missing = Counter(dict.fromkeys(wanted, 1))  # pieces of each part that are not here
         self.deaths: Counter[Piece] = Counter()
         self.fit: list[str] = []  # workers that give the same rows
         self.unfit: dict[str, str] = {}
         self.client: Any = None
+        self.lost = False  # whether the scheduler was gone
 
     def run(self) -> Iterator[tuple[Part, bytes]]:
         """Part after part; from the beginning with another client where the scheduler was gone."""
-        first = True
         while any(self.missing.values()):
             try:
-                self._connect(first)
-                first = False
+                self._connect()
                 while any(self.missing.values()):
                     self._look()
                     self._hand_out()
                     yield from self._collect()
-            except (OSError, self.dask.CommClosedError, TimeoutError, RuntimeError) as problem:
-                if first or isinstance(problem, _Nobody):
+            except (OSError, TimeoutError, CancelledError) as problem:  # what Dask raises when nobody answers
+                if isinstance(problem, _Nobody):
                     raise
+                self.lost = True
                 say(f"the scheduler at {self.address} is gone ({type(problem).__name__}); waiting for it")
                 self._give_up()
         self._give_up()
 
-    def _connect(self, first: bool) -> None:
-        """A client; only at first it has to be there at once."""
-        until = time.monotonic() + (0.0 if first else self.patience)
+    def _connect(self) -> None:
+        """A client of the scheduler, as soon as there is one."""
+        until = time.monotonic() + self.patience
         while True:
             try:
-                self.client = self.dask.Client(self.address, timeout=10, set_as_default=False)
-                if not first:
-                    say(f"the scheduler at {self.address} is there again; {sum(self.missing.values())} parts are left")
+                self.client = self.dask.Client(self.address, timeout=10)
+                if self.lost:
+                    say(f"the scheduler is there again; {sum(self.missing.values())} parts are left")
                 return
-            except (OSError, TimeoutError, ValueError) as problem:
-                if first:
-                    raise BadValue(f"nobody answers at --dask {self.address} ({problem}); start a scheduler there") from None
+            except (OSError, TimeoutError):
                 if time.monotonic() > until:
-                    raise _Nobody(f"the scheduler at {self.address} did not come back in {self.patience:g} s") from None
+                    raise _Nobody(f"no scheduler at {self.address} for {self.patience:g} s") from None
             time.sleep(LOOK)
 
     def _give_up(self) -> None:
         """What is under way is asked for again; the client goes."""
-        self.waiting += self.flying.values()
+        self.waiting += [piece for piece, _ in self.flying.values()]
         self.flying.clear()
+        self.asked.clear()
         self.fit, self.unfit = [], {}
         if self.client is not None:
             self.client.close(timeout=2)
@@ -120,40 +140,37 @@ class _Sweep:
         """Who is there, and whether they fit; waits for one that does."""
         until = time.monotonic() + self.patience
         while True:
-            there = list(self.client.scheduler_info(n_workers=-1)["workers"])
-            new = [worker for worker in there if worker not in self.fit and worker not in self.unfit]
-            gone = [worker for worker in self.fit if worker not in there]
-            for worker in new:
-                self._ask(worker)
+            there = self.client.scheduler_info(n_workers=-1)["workers"]
+            for worker in there:
+                if worker not in (*self.fit, *self.unfit, *self.asked):
+                    self.asked[worker] = self.client.submit(probe.told, self.work.solver, workers=[worker], pure=False)
+            self.asked = {worker: future for worker, future in self.asked.items() if worker in there}
+            self._hear()
             self.fit = [worker for worker in self.fit if worker in there]
-            if gone or new:
-                self._take_back()  # what is tied to those who were there before
+            stranded = [future for future, (_, tied) in self.flying.items() if not {*tied} & {*there}]
+            self.waiting += [self.flying.pop(future)[0] for future in stranded]
             if self.fit:
                 return
             if time.monotonic() > until:
                 reasons = "; ".join(dict.fromkeys(self.unfit.values())) or "there is none"
                 raise _Nobody(f"no worker at {self.address} fits: {reasons}")
-            time.sleep(LOOK)
+            time.sleep(0.1 * LOOK)
 
-    def _ask(self, worker: str) -> None:
-        """Whether a worker would give the same rows."""
-        try:
-            told = self.client.run(parts.identity, self.work.solver, workers=[worker], on_error="return").get(worker)
-        except (KeyError, ValueError):  # it is gone already
-            return
-        other = f"it has not the suite ({told})" if not isinstance(told, tuple) else parts.difference(told, self.work.identity)
-        if other:
-            self.unfit[worker] = other
-            say(f"worker {worker} is left out: {other}")
-        else:
-            self.fit.append(worker)
-
-    def _take_back(self) -> None:
-        """Let tasks that nobody has begun be given to whoever is there now."""
-        tied = [future for future in self.flying if future.status == "pending"]
-        self.waiting += [self.flying.pop(future) for future in tied]
-        if tied:
-            self.client.cancel(tied, force=True)
+    def _hear(self) -> None:
+        """What the workers that were asked say of themselves."""
+        for worker, future in list(self.asked.items()):
+            if future.status == "pending":
+                continue
+            del self.asked[worker]
+            if future.status != "finished":
+                continue  # it is gone, or is asked again
+            told = future.result()
+            other = told if isinstance(told, str) else parts.difference(told, self.work.identity)
+            if other:
+                self.unfit[worker] = other
+                say(f"worker {worker} is left out: {other}")
+            else:
+                self.fit.append(worker)
 
     def _hand_out(self) -> None:
         while self.waiting and len(self.flying) < AHEAD * len(self.fit):
@@ -161,7 +178,7 @@ class _Sweep:
             future = self.client.submit(
                 parts.perform, self.work, piece.start, piece.stop, workers=self.fit, pure=False, retries=0
             )
-            self.flying[future] = piece
+            self.flying[future] = piece, tuple(self.fit)
 
     def _collect(self) -> Iterator[tuple[Part, bytes]]:
         """What has ended within a little while."""
@@ -175,10 +192,10 @@ class _Sweep:
         if len(contents) != len(good):  # the worker that held a result is gone: it is asked for again
             contents, good = [], []
         for future, content in zip(good, contents, strict=True):
-            yield from self._arrived(self.flying.pop(future), content)
+            yield from self._arrived(self.flying.pop(future)[0], content)
         for future in ended:
             if future in self.flying:
-                yield from self._lost(self.flying.pop(future), future)
+                yield from self._lost(self.flying.pop(future)[0], future)
 
     def _arrived(self, piece: Piece, content: bytes) -> Iterator[tuple[Part, bytes]]:
         self.missing[piece.owner] -= 1
@@ -194,8 +211,7 @@ class _Sweep:
         problem = future.exception() if future.status == "error" else None
         if problem is None or isinstance(problem, parts.Foreign):
             if problem is not None:
-                say(f"a worker is left out: {problem}")
-                self.fit = []  # who it was is asked again
+                self.fit = []  # some worker is not what it said: all are asked again
             self.waiting.append(piece)
             return
         killed = isinstance(problem, self.dask.scheduler.KilledWorker)

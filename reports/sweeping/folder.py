@@ -43,7 +43,9 @@ class Folder:
         if there is not None:
             other = _different(there["asked"], json.loads(json.dumps(asked)))
             if other:
-                raise BadValue(f"{path} holds another sweep ({other}); give another --out, or --fresh to forget that one")
+                raise BadValue(
+                    f"{path} holds another sweep ({other}); give another --out, or --fresh to forget that one"
+                )
         else:
             path.mkdir(parents=True, exist_ok=True)
             folder.tell({"asked": asked})

@@ -22,7 +22,7 @@ from reference.sweeping import Plan
 from reference.sweeping.table import ARROW, BAD, FAILED
 
 from ..drawing.files import Drawn, save
-from ..drawing.style import FAINT, PALETTE, STYLE, logarithmic
+from ..drawing.style import PALETTE, STYLE, logarithmic
 from . import boundaries
 from .folder import Folder
 from .run import ROWS
@@ -109,7 +109,9 @@ def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequ
     order = [name for name, _ in Counter(kinds.tolist()).most_common()]
     order = order if len(order) <= MOST else [*order[: MOST - 1], _OTHER]
     number = {name: i for i, name in enumerate(order)}
-    numbers = np.array([number.get(name, len(order) - 1) for name in kinds.tolist()]).reshape(shown.columns["sequence"].shape)
+    numbers = np.array([number.get(name, len(order) - 1) for name in kinds.tolist()]).reshape(
+        shown.columns["sequence"].shape
+    )
     colours = _COLOURS[: len(order)]
     _fill(ax, shown, numbers, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(order) - 0.5, alpha=0.55)
     handles: list[Any] = [Patch(color=c, alpha=0.55, label=name) for c, name in zip(colours, order, strict=True)]
@@ -177,7 +179,7 @@ def _shown(plan: Plan, folder: Folder, rows: str, names: list[str]) -> _Shown:
 
 
 def _cells(plan: Plan) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The scenarios of a grid's cells (x, y), and their places on the two axes; other parameters take a middle value."""
+    """The scenarios of a grid's cells (x, y), and their places on the two axes; others take a middle value."""
     places = [np.unique(np.linspace(0, m - 1, min(m, CELLS)).round().astype(int)) for m in plan.shape[:2]]
     rest = [m // 2 for m in plan.shape[2:]]
     i, j = np.meshgrid(*places, indexing="ij")
@@ -225,10 +227,10 @@ def _contours(ax: Axes, shown: _Shown, numbers: np.ndarray) -> None:
 
 def _frame(ax: Axes, plan: Plan, shown: _Shown) -> None:
     ax.grid(False)
-    for axis, which, set_label in zip(plan.axes[:2], "xy", (ax.set_xlabel, ax.set_ylabel), strict=True):
+    for axis, which in zip(plan.axes[:2], "xy", strict=True):
         if axis.log:
             logarithmic(ax, which)
-        set_label(_SIGNS.get(axis.name, axis.name))
+        ax.set(**{f"{which}label": _SIGNS.get(axis.name, axis.name)})
     ax.set_xlim(float(np.nanmin(shown.x)), float(np.nanmax(shown.x)))
     ax.set_ylim(float(np.nanmin(shown.y)), float(np.nanmax(shown.y)))
 
@@ -257,7 +259,14 @@ def _curve(plan: Plan, folder: Folder) -> Figure:
         figure, ax = plt.subplots(figsize=(7.4, 4.2), layout="constrained")
         for colour, mode in zip(_COLOURS, sorted(set(modes)), strict=False):
             some = [i for i, m in enumerate(modes) if m == mode]
-            ax.plot([xs[i] for i in some], [ys[i] for i in some], ".", markersize=2, color=colour, label=f"then it {_VERBS[Mode(mode)]}")
+            ax.plot(
+                [xs[i] for i in some],
+                [ys[i] for i in some],
+                ".",
+                markersize=2,
+                color=colour,
+                label=f"then it {_VERBS[Mode(mode)]}",
+            )
         if plan.axes[0].log:
             logarithmic(ax, "x")
         ax.set_xlabel(_SIGNS.get(name, name))

@@ -56,7 +56,11 @@ def identity(name: str = "reference") -> tuple[tuple[str, str], ...]:
 def difference(mine: tuple[tuple[str, str], ...], asked: tuple[tuple[str, str], ...]) -> str:
     """What of a machine is not what was asked for, in a phrase; "" if it is the same."""
     here, there = dict(mine), dict(asked)
-    return "; ".join(f"{name} is {here.get(name, 'unknown')}, not {value}" for name, value in there.items() if here.get(name) != value)
+    return "; ".join(
+        f"{name} is {here.get(name, 'unknown')}, not {value}"
+        for name, value in there.items()
+        if here.get(name) != value
+    )
 
 
 # Compiled integrators carry the state of the motion they are at: a worker with several threads takes turns.

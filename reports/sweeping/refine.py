@@ -34,7 +34,7 @@ Place = tuple[int, ...]
 
 
 class Edges(NamedTuple):
-    """Points of boundaries and the kinds beside them, how many scenarios it took, and how wide the widest bracket is."""
+    """Points of boundaries and the kinds beside them, how many scenarios it took, how wide each is."""
 
     x: np.ndarray
     y: np.ndarray
@@ -63,7 +63,9 @@ def check(plan: Plan) -> None:
         raise BadValue("--refine needs a grid of one or two parameters to begin with")
     for axis in plan.axes:
         if axis.values or len(axis) < 2:
-            raise BadValue(f"--refine needs a range to cut; write {axis.name}=low:high:count, with a count of 2 or more")
+            raise BadValue(
+                f"--refine needs a range to cut; write {axis.name}=low:high:count, with a count of 2 or more"
+            )
 
 
 def run(plan: Plan, folder: Folder, width: float) -> Edges:
@@ -73,7 +75,9 @@ def run(plan: Plan, folder: Folder, width: float) -> Edges:
     columns = {plan.axes[0].name: edges.x}
     columns |= {plan.axes[1].name: edges.y} if len(plan.axes) == 2 else {}
     columns |= {"width": edges.width}
-    columns |= {name: np.array([pair[i] for pair in edges.kinds], dtype=object) for i, name in enumerate(("low", "high"))}
+    columns |= {
+        name: np.array([pair[i] for pair in edges.kinds], dtype=object) for i, name in enumerate(("low", "high"))
+    }
     folder.keep(FILE, parts.packed(pa.table(columns)))
     return edges
 
@@ -139,7 +143,11 @@ class _Search:
             if step == 1 or not cells:
                 break
             step //= 2
-            cells = [tuple(map(sum, zip(cell, part, strict=True))) for cell in cells for part in _corners((0,) * len(cell), step)]
+            cells = [
+                tuple(map(sum, zip(cell, part, strict=True)))
+                for cell in cells
+                for part in _corners((0,) * len(cell), step)
+            ]
         edges = {edge for cell in cells for edge in _edges(cell, step)}
         return [self._bracket(*edge) for edge in sorted(edges) if self.known[edge[0]] != self.known[edge[1]]]
 
