@@ -18,13 +18,13 @@ CHUNK = 4000
 MANY = 20_000
 
 
-def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-9, **vary: Any):
+def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any):
     """The motions of a case over parameters, as a DataFrame on Arrow's columns: one row a scenario.
 
     `case` is a name, a catalogue's Case or a function that makes one; each further argument is a parameter and its
     values: numbers, or text such as "0.01:0.5:200" or "0.01:0.5:200:log". Several make a grid, the last one running
-    fastest; with `sample` "random" or "sobol" `number` points are drawn from their ranges (low, high). The columns after
-    the parameters are those of `reference.sweeping.table.COLUMNS`. Raises CaseError, in one sentence, for what makes no
+    fastest; with `sample` "random" or "sobol" `number` points are drawn from their ranges (low, high). After the
+    parameters the columns are those of `reference.sweeping.table.COLUMNS`. Raises CaseError, in one sentence, for what makes no
     sense; a scenario that no scene can be is a row.
     """
     import pandas as pd
@@ -33,7 +33,7 @@ def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int 
 
 
 def sweep_chunks(
-    case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-9, **vary: Any
+    case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any
 ) -> Iterator[pd.DataFrame]:
     """The same, CHUNK rows at a time: memory does not grow with the sweep."""
     from . import table

@@ -114,8 +114,8 @@ def _motion_in(case: Case, now: Phase, own) -> geometry.Motion | State:
     """A phase's own state as pose and velocities."""
     if now.regime == FLIGHT:
         nan = float("nan")
-        x, y, theta, vx, vy, omega = map(float, own)
-        return State(x, y, theta, vx, vy, omega, nan, 0.0, 0.0, nan, nan)
+        nothing = nan, 0.0, 0.0, nan, nan
+        return State(*(float(v) for v in own), *nothing)  # type: ignore[call-arg]
     y = full_state(case, now, own)
     slip, omega = slip_and_spin(case, y)
     return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip, omega)

@@ -138,7 +138,7 @@ class Plan:
     sample: str = "grid"
     number: int | None = None
     seed: int = 0
-    rtol: float = 1e-9
+    rtol: float = 1e-10
     files: tuple[str, ...] = ()
 
     def __post_init__(self):
@@ -242,7 +242,7 @@ def plan(
     sample: str = "grid",
     number: int | None = None,
     seed: int = 0,
-    rtol: float = 1e-9,
+    rtol: float = 1e-10,
     files: Sequence[str] = (),
 ) -> Plan:
     """The plan of what a user says; a single number fixes a parameter. Raises CaseError."""

@@ -240,7 +240,7 @@ class _Wave:
         elif guard in hybrid.BEGINS:
             slip, turn = (hybrid.BEGINS[guard], turn) if guard.startswith("cone") else (slip, hybrid.BEGINS[guard])
         else:
-            lifts = self._lifts_off(number, who, t, y) & (guard == "normal_force")
+            lifts = self._lifts_off(number, who, t, y)  # the one guard that is left: the normal force
             self._leave(number, who[lifts], t[lifts], y[:, lifts], guard)
             for i in who[~lifts].tolist():
                 self._one(i)
@@ -262,8 +262,8 @@ class _Wave:
         self._go_on(number, numbers[found[known]], who[known], t[known], y[:, known], cause)
 
     def _lifts_off(self, number: int, who: np.ndarray, t, y: np.ndarray) -> np.ndarray:
-        """Where a normal force that vanished leaves no doubt: it falls on, or dips a million times as deep as a touch, and
-        the plate would not move into its track."""
+        """Where a normal force that vanished leaves no doubt: it falls on, or dips a million times as deep as a touch,
+        and the plate would not move into its track."""
         if self.base.effect(Unilateral) is None:
             return np.zeros(len(who), dtype=bool)
         columns = self.columns[number].only(who)

@@ -140,7 +140,9 @@ class _Sweep:
         """Who is there, and whether they fit; waits for one that does."""
         until = time.monotonic() + self.patience
         while True:
-            there = self.client.scheduler_info(n_workers=-1)["workers"]
+            there = self.client.scheduler_info(n_workers=-1).get("workers", {})
+            if self.client.status != "running":
+                raise OSError("the connection is lost")
             for worker in there:
                 if worker not in (*self.fit, *self.unfit, *self.asked):
                     self.asked[worker] = self.client.submit(probe.told, self.work.solver, workers=[worker], pure=False)
