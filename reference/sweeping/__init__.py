@@ -24,8 +24,8 @@ def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int 
     `case` is a name, a catalogue's Case or a function that makes one; each further argument is a parameter and its
     values: numbers, or text such as "0.01:0.5:200" or "0.01:0.5:200:log". Several make a grid, the last one running
     fastest; with `sample` "random" or "sobol" `number` points are drawn from their ranges (low, high). After the
-    parameters the columns are those of `reference.sweeping.table.COLUMNS`. Raises CaseError, in one sentence, for what makes no
-    sense; a scenario that no scene can be is a row.
+    parameters the columns are those of `reference.sweeping.table.COLUMNS`. A scenario that no scene can be is a row.
+    Raises CaseError, in one sentence, for what makes no sense.
     """
     import pandas as pd
 

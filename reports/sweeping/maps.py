@@ -160,6 +160,8 @@ def verdicts(ax: Axes, plan: Plan, folder: Folder, rows: str) -> None:
     _fill(ax, shown, np.where(number < 0, np.nan, number), cmap=ListedColormap(colours), vmin=-0.5, vmax=2.5)
     parts = [np.sum(number == i) / max(np.sum(number >= 0), 1) for i in range(3)]
     handles = [Patch(color=c, label=f"{n}, {p:.0%}") for c, n, p in zip(colours, names, parts, strict=True) if p > 0.0]
+    for line in boundaries.known(plan, plan.axes[0].name, plan.axes[1].name):
+        ax.plot(line.x, line.y, color="black", linewidth=0.8)
     ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3)
     _frame(ax, plan, shown)
 

@@ -27,8 +27,8 @@ def draw(found: list[Map], folder: Path) -> Iterator[Drawn]:
                 title = "What follows when the disc is let go, over friction and start"
                 caption = (
                     f"{len(each.plan)} motions. Thin lines: when the slip first ends, s, with R = 1 m, r = 0.1 m; "
-                    "thick ones: where (35) says that what follows changes. Dots: the paper's three coefficients at the start "
-                    "on the level wall."
+                    "thick ones: where (35) says that what follows changes. Dots: the paper's three coefficients, let "
+                    "go at ξ₁ = 0."
                 )
             else:
                 title = f"{each.solver}, {each.route}: wrong verdicts as it comes, over friction and start"

@@ -18,7 +18,7 @@ from ...sweeping.maps import Mark, kind
 from ...sweeping.parts import Work
 
 # The paper's coefficients, let go on the level wall, which its text does not say.
-MARKS = tuple(Mark(mu, 0.0, f"the paper's {mu:g}") for mu in (0.01, 0.1, 0.2))
+MARKS = tuple(Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
 # Scenarios to a part: of the reference, and of an engine.
 CHUNK, FEW = 4000, 50
 # Seconds that a part may take.
