@@ -49,6 +49,9 @@ def done(
     Raises OSError if the scheduler or workers that fit stay away."""
     distributed, cluster = _dask(), None
     if address == LOCAL:
+        import dask
+
+        dask.config.set({"distributed.worker.profile.enabled": False})  # it looks at each worker every 10 ms
         cluster = distributed.LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
         address = cluster.scheduler_address
     try:
