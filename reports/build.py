@@ -38,7 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
-        "case", "case_file", "solver", "trajectory", "quick", "full", "jobs", "store", "fresh", "list", out="report",
+        "case", "case_file", "solver", "engine", "trajectory", "quick", "full", "jobs", "store", "fresh", "list",
+        out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
     given = parser.parse_args(words)
@@ -68,8 +69,7 @@ def report(
 
 
 def listing(files: Sequence[str]) -> str:
-    """Cases with variants and summaries, solvers with routes."""
-    from .running.calls import Calls
+    """Cases with variants and summaries, solvers with routes. Imports no engine."""
     from .running.solvers import routes
 
     options.load_files(files)
@@ -81,10 +81,11 @@ def listing(files: Sequence[str]) -> str:
         except CaseError as problem:
             lines.append(f"    cannot be made: {problem}")
     lines.append("solvers")
-    names = options.solvers()
-    with Calls() as calls:
-        for name, answer in zip(names, calls.all("routes", routes, [(name,) for name in names]), strict=True):
-            lines.append(f"  {name}: {', '.join(answer.value) if answer.outcome == 'done' else answer.reason}")
+    for name in options.solvers():
+        try:
+            lines.append(f"  {name}: {', '.join(routes(name)) or 'says its routes when it is run'}")
+        except (ImportError, LookupError, SyntaxError) as problem:
+            lines.append(f"  {name}: not installed ({problem})")
     return "\n".join(lines)
 
 
@@ -181,10 +182,8 @@ def _write(
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
     from .analysis import tables, work_precision
-    from .drawing import figures
-    from .drawing import work_precision as precision_figures
     from .drawing.files import embed_command
-    from .page import folder, html, text
+    from .page import folder, html, pictures, text
     from .page.manifest import manifest
     from .running import external
 
@@ -207,15 +206,14 @@ def _write(
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command)
         frames, words = frames | result.frames, words | result.words
-    pictures = place / "figures"
-    drawn = [*figures.draw(shown, pictures, calls), *precision_figures.draw(ran, measured, pictures)]
+    figures = place / "figures"
+    drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
     for figure in drawn:
-        embed_command(pictures, figure, html.command_of(figure.case, told))
-    of_studies = {result.name: result.draw(pictures) for result in studied}
+        embed_command(figures, figure, html.command_of(figure.case, told))
     for result in studied:
         for figure in of_studies[result.name]:
-            embed_command(pictures, figure, result.command)
-    page = html.render(shown, measured, frames, words, drawn, studied, of_studies, pictures, told)
+            embed_command(figures, figure, result.command)
+    page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
     (place / "index.html").write_text(page, encoding="utf-8")
     folder.sign(place, told)
 

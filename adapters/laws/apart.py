@@ -12,7 +12,7 @@ from cases import CaseError
 
 from ..interface import find
 
-# Wall seconds that a law may take on a route, and an import: a hundred times what the slowest of ours takes.
+# Wall seconds that a law may take on a route, and (always) an import: a hundred times what the slowest of ours takes.
 LIMIT_SECONDS = 300.0
 
 _SPAWN = multiprocessing.get_context("spawn")
@@ -51,7 +51,7 @@ class Apart:
         self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
         self.process.start()
         there.close()
-        answer = self._answer()
+        answer = self._answer(LIMIT_SECONDS)
         if isinstance(answer, Exception):
             self._end()
             raise answer
@@ -64,14 +64,14 @@ class Apart:
         if not self.process.is_alive():
             self._begin()
         self.here.send((route, law))
-        return self._answer()
+        return self._answer(self.limit)
 
-    def _answer(self) -> Any:
+    def _answer(self, limit: float) -> Any:
         try:
-            if self.here.poll(self.limit):
+            if self.here.poll(limit):
                 return self.here.recv()
             self._end()
-            return "timed_out", f"no answer within {self.limit:g} s"
+            return "timed_out", f"no answer within {limit:g} s"
         except (EOFError, ConnectionError):
             self.process.join()
             return "crashed", f"its process ended with exit code {self.process.exitcode}"

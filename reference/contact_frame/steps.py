@@ -21,6 +21,10 @@ MOST_STEPS = 20_000
 # Between its ends a step's course is looked at by Hermite's cubic, which turns round where the motion does.
 INSIDE = np.linspace(0.0, 1.0, 9)[1:]
 
+# A step covers at most this part of what a feature allows: events are seen at its ends only, and a force that is
+# resolved within a piece may leave its bound and come back there (a slip of a sixth of a pulse's width).
+QUARTER = 4.0
+
 # A motion that turns more often than this before its end would take years to follow.
 MOST_TURNS = 1e9
 
@@ -82,6 +86,7 @@ class Paced(DOP853):
                 start, end, s = y[row], self.y[row], INSIDE
                 out, back = h * f[row] * s * (1 - s) ** 2, h * self.f[row] * s**2 * (1 - s)
                 way = start + (end - start) * s**2 * (3 - 2 * s) + out - back
-            if features.clear(start, way.min()) > way.min() or features.clear(start, way.max()) < way.max():
+            lowest, highest = (start + QUARTER * (extreme - start) for extreme in (way.min(), way.max()))
+            if features.clear(start, lowest) > lowest or features.clear(start, highest) < highest:
                 return True
         return False

@@ -16,7 +16,7 @@ from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
 from .integrators.segment import BREAKDOWN, Segment
-from .landing import Landing, first_landing
+from .landing import Landing, first_landing, start_impact
 from .modes import (
     FLIGHT,
     SLIP_SIGN,
@@ -50,8 +50,8 @@ LOCATED = 1e-12
 # far from a bound counts as being at it then: a thousand times the location's error.
 IDLE, ROUGH = 4, 1e-9
 
-# A rebound that rises by no more roundings of positions than this is none: bouncing is over, also where its limit could
-# not be extrapolated (each impact ends otherwise than the one before).
+# A rebound that rises by no more roundings of positions than this is none: bouncing is over. Its limit is extrapolated
+# from the rebounds before it; where it could not be (each impact ends otherwise than the one before), it is here.
 DROWNS = 4
 
 Ending = tuple[str, str]  # status and sentence
@@ -129,7 +129,8 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, ACCUMULATION
         try:
             if regime == FLIGHT:
-                step = _after_flight(case, *_flown(case, now, t, y, near, rtol, integrate), bounces)
+                fly = _flown if segments or not _closes(case) else _thrown
+                step = _after_flight(case, *fly(case, now, t, y, near, rtol, integrate), bounces)
             else:
                 step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
             idle = idle + 1 if step.time == t else 0
@@ -322,6 +323,17 @@ def _flown(
         t, y, lasts = segment.event.time, segment.event.state, 2.0 * lasts
 
 
+def _closes(case: Case) -> bool:
+    """Whether a case begins with an impact."""
+    return case.start.gap == 0.0 and case.start.gap_rate < 0.0
+
+
+def _thrown(case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate) -> tuple[list[Segment], Landing]:
+    """The flight of no length before the impact that a case begins with, and that."""
+    segment = integrate(now, t, y, 1e3 * np.spacing(t), rtol)
+    return [segment.until(t, 0)], start_impact(case, segment)
+
+
 def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
     """How long a flight may last, s: until its force has brought it back, or it has moved or fallen by its size."""
     rates = now.system.rates_of_numbers(t, tuple(y), now.parameters)
@@ -341,23 +353,26 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     flown, place = tuple(segments), (landing.xi1, landing.xi2)
     if case.effect(Impact) is None:
         return Step(flown, landing.time, place, "landing", ending=LANDED)
-    law = law_of(case, landing.arm_t, landing.arm_n)
-    after = collide(law, landing.touch)
-    if not law.poisson and energy(law, after) > (1.0 + 1e-12) * energy(law, landing.touch):  # more than by rounding
+    law, since = law_of(case, landing.arm_t, landing.arm_n), segments[0].start
+    # What opens and has not flown does not get off its track: it comes down as fast as it rose, and stays.
+    none = landing.time == since and landing.touch.lift >= 0.0
+    touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
+    after = collide(law, touch)
+    if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
         return Step(flown, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
-    since = segments[0].start
-    # What opens and has not flown does not get off its track.
-    none = landing.time == since and landing.touch.lift >= 0.0
-    if none or after.lift <= 0.0 or _drowns(case, after.lift, pull, place):
+    if none or after.lift <= 0.0:
         cause = "rest" if after.lift > 0.0 else "landing"
         return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), cause)
-    listed = bounces.add(since, landing, after, pull)
+    drowns = _drowns(case, after.lift, pull, place)
+    listed = bounces.add(since, landing, after, pull) and not drowns
     limit = None if listed else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
         settled = (*flown, bounces.settling(last.phase, limit))
         return _rest(case, settled, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest")
+    if drowns:
+        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "rest")
     aloft = in_flight(case, y, after.slip, after.omega, after.lift)
     return Step(flown, landing.time, place, "landing", aloft, FLIGHT, listed=listed)
 

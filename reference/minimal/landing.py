@@ -65,6 +65,14 @@ class _Look(NamedTuple):
         return self.contact.gap if self.contact else np.inf
 
 
+def start_impact(case: Case, segment: Segment) -> Landing:
+    """The impact that a start with a gap that closes is, also where the plate is pulled off its track; its velocities
+    are the start's own, without rounding."""
+    start, first = case.start, _look(case, segment, 0.0)
+    landing = _landing(case, segment, first, start.xi1)
+    return landing._replace(touch=Touch(start.slip, start.gap_rate, start.omega))
+
+
 def first_landing(case: Case, segment: Segment, near: float, under_way: bool = False) -> Landing | None:
     """The first landing of a flight's segment; None if it flies on.
 

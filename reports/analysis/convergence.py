@@ -106,13 +106,13 @@ def order(ladder: Sequence[Point]) -> Order:
 
 def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     """Slope of the least-squares line and the half-width of its confidence interval."""
-    from scipy.stats import t
+    from scipy.special import stdtrit  # as scipy.stats.t.ppf, whose import takes as long as a quick report's tables
 
     off = x - x.mean()
     slope = float(off @ y / (off @ off))
     left = y - y.mean() - slope * off
     freedom = len(x) - 2
-    return slope, float(t.ppf(0.5 + CONFIDENCE / 2, freedom) * np.sqrt(left @ left / freedom / (off @ off)))
+    return slope, float(stdtrit(freedom, 0.5 + CONFIDENCE / 2) * np.sqrt(left @ left / freedom / (off @ off)))
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------

@@ -5,9 +5,7 @@ Every figure is made from an `Experiment` alone. Times in s, lengths in m, angle
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import cos, isfinite, sin
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -18,18 +16,15 @@ from matplotlib.figure import Figure
 
 from cases import Case, Gravity, Mode
 
-from ..running.calls import Calls
 from ..running.records import Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
-from .files import Drawn, file_name, save
-from .style import FAINT, PALETTE, POINTS, STYLE, TRUTH, Looks, logarithmic, looks_of
+from .files import Picture, file_name, picture
+from .style import FAINT, PALETTE, POINTS, STYLE, TRUTH, Looks, logarithmic
 
 # An error drawn on a logarithmic axis needs a least value; below a double's rounding of quantities of order one there
 # is nothing to see.
 _SMALLEST = 1e-17
 # Corners of a plate as drawn: a circle's chords then leave it by a thousandth of its radius.
 _CORNERS = 73
-# Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
-_PATIENCE = 120.0
 # A truth that varies by less, in SI units, is level: what varies is rounding.
 _LEVEL = 1e-9
 # Fewer samples than this over a motion are drawn as points.
@@ -54,53 +49,17 @@ _MODE_WORDS = {
 }
 
 
-def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
-    """Write every figure into the folder; yields what was written, case by case.
-
-    A case whose figures fail has one `Drawn` that says so: hours of runs are not lost by a picture.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    looks, main = looks_of(experiment), headline_case(experiment)
-    shown = [case for case in experiment.cases if not experiment.truths[case.label].failure]
-    asked = [(case, _part(experiment, case.label), looks, folder.resolve(), case is main) for case in shown]
-    for case, answer in zip(shown, calls.all("figures", draw_case, asked, limit=_PATIENCE), strict=True):
-        if answer.outcome == "done":
-            yield from answer.value
-        else:
-            yield Drawn("", case.label, "Figures", f"They could not be drawn: {answer.failure[1]}")
-
-
-def _part(experiment: Experiment, label: str) -> Experiment:
-    """What one case's figures are made from."""
-    runs = tuple(run for run in experiment.runs if run.case == label)
-    return Experiment((), {label: experiment.truths[label]}, runs, experiment.seconds)
-
-
-def draw_case(case: Case, part: Experiment, looks: Looks, folder: Path, main: bool) -> list[Drawn]:
+def draw_case(case: Case, part: Experiment, looks: Looks, main: bool) -> list[Picture]:
     """The figures of one case: scene, motion, error, and the headline if it is the main one."""
-    name, drawn = file_name(case.label), []
+    name, made = file_name(case.label), []
     with matplotlib.rc_context(STYLE):
         if main:
             figure = headline(part, case, looks)
-            drawn.append(save(figure, folder, "headline", case.label, *_HEADLINE_WORDS, png=True))
-        drawn.append(save(scene(part, case), folder, f"scene_{name}", case.label, *_SCENE_WORDS))
-        drawn.append(save(motion(part, case, looks), folder, f"motion_{name}", case.label, *_MOTION_WORDS))
-        drawn.append(save(errors(part, case, looks), folder, f"errors_{name}", case.label, *_ERRORS_WORDS))
-    return drawn
-
-
-def headline_case(experiment: Experiment) -> Case | None:
-    """Of the cases with a transition that most routes got right, the one with most of them; None if none has any."""
-    having = [case for case in experiment.cases if experiment.truths[case.label].transitions]
-    right: dict[str, set[tuple[str, str]]] = {}
-    for run in experiment.runs:
-        if run.outcome == "right":
-            right.setdefault(run.case, set()).add((run.solver, run.route))
-
-    def worth(case: Case) -> tuple[int, int]:
-        return len(right.get(case.label, ())), len(experiment.truths[case.label].transitions)
-
-    return max(having, key=worth, default=None)
+            made.append(picture(figure, "headline", case.label, *_HEADLINE_WORDS, png=True))
+        made.append(picture(scene(part, case), f"scene_{name}", case.label, *_SCENE_WORDS))
+        made.append(picture(motion(part, case, looks), f"motion_{name}", case.label, *_MOTION_WORDS))
+        made.append(picture(errors(part, case, looks), f"errors_{name}", case.label, *_ERRORS_WORDS))
+    return made
 
 
 _HEADLINE_WORDS = (

@@ -1,4 +1,6 @@
-"""Figures as files: small SVG whose text stays text, signed with the command that makes them again."""
+"""Figures as files: small SVG whose text stays text, signed with the command that makes them again.
+
+Matplotlib is imported when a figure is made: a report whose figures are kept does without it."""
 
 from __future__ import annotations
 
@@ -6,15 +8,14 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 from html import escape
-from io import StringIO
+from io import BytesIO, StringIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import matplotlib
+import numpy as np
 
-matplotlib.use("Agg")
-
-from matplotlib import pyplot as plt  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Whoever lacks Matplotlib's own typeface sees one as wide.
 _TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
@@ -36,15 +37,47 @@ def file_name(label: str) -> str:
     return "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
 
 
+@dataclass(frozen=True)
+class Picture:
+    """A figure as its files hold it: SVG, and as bytes a PNG (none if empty)."""
+
+    drawn: Drawn
+    svg: str
+    png: np.ndarray
+
+    @classmethod
+    def read(cls, drawn: Drawn, folder: Path) -> Picture:
+        """What was written into the folder; nothing of a figure that failed."""
+        svg, png = (folder / f"{drawn.name}.{kind}" for kind in ("svg", "png"))
+        dots = np.frombuffer(png.read_bytes() if drawn.name and png.exists() else b"", dtype=np.uint8)
+        return cls(drawn, svg.read_text(encoding="utf-8") if drawn.name else "", dots)
+
+    def write(self, folder: Path) -> Drawn:
+        """Write NAME.svg into the folder (and NAME.png); nothing of a figure that failed."""
+        if not self.drawn.name:
+            return self.drawn
+        (folder / f"{self.drawn.name}.svg").write_text(self.svg, encoding="utf-8")
+        if len(self.png):
+            (folder / f"{self.drawn.name}.png").write_bytes(self.png.tobytes())
+        return self.drawn
+
+
+def picture(figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False) -> Picture:
+    """The figure as SVG (and PNG); the figure itself is forgotten."""
+    from matplotlib import pyplot as plt
+
+    text, dots = StringIO(), BytesIO()
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
+    if png:
+        figure.savefig(dots, format="png", dpi=160, bbox_inches="tight")
+    plt.close(figure)
+    drawn = Drawn(name, case, title, caption)
+    return Picture(drawn, minify(text.getvalue()), np.frombuffer(dots.getvalue(), dtype=np.uint8))
+
+
 def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
     """Write NAME.svg into the folder (and NAME.png) and forget the figure."""
-    text = StringIO()
-    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
-    (folder / f"{name}.svg").write_text(minify(text.getvalue()), encoding="utf-8")
-    if png:
-        figure.savefig(folder / f"{name}.png", dpi=160, bbox_inches="tight")
-    plt.close(figure)
-    return Drawn(name, case, title, caption)
+    return picture(figure, name, case, title, caption, png).write(folder)
 
 
 def embed_command(folder: Path, drawn: Drawn, command: str) -> None:

@@ -10,12 +10,15 @@ from collections.abc import Iterable
 from itertools import cycle
 from typing import Any
 
+import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 import adapters
 
 from ..running.records import REFERENCE, Experiment
+
+matplotlib.use("Agg")  # pictures are files: no window is opened
 
 # Okabe & Ito, "Color Universal Design" (2008), without the yellow, which is pale on white.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")

@@ -224,9 +224,13 @@ def branch_zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float]
             if width < degree + 2 or width + earlier > len(t):
                 continue
             shifts = (0, max(1, width // 8), earlier)
-            zeros = [_root(tau, y, len(t) - shift, width, degree, limit) for shift in shifts]
-            spread = float(np.ptp(zeros))  # NaN where one of the windows has no zero
-            if isfinite(spread) and (best is None or spread < best[1]):
+            zeros: list[float] = []
+            for shift in shifts:
+                zeros.append(_root(tau, y, len(t) - shift, width, degree, limit))
+                spread = float(np.ptp(zeros))  # NaN where a window has no zero
+                if not isfinite(spread) or (best is not None and spread >= best[1]):
+                    break  # another window makes it no smaller
+            else:
                 best = (zeros[0], spread)
     if best is None:
         return _chord(t, y, end)

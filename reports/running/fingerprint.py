@@ -6,39 +6,30 @@ the environment is not looked at.
 
 from __future__ import annotations
 
-import ast
 import dataclasses
 import hashlib
-import importlib.machinery
-import importlib.util
 import json
 import os
 import platform
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, entry_points, version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import sympy as sp
 
-import adapters
-import cases
-import reference
-import reports
-from adapters.interface import GROUP
 from cases import Case, Curve
 from reference import certification
 
-from . import reference_adapter
+from . import code, reference_adapter
 from .packing import pack
 from .records import REFERENCE
 
 Key = dict[str, Any]
 
-_SUITE = tuple(room.__name__ for room in (adapters, cases, reference, reports))
 # Whose versions can change a digit of any result: arithmetic, code generation, compilers of expressions.
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "heyoka")
 
@@ -145,8 +136,7 @@ def adapter_sources(solver: str) -> str:
     """
     if solver == REFERENCE:
         return sources(reference_adapter)
-    foreign = {point.name: point.module for point in entry_points(group=GROUP)}
-    return _digest_of(foreign.get(solver, f"{adapters.__name__}.{solver}"), ())
+    return _digest_of(code.of_adapter(solver), ())
 
 
 @lru_cache(maxsize=1)
@@ -156,74 +146,4 @@ def kept_truth() -> str:
 
 
 def _digest_of(module: str, apart: tuple[str, ...]) -> str:
-    return digest({name: _code(path) for name, path in sorted(_reached(module, apart).items())})
-
-
-def _reached(module: str, apart: tuple[str, ...]) -> dict[str, Path]:
-    if _file(module) is None:
-        raise LookupError(f"there is no file of the module {module}, so that nothing can be said of its code")
-    own = {*_SUITE, module.partition(".")[0]}
-    found: dict[str, Path] = {}
-    waiting = [module]
-    while waiting:
-        name = waiting.pop()
-        if name in found or name.partition(".")[0] not in own or any(f"{name}.".startswith(f"{a}.") for a in apart):
-            continue
-        path = _file(name)
-        if path is not None:
-            found[name] = path
-            waiting += _imported(name, path)
-        parent = name.rpartition(".")[0]
-        waiting += [parent] if parent else []
-    return found
-
-
-@lru_cache(maxsize=512)
-def _imported(name: str, path: Path) -> tuple[str, ...]:
-    """Every module a module may import, and names that may be one."""
-    tree = _tree(path)
-    package = name if path.stem == "__init__" else name.rpartition(".")[0]
-    found: list[str] = []
-    for node in ast.walk(tree) if tree else ():
-        if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            parts = package.split(".")
-            base = ".".join(parts[: len(parts) - node.level + 1]) if node.level else ""
-            base = ".".join(filter(None, (base, node.module)))
-            found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
-    return tuple(found)
-
-
-@lru_cache(maxsize=512)
-def _code(path: Path) -> str:
-    tree = _tree(path)
-    return hashlib.sha256(ast.dump(tree).encode() if tree else path.read_bytes()).hexdigest()
-
-
-@lru_cache(maxsize=512)
-def _tree(path: Path) -> ast.Module | None:
-    """The syntax of a module; None if it is compiled."""
-    return ast.parse(path.read_bytes()) if path.suffix == ".py" else None
-
-
-def _file(name: str) -> Path | None:
-    """The file of a module, found without importing it; None if there is no such module."""
-    top, _, rest = name.partition(".")
-    spec = importlib.util.find_spec(top)
-    if spec is None:
-        return None
-    if not spec.submodule_search_locations:
-        return Path(spec.origin) if spec.origin and not rest else None
-    for location in spec.submodule_search_locations:
-        folder = Path(location).joinpath(*rest.split(".")) if rest else Path(location)
-        for candidate in _candidates(folder):
-            if candidate.is_file():
-                return candidate
-    return None
-
-
-def _candidates(folder: Path) -> Iterator[Path]:
-    for suffix in importlib.machinery.all_suffixes():
-        yield folder / f"__init__{suffix}"
-        yield folder.with_name(folder.name + suffix)
+    return digest({name: code.of(path) for name, path in sorted(code.reached(module, apart).items())})

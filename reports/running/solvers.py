@@ -1,4 +1,5 @@
-"""Solvers by name: the reference and the engines. What is here may load an engine, so that it is called in workers."""
+"""Solvers by name: the reference and the engines. `solver` and `version` load an engine, so that they are called in
+workers."""
 
 from __future__ import annotations
 
@@ -6,6 +7,7 @@ from types import ModuleType
 
 import adapters
 
+from . import code
 from .records import REFERENCE
 
 
@@ -32,5 +34,8 @@ def version(name: str) -> str:
 
 
 def routes(name: str) -> tuple[str, ...]:
-    """The routes of a solver; raises ImportError if it is not installed."""
-    return tuple(map(str, solver(name).routes))
+    """The routes of a solver, () where its code does not say them; loads no engine.
+
+    Raises ImportError if what the adapter imports is not installed, LookupError if it has no code to read.
+    """
+    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(name)

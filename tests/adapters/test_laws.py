@@ -238,7 +238,7 @@ def test_an_adapter_that_ends_its_process_costs_one_verdict_and_no_other(fault, 
         "    print('noise')\n    return built(case, route, setting)\n"
     )
     laws = ["friction_torque", "no_friction_no_spin", "cone[disc in a circle]"]
-    with Apart(str(file), limit=6.0) as adapter:
+    with Apart(str(file), limit=3.0) as adapter:
         tried = list(adapter.tried("native", laws))
     assert [result for _, result, _ in tried] == ["kept", outcome, "kept"], tried
 

@@ -81,10 +81,10 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
 # --- rows ------------------------------------------------------------------------------------------------------------
 
 
-def rows_of(chosen: tuple[Case, ...], most: int) -> None:
+def rows_of(chosen: tuple[Case, ...], most: int, jobs: int) -> None:
     """Run `most` settings of every route on the cases; fails unless each route has its row: a result or a reason."""
     names = tuple(installed())
-    with Calls() as calls:
+    with Calls(jobs) as calls:
         found = experiment.run(chosen, names, calls, thin=lambda case, solver, route, settings: settings[:most])
     for case in chosen:
         for name, route in ROUTES:
@@ -100,12 +100,12 @@ def rows_of(chosen: tuple[Case, ...], most: int) -> None:
 
 
 def test_case_has_a_row_for_every_route_a_result_or_a_reason():
-    rows_of((one("disc_in_cosine"),), most=2)
+    rows_of((one("disc_in_cosine"),), most=1, jobs=1)
 
 
 @pytest.mark.slow
 def test_every_catalogue_case_has_a_row_for_every_route_a_result_or_a_reason():
-    rows_of(tuple(case for name in cases.names(hard=False) for case in cases.select(name)), most=3)
+    rows_of(tuple(case for name in cases.names(hard=False) for case in cases.select(name)), most=3, jobs=2)
 
 
 # --- what must be reached ---------------------------------------------------------------------------------------------

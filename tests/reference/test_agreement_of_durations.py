@@ -7,15 +7,16 @@ size; much later the smallest difference of two computations has grown to the si
 from __future__ import annotations
 
 from dataclasses import replace
+from math import cos, pi
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
-from cases import Case, CoulombFriction, Flight, Gravity, Impact, PerfectlyRough, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Mode, PerfectlyRough, Start, Unilateral, disc
 from cases.library import line
-from reference import contact_frame
+from reference import METHODS, contact_frame
 from tests.reference.test_random_effects import UNHURRIED
 from tests.reference.test_two_formulations import ill_conditioned, sequence
 from tests.scenes.elliptic import ellipse_in_ellipse, numbers
@@ -92,6 +93,43 @@ slopes = st.builds(on_a_slope, numbers(0.0, 1.2), slip=numbers(-2.0, 2.0), omega
 @given(slopes.filter(lambda case: case.duration <= 3.0))
 def test_both_formulations_begin_alike_on_a_slope(case):
     check(case)
+
+
+def test_a_leap_so_low_that_its_rebounds_drown_in_rounding_rests_at_its_limit():
+    """1e-5 m/s up a slope: the ninth rebound rises by less than a position's rounding, with 20 ns of bouncing to go.
+
+    Rebounds of e = 0.536 from a lift u under g cos α last 2u/(g cos α (1 - e)) in all.
+    """
+    slope, e, lift = 0.5717851550215713, 0.5360387281788312, 1e-5
+    case = on_a_slope(slope, (), e, "newton", 0.0, lift, 0.0, 0.0, 1.0)
+    rest = 2 * lift / (9.81 * cos(slope) * (1 - e))
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), contact_frame.solve(case)):
+        assert answer.transitions[-1].time == pytest.approx(rest, rel=1e-12)
+        assert len(answer.transitions) == 9
+
+
+@pytest.mark.parametrize("closing", [1.0, 0.05, 1e-6])
+def test_a_start_that_closes_is_an_impact_though_the_plate_is_pulled_off(closing):
+    """Under a ceiling: without the impact the gap would open again after 2u/g, a few milliseconds."""
+    case = Case(
+        line(0.0), disc(0.1, 1.0), (Gravity(9.81, pi / 2), Unilateral(), Flight(), Impact(0.5)),
+        Start(0.0, gap=0.0, gap_rate=-closing), 0.5,
+    )  # fmt: skip
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), contact_frame.solve(case)):
+        assert [(t.time, t.after) for t in answer.transitions] == [(0.0, Mode.FLIGHT)]
+    assert float(reference.simulate(case)(0.5).vy) == pytest.approx(0.5 * closing + 9.81 * 0.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("lift", [1e-245, 1e-20])
+def test_a_leap_of_nothing_on_a_rough_track_ends_in_rolling(lift):
+    """It comes down before double precision sees it rise; the impact takes the slip: a disc keeps a third of its spin
+    and two thirds of its speed (from angular momentum about the contact)."""
+    case = on_a_slope(1e-6, (PerfectlyRough(),), 0.0343, "poisson", 0.0, lift, 0.3, -1e-230, 1.0)
+    second = contact_frame.solve(case, times=[1e-9])
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), second):
+        assert (answer.status, [t.after for t in answer.transitions]) == ("completed", [Mode.ROLL])
+    assert float(reference.simulate(case)(1e-9).vx) == pytest.approx(0.2, rel=1e-7)
+    assert float(second.motions[3, 0]) == pytest.approx(0.2, rel=1e-7)
 
 
 @pytest.mark.slow

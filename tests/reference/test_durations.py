@@ -137,7 +137,8 @@ def test_bouncing_rests_at_its_limit_whatever_the_duration(method, duration):
     # 6.066233139731 s; it was 2.6e-4 s less with 300 s and 2.9e-3 s less with 3600 s.
     motion = reference.simulate(dropped(0.9, 0.5, duration), method=method)
     assert motion.transitions[-1].cause == "bouncing came to rest"
-    assert motion.transitions[-1].time == pytest.approx(rest(0.9, 0.5), abs=1e-12)
+    # A rounding of a flight's end counts 1/(1 − e) times: all that follows is later by as much.
+    assert motion.transitions[-1].time == pytest.approx(rest(0.9, 0.5), abs=1e-12 / (1 - 0.9))
 
 
 @METHODS
@@ -201,7 +202,7 @@ def test_a_polynomial_is_extrapolated_exactly(coefficients, ratio):
 
 
 @METHODS
-@pytest.mark.parametrize("law", ["poisson", "newton"])
+@pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
 @pytest.mark.parametrize("e", [0.5, 0.9, 1.0])
 @pytest.mark.parametrize("speed", [1e-6, 300.0])
 def test_a_start_that_begins_with_an_impact_rebounds(method, law, e, speed):

@@ -109,7 +109,9 @@ def test_a_pulse_of_a_load_is_felt(width):
             motion = reference.simulate(case, rtol=rtol, method=method)
             assert float(motion.vx[-1]) == pytest.approx(0.5 * sqrt(pi), abs=error), (method, rtol)
     second = contact_frame.solve(case, rtol=1e-12, times=[3.0])
-    assert float(second.motions[3, -1]) == pytest.approx(0.5 * sqrt(pi), abs=1e-11)
+    # Times around 1.3 are known to a rounding, and the force goes up to 0.5/w and down again.
+    known = 2 * 0.5 / width * np.spacing(1.3)
+    assert float(second.motions[3, -1]) == pytest.approx(0.5 * sqrt(pi), abs=1e-11 + known)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -308,8 +310,9 @@ def check_random(seed: int) -> None:
         assert [t.time for t in second.transitions] == pytest.approx(times, abs=1e-7), seed
 
 
-# Bumps and pulses, whose equations the tests above derive; 5 is a pulse of 4 ms a second ahead.
-@pytest.mark.parametrize("seed", [4, 5, 8, 10, 11])
+# Bumps and pulses, whose equations the tests above derive; 5 is a pulse of 4 ms a second ahead, in 414 a pulse of 25 ms
+# makes a slip of 4 ms.
+@pytest.mark.parametrize("seed", [4, 5, 8, 10, 11, 414])
 def test_random_narrow_features_a_few(seed):
     check_random(seed)
 

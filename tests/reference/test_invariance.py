@@ -6,7 +6,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 
 import cases
 import reference
@@ -14,7 +14,7 @@ from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Uni
 from cases import curves as c
 from cases.expressions import PARAMETER
 from reference.minimal.integrators import taylor
-from tests.scenes.elliptic import elliptic_scenes, numbers
+from tests.scenes.elliptic import elliptic_scenes, examples, numbers
 
 OTHER_HAND = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 
@@ -53,7 +53,7 @@ def test_units_of_length_change_no_digit(length, method):
 
 
 @given(length=numbers(1e-3, 1e3), pull=numbers(1e-3, 1e3))
-@settings(max_examples=10, deadline=None)
+@examples(10, 10)
 def test_times_scale_with_the_root_of_length_over_gravity(length, pull):
     ours, modes, motion = times(scene())
     unit = sqrt(length / pull)
@@ -110,7 +110,7 @@ def test_units_of_a_line_change_no_digit():
 
 
 @given(turn=numbers(-3.0, 3.0))
-@settings(max_examples=4, deadline=None)
+@examples(2, 4)
 def test_turning_the_scene_with_its_gravity_changes_nothing(turn):
     ours, modes, motion = times(scene())
     theirs, other_modes, other = times(scene(turn=turn))
@@ -175,7 +175,7 @@ def test_a_longer_motion_begins_like_a_shorter_one(method):
 
 
 @given(elliptic_scenes)
-@settings(max_examples=10, deadline=None)
+@examples(5, 10)
 def test_the_mirror_image_of_a_scene_moves_as_the_mirror_image(case):
     s = case.start
     gravity = case.effect(Gravity)

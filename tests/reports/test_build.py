@@ -4,6 +4,8 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
 import threading
 import time
 from html import escape
@@ -92,6 +94,15 @@ def test_list_names_every_case_and_solver(capsys):
     assert build.main(["--list"]) == 0
     told = capsys.readouterr().out
     assert all(name in told for name in (*cases.names(), "reference", "exudyn", "pymunk", "disc_in_circle[mu=0.2]"))
+
+
+def test_what_is_listed_is_read_from_code_and_no_engine_is_imported():
+    listed = (
+        "import sys; from reports.build import main; assert main(sys.argv[1:]) == 0;"
+        "assert not {'exudyn', 'pymunk', 'pandas', 'matplotlib'} & set(sys.modules)"
+    )
+    told = subprocess.run([sys.executable, "-c", listed, "--list"], capture_output=True, text=True, check=True).stdout
+    assert "  pymunk: native, assisted\n" in told and "  exudyn: native, assisted\n" in told
 
 
 def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogue():
@@ -217,7 +228,7 @@ def test_what_a_killed_build_left_is_removed_and_what_another_writes_now_is_not(
     assert not old.exists() and young.exists()
 
 
-def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):
+def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report, tmp_path, capsys):
     import shutil
 
     out = tmp_path / "report"
@@ -226,6 +237,11 @@ def test_a_report_takes_the_place_of_an_older_one(report, tmp_path):
     assert build.main(argv) == 0
     assert "disc_on_line" not in (out / "tables" / "truth.csv").read_text()
     assert [p.name for p in tmp_path.iterdir()] == ["report"]
+    before = {p.name: p.read_bytes() for p in (out / "figures").iterdir()}
+    capsys.readouterr()
+    assert build.main(argv) == 0
+    assert "store: 1 figure and " in (told := capsys.readouterr().out) and "nothing made now" in told
+    assert {p.name: p.read_bytes() for p in (out / "figures").iterdir()} == before
 
 
 # --- engines that fail ------------------------------------------------------------------------------------------------
@@ -242,7 +258,7 @@ def failing(tmp_path_factory):
     killer = threading.Thread(target=kill_when_told, args=(packages / "pid",))
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(packages)
-        patch.setattr(options, "_LIMITS", {"default": 5.0})
+        patch.setattr(options, "_LIMITS", {"default": 2.0})
         killer.start()
         argv = ["--out", str(out), "--case", fake_adapter.CASE, "--solver", "fake", "ghost", "--jobs", "1"]
         assert build.main([*argv, "--store", str(packages / "store")]) == 0
@@ -265,7 +281,7 @@ FATES = {
     "how=gives up": ("crashed", "Newton gave up"),
     "how=segfault": ("crashed", "SIGSEGV"),
     "how=until killed": ("crashed", "SIGKILL, from outside"),
-    "how=hang": ("timed_out", "still running after 5 s"),
+    "how=hang": ("timed_out", "still running after 2 s"),
     "how=wait 2": ("timed_out", "not tried: how=hang had run out of time"),
 }
 

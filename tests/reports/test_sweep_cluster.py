@@ -110,7 +110,7 @@ def test_a_scheduler_that_goes_and_comes_back_loses_nothing(loopback, exact, cap
             if number == 5:
                 loopback.scheduler.kill()
                 loopback.scheduler.wait()
-                time.sleep(3.0)
+                time.sleep(12.0)  # longer than the client tries to reconnect by itself
                 loopback.start_scheduler()
                 loopback.start_worker(), loopback.start_worker()
 

@@ -304,11 +304,11 @@ def test_set_up_and_compilation_are_told_beside_the_times():
 
 
 def test_figures_that_fail_are_told_in_their_place(tmp_path):
-    from reports.drawing import figures
+    from reports.drawing import of_cases
 
     experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
     with Calls(1) as calls:
-        (told,) = figures.draw(experiment, tmp_path, calls)
+        (told,) = of_cases.draw(experiment, tmp_path, calls)
     assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
 
 

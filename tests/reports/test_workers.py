@@ -51,9 +51,9 @@ def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.A
 
 @pytest.fixture(scope="module")
 def answers() -> dict[str, workers.Answer]:
-    # Three seconds are long for every way that ends by itself, and short to wait for the one that does not.
+    # Two seconds are long for every way that ends by itself, and short to wait for the one that does not.
     calls = [(way,) for way in WAYS]
-    return {WAYS[index]: answer for index, answer in run(misbehave, calls, jobs=2, limit=3.0)}
+    return {WAYS[index]: answer for index, answer in run(misbehave, calls, jobs=2, limit=2.0)}
 
 
 def test_every_call_is_answered_whatever_the_others_do(answers):
@@ -68,7 +68,7 @@ def test_every_call_is_answered_whatever_the_others_do(answers):
         ("exit", "raised", "SystemExit: 3"),
         ("vanish", "died", "exit code 7"),
         ("segfault", "died", "SIGSEGV"),
-        ("hang", "timed_out", "still running after 3 s"),
+        ("hang", "timed_out", "still running after 2 s"),
         ("flood", "raised", "File too large"),
     ],
 )

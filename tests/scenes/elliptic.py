@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hypothesis import settings
 from hypothesis import strategies as st
 
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral
@@ -20,6 +21,11 @@ def ellipse_in_ellipse(A, B, a, b, xi1, xi2, mu, slip, omega, direction=-1.57079
     friction = (CoulombFriction(mu),) if mu else ()
     effects = (Gravity(9.81, direction), *friction, Unilateral())
     return Case(ellipse(A, B), plate, effects, Start(xi1, xi2, slip, omega), duration=1.0)
+
+
+def examples(everyday: int, thorough: int) -> settings:
+    """How many random scenes a test draws every day, and with the slow tests: each may cost a derivation."""
+    return settings(max_examples=everyday if settings.get_current_profile_name() == "same" else thorough, deadline=None)
 
 
 def numbers(low: float, high: float):

@@ -25,7 +25,7 @@ from ...judging.residuals import Residuals
 from ...running.calls import Calls, Keep
 from ...running.experiment import hopeless, offers
 from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error
-from ...running.tasks import attempt, find_truth, in_catalogue, judge, survey
+from ...running.tasks import attempt, find_truth, in_catalogue, judge, true_motion
 from ...running.workers import Answer
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Spread
@@ -61,7 +61,6 @@ class Scene(NamedTuple):
     motion: Trajectory | None
     conditioning: Conditioning
     spread: Spread
-    runs: tuple[tuple[Run, Residuals], ...]
 
     @property
     def chaotic(self) -> str:
@@ -95,23 +94,24 @@ def atlas(full: bool) -> tuple[Case, ...]:
 def measure(chosen: Sequence[Case], solvers: Sequence[str], full: bool, calls: Calls) -> Stability:
     """Run the cases through the solvers; every failure is a row."""
     limit = _FULL_LIMIT if full else _LIMIT
-    asked = [(case, REFERENCE in solvers, full) for case in chosen]
-    answers = calls.all("scenes", scene_of, asked, limit=limit + _DERIVING, keep=Keep())
-    scenes = {case.label: _scene(case.label, answer) for case, answer in zip(chosen, answers, strict=True)}
-    runs = [run for scene in scenes.values() for run in scene.runs]
-    engines = [name for name in solvers if name != REFERENCE]
+    answers = calls.all("scenes", scene_of, [(case,) for case in chosen], limit=limit + _DERIVING, keep=Keep())
+    scenes = {case.label: _scene(answer) for case, answer in zip(chosen, answers, strict=True)}
+    runs = [_unknown(case, answer) for case, answer in zip(chosen, answers, strict=True) if answer.outcome != "done"]
+    failed = {run.case for run, _ in runs}
     # The longest at the end would have the others wait.
-    offered = offers(sorted(chosen, key=lambda case: -case.duration), engines, calls)
+    offered = offers(sorted(chosen, key=lambda case: -case.duration), solvers, calls)
     by_label = {case.label: case for case in chosen}
+    own: list[tuple] = []
     todo: list[tuple] = []
     for (label, name), of_routes in offered.items():
-        for offer in of_routes:
+        for offer in of_routes if name != REFERENCE or label not in failed else ():
             excused, more = _plan(by_label[label], name, offer, scenes[label], full)
             runs += excused
-            todo += more
-    answers = calls.all("engines", assess, todo, limit=limit, keep=Keep(), skip=hopeless)
-    for call, answer in zip(todo, answers, strict=True):
-        runs.append(answer.value if answer.outcome == "done" else (_failed(call, answer), Residuals()))
+            (own if name == REFERENCE else todo).extend(more)
+    own.reverse()  # the paper's matrix at fine tolerances takes longest
+    runs += _assessed(calls.all("reference", assess_own, own, limit=limit + _DERIVING, keep=Keep()), own)
+    runs += _assessed(calls.all("engines", assess, todo, limit=limit, keep=Keep(), skip=hopeless), todo)
+    engines = [name for name in solvers if name != REFERENCE]
     wanted = [
         (case, name, offer.route, middle)
         for case in chosen
@@ -122,12 +122,14 @@ def measure(chosen: Sequence[Case], solvers: Sequence[str], full: bool, calls: C
     ]
     brackets = _brackets(wanted, calls)
     place = {case.label: i for i, case in enumerate(chosen)}
-    runs.sort(key=lambda pair: (place[pair[0].case], pair[0].solver != REFERENCE, pair[0].solver, pair[0].route))
+    runs.sort(
+        key=lambda pair: (place[pair[0].case], pair[0].solver != REFERENCE, pair[0].solver, pair[0].route, pair[0].rung)
+    )
     return Stability(tuple(chosen), scenes, tuple(runs), brackets)
 
 
-def scene_of(case: Case, with_reference: bool, full: bool) -> Scene:
-    """A case's truth, how it is conditioned, what its last bits decide, and the reference's own runs."""
+def scene_of(case: Case) -> Scene:
+    """A case's truth, how it is conditioned and what its last bits decide."""
     spread = sensitivity.spread(case)
     # A hard case of the catalogue whose certificate is not kept has none: its witnesses' sequences differ, or one of
     # them stops, sometimes after minutes.
@@ -135,15 +137,10 @@ def scene_of(case: Case, with_reference: bool, full: bool) -> Scene:
     truth = find_truth(case) if kept else Truth(failure="no certificate of it is kept: its witnesses disagree")
     if truth.failure and not spread.sequence:
         truth = _by_one_formulation(case, truth)
-    motion = None if truth.failure else reference.simulate(case, rtol=TRUTH_RTOL, method=truth.method)
+    motion = None if truth.failure else true_motion(case, truth.method)
     conditioning = sensitivity.conditioning(case, motion) if motion else Conditioning(nan, nan, nan)
-    runs = []
-    for offer in survey(case, REFERENCE) if with_reference else ():
-        for rung, setting in enumerate(offer.settings if full else offer.settings[1::2], start=1):
-            call = (case, REFERENCE, offer.route, setting, rung)
-            runs.append(assess(*call, truth, motion) if motion else _without_truth(call, truth.failure))
     visible = _visible(truth, motion) if motion else truth
-    return Scene(truth, visible, _sampled(motion) if motion else None, conditioning, spread, tuple(runs))
+    return Scene(truth, visible, _sampled(motion) if motion else None, conditioning, spread)
 
 
 def _visible(truth: Truth, motion: Trajectory) -> Truth:
@@ -205,13 +202,16 @@ def _sampled(motion: Trajectory) -> Trajectory:
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
 
 
-def _scene(label: str, answer: Answer) -> Scene:
+def _scene(answer: Answer) -> Scene:
     if answer.outcome == "done":
         return answer.value
-    outcome, reason = answer.failure
-    failed = Run(label, REFERENCE, "", Setting.of(), 0, outcome, reason)
-    nothing = Truth(failure=reason)
-    return Scene(nothing, nothing, None, Conditioning(nan, nan, nan), Spread("", nan, nan), ((failed, Residuals()),))
+    nothing = Truth(failure=answer.failure[1])
+    return Scene(nothing, nothing, None, Conditioning(nan, nan, nan), Spread("", nan, nan))
+
+
+def _unknown(case: Case, answer: Answer) -> tuple[Run, Residuals]:
+    """The row of a case of which nothing could be found out."""
+    return Run(case.label, REFERENCE, "", Setting.of(), 0, *answer.failure), Residuals()
 
 
 def _plan(case: Case, name: str, offer: Offer, scene: Scene, full: bool):
@@ -219,11 +219,13 @@ def _plan(case: Case, name: str, offer: Offer, scene: Scene, full: bool):
     if not offer.settings:
         outcome, reason = offer.outcome or "refused", offer.reason or "it offers no setting for this case"
         return [(Run(case.label, name, offer.route, Setting.of(), 0, outcome, reason), Residuals())], []
-    chosen = offer.settings if full else _few(offer.settings)
+    chosen = offer.settings if full else offer.settings[1::2] if name == REFERENCE else _few(offer.settings)
     calls = [(case, name, offer.route, setting, rung) for rung, setting in enumerate(chosen, 1)]
     if scene.motion is None:
         return [_without_truth(call, scene.truth.failure) for call in calls], []
-    return [], [(*call, scene.visible, scene.motion) for call in calls]
+    # The reference is judged by all of the truth and by the true motion itself, which each worker has.
+    known = (scene.truth,) if name == REFERENCE else (scene.visible, scene.motion)
+    return [], [(*call, *known) for call in calls]
 
 
 def _few(settings: Sequence[Setting]) -> list[Setting]:
@@ -254,6 +256,17 @@ def assess(
         return run
 
     return attempt(Run(case.label, name, route, setting, rung, outcome=""), case, verdict), own
+
+
+def assess_own(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> tuple[Run, Residuals]:
+    """The same of the reference."""
+    return assess(case, name, route, setting, rung, truth, true_motion(case, truth.method))
+
+
+def _assessed(answers: Sequence[Answer], calls: Sequence[tuple]) -> list[tuple[Run, Residuals]]:
+    """The rows of the calls, those of what did not return among them."""
+    pairs = zip(answers, calls, strict=True)
+    return [a.value if a.outcome == "done" else (_failed(call, a), Residuals()) for a, call in pairs]
 
 
 def _failed(call: tuple, answer: Answer) -> Run:

@@ -1,0 +1,62 @@
+"""The figures of all cases: drawn in workers, and kept like runs, so that none is drawn twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from cases import Case
+
+from ..running.calls import Calls, Keep
+from ..running.fingerprint import installed
+from ..running.records import Experiment
+from .files import Drawn, Picture
+
+# Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
+_PATIENCE = 120.0
+_KEEP = Keep("figure", of=lambda *call: (*call, installed("matplotlib")))
+
+
+def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
+    """Write every figure into the folder; yields what was written, case by case.
+
+    A case whose figures fail has one `Drawn` that says so: hours of runs are not lost by a picture.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    routes, main = tuple(dict.fromkeys((r.solver, r.route) for r in experiment.runs)), headline_case(experiment)
+    shown = [case for case in experiment.cases if not experiment.truths[case.label].failure]
+    asked = [(case, _part(experiment, case.label), routes, case is main) for case in shown]
+    answers = calls.all("figures", draw_case, asked, limit=_PATIENCE, keep=_KEEP)
+    for case, answer in zip(shown, answers, strict=True):
+        if answer.outcome == "done":
+            yield from (picture.write(folder) for picture in answer.value)
+        else:
+            yield Drawn("", case.label, "Figures", f"They could not be drawn: {answer.failure[1]}")
+
+
+def draw_case(case: Case, part: Experiment, routes: tuple[tuple[str, str], ...], main: bool) -> list[Picture]:
+    """In a worker: the figures of one case; `routes` are those of all cases, which decide how each looks."""
+    from . import figures
+    from .style import Looks
+
+    return figures.draw_case(case, part, Looks(routes), main)
+
+
+def _part(experiment: Experiment, label: str) -> Experiment:
+    """What one case's figures are made from, and nothing that differs from build to build."""
+    runs = tuple(run for run in experiment.runs if run.case == label)
+    return Experiment((), {label: experiment.truths[label]}, runs, 0.0)
+
+
+def headline_case(experiment: Experiment) -> Case | None:
+    """Of the cases with a transition that most routes got right, the one with most of them; None if none has any."""
+    having = [case for case in experiment.cases if experiment.truths[case.label].transitions]
+    right: dict[str, set[tuple[str, str]]] = {}
+    for run in experiment.runs:
+        if run.outcome == "right":
+            right.setdefault(run.case, set()).add((run.solver, run.route))
+
+    def worth(case: Case) -> tuple[int, int]:
+        return len(right.get(case.label, ())), len(experiment.truths[case.label].transitions)
+
+    return max(having, key=worth, default=None)

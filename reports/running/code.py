@@ -1,0 +1,135 @@
+"""Python code that is read and not run: which modules one reaches, what its syntax says, which routes it names.
+
+To import an adapter is to wake its engine, which takes seconds and may end the process.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib.machinery
+import importlib.util
+from collections.abc import Iterator
+from functools import lru_cache
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from adapters.interface import GROUP, executables
+
+# The suite's rooms: their modules and those of a module's own package are followed, no others.
+SUITE = ("adapters", "cases", "reference", "reports")
+
+
+def of_adapter(engine: str) -> str:
+    """The name of an engine's adapter module. An executable's version is a digest of its file."""
+    if engine in executables():
+        return "adapters.by_process"
+    foreign = {point.name: point.module for point in entry_points(group=GROUP)}
+    return foreign.get(engine, f"adapters.{engine}")
+
+
+def routes_of(engine: str) -> tuple[str, ...]:
+    """The routes that an engine's adapter names in its code; () if it does not say them in plain words.
+
+    Raises ImportError if a package that the adapter imports first of all is not installed.
+    """
+    module = of_adapter(engine)
+    own = [path for name, path in reached(module, SUITE[1:]).items() if f"{name}.".startswith(f"{module}.")]
+    lines = [line for path in own if (tree := tree_of(path)) for line in tree.body]
+    for line in lines:
+        for package in _packages(line):
+            if importlib.util.find_spec(package) is None:
+                raise ImportError(f"No module named {package!r}")
+    named = [line.value for line in lines if isinstance(line, ast.Assign) and _name(line) == "routes"]
+    try:
+        return tuple(map(str, ast.literal_eval(named[0]))) if named else ()
+    except (ValueError, TypeError):
+        return ()
+
+
+def _packages(line: ast.stmt) -> list[str]:
+    """The packages that a line imports."""
+    if isinstance(line, ast.Import):
+        return [alias.name.partition(".")[0] for alias in line.names]
+    if isinstance(line, ast.ImportFrom) and line.module and not line.level:
+        return [line.module.partition(".")[0]]
+    return []
+
+
+def _name(line: ast.Assign) -> str:
+    return line.targets[0].id if isinstance(line.targets[0], ast.Name) else ""
+
+
+def reached(module: str, apart: tuple[str, ...]) -> dict[str, Path]:
+    """The files of a module and of what it imports from the suite or its own package, by name, but for those `apart`.
+
+    Raises LookupError if the module has no file.
+    """
+    if file_of(module) is None:
+        raise LookupError(f"there is no file of the module {module}, so that nothing can be said of its code")
+    own = {*SUITE, module.partition(".")[0]}
+    found: dict[str, Path] = {}
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        if name in found or name.partition(".")[0] not in own or any(f"{name}.".startswith(f"{a}.") for a in apart):
+            continue
+        path = file_of(name)
+        if path is not None:
+            found[name] = path
+            waiting += imported(name, path)
+        parent = name.rpartition(".")[0]
+        waiting += [parent] if parent else []
+    return found
+
+
+@lru_cache(maxsize=512)
+def imported(name: str, path: Path) -> tuple[str, ...]:
+    """Every module a module may import, and names that may be one."""
+    tree = tree_of(path)
+    package = name if path.stem == "__init__" else name.rpartition(".")[0]
+    found: list[str] = []
+    for node in ast.walk(tree) if tree else ():
+        if isinstance(node, ast.Import):
+            found += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            parts = package.split(".")
+            base = ".".join(parts[: len(parts) - node.level + 1]) if node.level else ""
+            base = ".".join(filter(None, (base, node.module)))
+            found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
+    return tuple(found)
+
+
+@lru_cache(maxsize=512)
+def of(path: Path) -> str:
+    """Digest of a file's code; layout and comments do not count."""
+    tree = tree_of(path)
+    return hashlib.sha256(ast.dump(tree).encode() if tree else path.read_bytes()).hexdigest()
+
+
+@lru_cache(maxsize=512)
+def tree_of(path: Path) -> ast.Module | None:
+    """The syntax of a module; None if it is compiled."""
+    return ast.parse(path.read_bytes()) if path.suffix == ".py" else None
+
+
+def file_of(name: str) -> Path | None:
+    """The file of a module, found without importing it; None if there is no such module."""
+    top, _, rest = name.partition(".")
+    spec = importlib.util.find_spec(top)
+    if spec is None:
+        return None
+    if not spec.submodule_search_locations:
+        return Path(spec.origin) if spec.origin and not rest else None
+    for location in spec.submodule_search_locations:
+        folder = Path(location).joinpath(*rest.split(".")) if rest else Path(location)
+        for candidate in _candidates(folder):
+            if candidate.is_file():
+                return candidate
+    return None
+
+
+def _candidates(folder: Path) -> Iterator[Path]:
+    for suffix in importlib.machinery.all_suffixes():
+        yield folder / f"__init__{suffix}"
+        yield folder.with_name(folder.name + suffix)

@@ -1,0 +1,149 @@
+"""What decides a run: the key under which it is kept."""
+
+import os
+from importlib.metadata import EntryPoint
+
+import pytest
+
+import cases
+from adapters import Setting
+from cases import Mode, Transition
+from reports.running import code, experiment, fingerprint, tasks
+from reports.running.calls import Calls
+from reports.running.records import Truth
+
+TRUTH = Truth("taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE)
+CASE_FILE = """
+from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
+from cases.library import line
+
+@case
+def bowled_in_a_file(mu=0.1):
+    "{docstring}"
+    return Case(
+        track=line({slope}), plate=disc(0.1, {mass}), effects=({effects}),
+        start=Start(0.0, slip={slip}), duration={duration},
+    )
+"""
+AS_IT_IS = dict(
+    docstring="A disc.", slope=0.0, mass=1.0, slip=1.0, duration=1.0,
+    effects="Gravity(9.81), CoulombFriction(mu), Unilateral()",
+)  # fmt: skip
+VERSIONS = {"pymunk": "7.2.0", "reference": "0.1.0"}
+
+
+def written(tmp_path, monkeypatch, **changes) -> cases.Case:
+    cases.names()  # the catalogue is there before it is copied
+    monkeypatch.setattr(cases.registry, "_entries", dict(cases.registry._entries))
+    file = tmp_path / "own.py"
+    file.write_text(CASE_FILE.format(**AS_IT_IS | changes))
+    os.utime(file, (1e9, 1e9))  # edits within one second, which a cache of compiled files would not notice
+    cases.load_file(file)
+    return cases.load("bowled_in_a_file")
+
+
+def run_key(case, solver="pymunk", route="native", versions=None, truth=TRUTH, rung=1, **knobs):
+    call = (case, solver, route, Setting.of(**(knobs or {"h": 0.1})), rung, truth)
+    return Calls(versions=VERSIONS if versions is None else versions).key(tasks.perform, call, experiment._KEEP_RUN)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        dict(slope=0.001),
+        dict(mass=1.0 + 1e-15),
+        dict(slip=2.0),
+        dict(duration=1.5),
+        dict(effects="Gravity(9.81), CoulombFriction(mu, mu_static=0.2), Unilateral()"),
+        dict(effects="Gravity(9.81), CoulombFriction(mu)"),
+    ],
+    ids=str,
+)
+def test_a_case_file_edited_under_the_same_name_is_another_case(changes, tmp_path, monkeypatch):
+    before = run_key(written(tmp_path, monkeypatch))
+    after = run_key(written(tmp_path, monkeypatch, **changes))
+    assert before["case"] == after["case"] and before != after
+    assert [file.name for file in tmp_path.iterdir()] == ["own.py"]  # nothing is left beside a user's file
+
+
+def test_every_case_of_the_catalogue_can_be_told_from_every_other():
+    told = [fingerprint.content(case) for name in cases.names() for case in cases.select(name)]
+    assert None not in told and len(set(told)) == len(told)
+
+
+def test_words_in_a_case_file_decide_nothing(tmp_path, monkeypatch):
+    before = run_key(written(tmp_path, monkeypatch))
+    assert before == run_key(written(tmp_path, monkeypatch, docstring="A disc, bowled."))
+
+
+def test_a_key_tells_solver_route_setting_versions_and_truth():
+    case = cases.load("disc_on_line")
+    keys = [
+        run_key(case),
+        run_key(case, route="assisted"),
+        run_key(case, h=0.1 + 1e-15),
+        run_key(case, n=0.1),
+        run_key(case, solver="reference"),
+        run_key(case, versions={"pymunk": "7.3.0"}),
+        run_key(case, truth=Truth(failure="none")),
+        run_key(cases.load("disc_on_line", mu=0.2)),
+        run_key(cases.load("disc_on_line", mu=0.1)),
+    ]
+    assert len({fingerprint.digest(key) for key in keys}) == len(keys)
+    assert run_key(case) == run_key(cases.load("disc_on_line")) == run_key(case, rung=2)
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("machine", lambda: "another"),
+        ("installed", lambda package: "0"),
+        ("sys", type("S", (), {"version": "3.99.0 (main)"})),
+    ],
+)
+def test_a_key_tells_machine_packages_and_python(name, value, monkeypatch):
+    case = cases.load("disc_on_line")
+    before = run_key(case)
+    monkeypatch.setattr(fingerprint, name, value)
+    fingerprint._surroundings.cache_clear()
+    try:
+        assert run_key(case) != before
+    finally:
+        fingerprint._surroundings.cache_clear()
+
+
+def test_where_a_version_is_not_known_nothing_is_kept():
+    assert run_key(cases.load("disc_on_line"), versions={"pymunk": ""}) is None
+
+
+def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engine():
+    ours = code.reached("adapters.pymunk", ()).keys()
+    assert {"adapters.pymunk", "adapters.pymunk.native", "adapters.interface", "cases.contact"} <= ours
+    assert not any("exudyn" in name or name.startswith("reference") for name in ours)
+    judge = code.reached("reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)).keys()
+    assert {"reports.running.tasks", "reports.judging.slip_phases", "cases.trajectory"} <= judge
+    assert not any(name.startswith("reference") for name in judge)
+    truth = code.reached("reports.running.tasks", ()).keys()
+    assert {"reference.solve", "reference.certification.certificate", "reference.minimal.eliminated"} <= truth
+
+
+def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    package = tmp_path / "an_engine_of_tests"
+    package.mkdir()
+    (package / "__init__.py").write_text("raise RuntimeError('asking must not wake it')\n")
+    (package / "adapter.py").write_text("from ._knobs import h\n")
+    (package / "_knobs.py").write_text("h = 0.1\n")
+    point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", code.GROUP)
+    monkeypatch.setattr(code, "entry_points", lambda group: [point])
+
+    def told() -> str:
+        for cached in (fingerprint.adapter_sources, code.of, code.tree_of, code.imported):
+            cached.cache_clear()
+        return fingerprint.adapter_sources("an_engine_of_tests")
+
+    before = told()
+    (package / "_knobs.py").write_text("# ten centimetres\nh   =   0.1\n")
+    assert told() == before
+    (package / "_knobs.py").write_text("h = 0.2\n")
+    assert told() != before

@@ -1,0 +1,243 @@
+"""What is run again and what is not: settings, limits, crashes, timings, and builds that were stopped."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import cases
+from adapters import Setting
+from reports.analysis import tables
+from reports.running import experiment, fingerprint, timings, workers
+from reports.running.calls import Calls
+from reports.running.clock import Contestant, Timing
+from reports.running.store import Store
+
+from .. import fake_adapter
+
+ROOT = Path(__file__).parents[2]
+VERSIONS = {"pymunk": "7.2.0", "reference": "0.1.0"}
+
+
+def same(one, other) -> bool:
+    """To the last bit, NaN included."""
+    return fingerprint.record_digest(one) == fingerprint.record_digest(other)
+
+
+def setting_of(file: Path) -> str:
+    """How the fake engine was to run, by the key of what is kept."""
+    with zipfile.ZipFile(file) as archive:
+        said = json.loads(archive.read("record.json"))["key"]["arguments"]
+    ((_, (_, text)),) = said[3][1]["values"]
+    return text.strip("'")
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """The fake engine's folder, and a worker that finds it: one serves all tests, for to start one takes seconds."""
+    folder = tmp_path_factory.mktemp("packages")
+    fake_adapter.install(folder, [])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)
+        pool = workers.Pool(1)
+        yield folder, pool
+        pool.close()
+
+
+@pytest.fixture
+def fake(installed, tmp_path):
+    """run(settings, …) -> outcomes by setting, of the fake engine; its folder is `run.folder`."""
+    folder, pool = installed
+    (folder / "log.txt").unlink(missing_ok=True)
+    case = cases.load(fake_adapter.CASE)
+
+    def run(settings, limit=30.0, fresh=False):
+        fake_adapter.ladder_is(folder, settings)
+        calls = Calls(1, limit, Store(tmp_path / "s", fresh))
+        calls._pool = pool
+        return {row.setting["how"]: row for row in experiment.run((case,), ("fake",), calls).runs}
+
+    run.folder, run.store = folder, tmp_path / "s"
+    return run
+
+
+def test_what_was_run_is_not_run_again_and_a_changed_setting_alone_is(fake):
+    first = fake(["wait 1", "wait 2", "nan", "never rolls"])
+    again = fake(["wait 1", "wait 2", "nan", "never rolls"])
+    assert fake_adapter.runs_in(fake.folder) == ["wait 1", "wait 2", "nan", "never rolls"]
+    assert all(same(first[setting], again[setting]) for setting in first)
+    assert [run.outcome for run in again.values()] == ["right", "right", "crashed", "wrong"]
+    changed = fake(["wait 3", "wait 1", "nan"])
+    assert fake_adapter.runs_in(fake.folder)[4:] == ["wait 3"]
+    assert [run.rung for run in changed.values()] == [1, 2, 3]
+
+
+def test_times_of_a_kept_run_stay_those_measured_and_say_when(fake):
+    first, again = fake(["wait 1"])["wait 1"], fake(["wait 1"])["wait 1"]
+    assert first.cost == again.cost and first.when == again.when and first.when.startswith("20")
+
+
+def test_fresh_runs_all_again_and_keeps_it(fake):
+    before = fake(["wait 1"])["wait 1"]
+    anew = fake(["wait 1"], fresh=True)["wait 1"]
+    assert fake_adapter.runs_in(fake.folder) == ["wait 1", "wait 1"] and anew.cost.cpu_s != before.cost.cpu_s
+    assert fake(["wait 1"])["wait 1"].cost == anew.cost
+
+
+def test_what_ran_out_of_time_is_run_again_only_when_it_has_more(fake):
+    fake(["wait 2"])  # truth has the same limit: here it has time, and is kept
+    first = fake(["until told", "wait 1"], limit=1.0)
+    (fake.folder / "told").touch()
+    again = fake(["until told", "wait 1"], limit=1.0)
+    for runs in (first, again):
+        assert [run.outcome for run in runs.values()] == ["timed_out", "timed_out"]
+        assert "still running after 1 s" in runs["until told"].reason and "not tried" in runs["wait 1"].reason
+    assert fake_adapter.runs_in(fake.folder) == ["wait 2"]
+    longer = fake(["until told", "wait 1"], limit=30.0)
+    assert [run.outcome for run in longer.values()] == ["right", "right"]
+
+
+def test_a_crash_is_kept_and_what_the_machine_lacked_is_not(fake):
+    settings = ["segfault", "gives up", "no library"]
+    told = {setting: (run.outcome, run.reason) for setting, run in fake(settings).items()}
+    assert all(outcome == "crashed" for outcome, _ in told.values())
+    assert "SIGSEGV" in told["segfault"][1] and "libfake.so" in told["no library"][1]
+    kept = [setting_of(path) for path in fake.store.glob("run-*")]
+    assert sorted(kept) == ["gives up", "segfault"]
+
+
+def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
+    killed, own = workers._death(-signal.SIGKILL), workers._death(-signal.SIGSEGV)
+    assert "SIGKILL, from outside" in killed.reason and not killed.lasting
+    assert own.lasting and workers._death(7).lasting and workers._death(-40).reason.endswith("40, from outside")
+
+
+@pytest.mark.parametrize("disturbed, times", [(False, 1), (True, 2)])
+def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp_path):
+    timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 5, 0, disturbed)
+    who = contestants("a", "b")
+    made = []
+
+    class Pool:
+        def run(self, function, arguments, *_):
+            made.append(arguments)
+            yield 0, workers.Answer("done", value=[(timing, ""), (None, "it fell over")])
+
+    calls = Calls(store=Store(tmp_path), versions=VERSIONS)
+    calls._pool = Pool()
+    for _ in range(2):
+        assert timings.time_together(who, 7.0, 10.0, calls) == ([(who[0], timing)], [(who[1], "it fell over")])
+    assert len(made) == times
+
+
+def contestants(*settings: str) -> list[Contestant]:
+    return [Contestant(cases.load("disc_on_line"), "pymunk", "native", Setting.of(s=s), 0.1) for s in settings]
+
+
+def test_timings_made_within_another_budget_or_beside_others_are_not_taken(tmp_path):
+    made = []
+
+    class Pool:
+        def run(self, function, arguments, *_):
+            made.append(arguments)
+            yield 0, workers.Answer("done", value=[(None, "it fell over")] * len(arguments[0][0]))
+
+    calls = Calls(store=Store(tmp_path), versions=VERSIONS)
+    calls._pool = Pool()
+    for who, share, new in (("ab", 10.0, 1), ("ba", 10.0, 1), ("a", 10.0, 2), ("a", 60.0, 3), ("ab", 10.0, 3)):
+        timings.time_together(contestants(*who), 7.0, share, calls)
+        assert len(made) == new, (who, share)
+
+
+# --- a build that is stopped ------------------------------------------------------------------------------------------
+
+LADDER = [f"wait {300 + i}" for i in range(8)]
+MEASURED = ["cpu_s", "setup_s", "run_at"]
+
+
+class Builds:
+    """The command in processes of its own, on the fake engine."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        fake_adapter.install(folder, LADDER)
+
+    def start(self, *more: str) -> subprocess.Popen:
+        argv = ["--quick", "--case", fake_adapter.CASE, "--solver", "fake", "--jobs", "1", *more]
+        path = os.pathsep.join([str(ROOT), str(self.folder)])
+        return subprocess.Popen(
+            [sys.executable, "-m", "reports.build", *argv],
+            cwd=self.folder, env={**os.environ, "PYTHONPATH": path}, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            # What is started in the background of a script inherits Ctrl-C ignored; a user's terminal does not.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        )  # fmt: skip
+
+    def stopped(self, how: signal.Signals, kept: int) -> tuple[int, str]:
+        """Start a build and stop it when so many runs are in the store; its exit status and its last line."""
+        build = self.start()
+        deadline = time.monotonic() + 120.0
+        while len(self.kept()) < kept:
+            assert time.monotonic() < deadline and build.poll() is None, build.communicate()
+            time.sleep(0.02)
+        build.send_signal(how)
+        _, told = build.communicate(timeout=60.0)
+        return build.returncode, told.strip().splitlines()[-1]
+
+    def kept(self) -> list[str]:
+        """Settings in the store."""
+        return [setting_of(path) for path in (self.folder / ".slip-to-roll").glob("run-*.npz")]
+
+
+def only(hows: list[str]):
+    """Leaves these settings of a ladder."""
+    return lambda case, solver, route, ladder: tuple(setting for setting in ladder if setting["how"] in hows)
+
+
+def table(file: Path) -> pd.DataFrame:
+    """A table of a report as texts, without what differs from run to run."""
+    return pd.read_csv(file, dtype=str).drop(columns=MEASURED, errors="ignore")
+
+
+def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path, monkeypatch):
+    builds = Builds(tmp_path)
+    status, _ = builds.stopped(signal.SIGKILL, kept=1)
+    assert status == -signal.SIGKILL
+    after_kill = builds.kept()
+    status, told = builds.stopped(signal.SIGINT, kept=len(after_kill) + 1)
+    assert status == 130
+    assert told.startswith("reports.build: stopped; ") and "the same command goes on from there" in told
+    after_stop = builds.kept()
+    assert set(after_kill) < set(after_stop) and len(after_stop) < 4
+    assert not (tmp_path / "report").exists() and list(tmp_path.glob("*.partial")) == []
+    damaged = next((tmp_path / ".slip-to-roll").glob("run-*.npz"))
+    spoilt = setting_of(damaged)
+    damaged.write_bytes(b"garbage")
+    (tmp_path / ".slip-to-roll" / "thesis.tex").write_text("precious")
+
+    last = builds.start()
+    out, told = last.communicate(timeout=120.0)
+    assert last.returncode == 0, told
+    assert f"store: {len(after_stop) - 1} run{'s' * (len(after_stop) > 2)} and 1 truth taken from the store" in out
+    assert f"store: could not be read, and made again: 1, such as {damaged.name}" in out
+    assert "store: not its own, and left alone: 1, such as thesis.tex" in out
+    ran = fake_adapter.runs_in(tmp_path)
+    counts = {setting: ran.count(setting) for setting in after_stop}
+    assert counts == {setting: 2 if setting == spoilt else 1 for setting in after_stop}
+    manifest = json.loads((tmp_path / "report" / "manifest.json").read_text())
+    assert manifest["store"]["taken"] == {"run": len(after_stop) - 1, "truth": 1}
+
+    monkeypatch.syspath_prepend(tmp_path)
+    with Calls(1) as calls:
+        whole = experiment.run((cases.load(fake_adapter.CASE),), ("fake",), calls, only(builds.kept()))
+    for name in ("trajectories", "transitions", "truth", "headline", "convergence"):
+        tables.frames(whole)[name].to_csv(tmp_path / f"{name}.csv", index=False)
+        uninterrupted = table(tmp_path / f"{name}.csv")
+        pd.testing.assert_frame_equal(table(tmp_path / "report" / "tables" / f"{name}.csv"), uninterrupted)
