@@ -19,6 +19,7 @@ from ...sweeping.parts import Work
 
 # The paper's coefficients, let go on the level wall, which its text does not say.
 MARKS = tuple(Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
+ENGINES = ("exudyn", "pymunk")
 # Scenarios to a part: of the reference, and of an engine.
 CHUNK, FEW = 4000, 50
 # Seconds that a part may take.
@@ -40,10 +41,10 @@ class Map(NamedTuple):
         return pa.concat_tables([parquet.read_table(pa.BufferReader(part)) for _, part in sorted(self.parts.items())])
 
 
-def measure(solvers: tuple[str, ...], full: bool, calls: Calls) -> list[Map]:
+def measure(full: bool, calls: Calls) -> list[Map]:
     """The reference's map; of a full report, the engines' too, on a coarser grid."""
-    found = [_map(_plan(121, 91), REFERENCE, "", CHUNK, calls)] if REFERENCE in solvers or not solvers else []
-    engines = [name for name in ("exudyn", "pymunk") if full and (name in solvers or not solvers)]
+    found = [_map(_plan(121, 91), REFERENCE, "", CHUNK, calls)]
+    engines = ENGINES if full else ()
     for name, answer in zip(engines, calls.all("routes", routes, [(name,) for name in engines]), strict=True):
         for route in answer.value if answer.outcome == "done" else ():
             found.append(_map(_plan(31, 25), name, route, FEW, calls))

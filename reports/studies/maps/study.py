@@ -16,7 +16,7 @@ QUESTION = (
     "The paper asks about three coefficients and does not say where the disc is let go. Here are all of both: when it "
     "rolls, when its slip reverses, and, in a full report, where engines as they come get that wrong."
 )
-TAKES = ("solver",)
+TAKES = ()
 IN_REPORT = True
 TABLES = {
     "maps": Table(
@@ -37,7 +37,7 @@ TABLES = {
 
 def run(request: Request, calls: Calls) -> list[Map]:
     """The maps."""
-    return measure.measure(request.solvers, request.full, calls)
+    return measure.measure(request.full, calls)
 
 
 def rows(found: list[Map]) -> dict[str, list[dict[str, Any]]]:
