@@ -41,6 +41,8 @@ _VERBS = {
 }
 _OTHER = "something else"
 _COLOURS = (*PALETTE, "#F0E442", "#999999")
+# What is met most has its colour, the same in every map; the rest takes what is left.
+_USUAL = ("slips forward, then rolls", "rolls throughout", "slips forward, then slips backward")
 _SIGNS = {"mu": "μ", "xi1": "ξ₁ / rad"}
 
 
@@ -112,7 +114,7 @@ def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequ
     numbers = np.array([number.get(name, len(order) - 1) for name in kinds.tolist()]).reshape(
         shown.columns["sequence"].shape
     )
-    colours = _COLOURS[: len(order)]
+    colours = _colours(order)
     _fill(ax, shown, numbers, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(order) - 0.5, alpha=0.55)
     handles: list[Any] = [Patch(color=c, alpha=0.55, label=name) for c, name in zip(colours, order, strict=True)]
     if shown.on_grid:
@@ -164,6 +166,13 @@ def verdicts(ax: Axes, plan: Plan, folder: Folder, rows: str) -> None:
         ax.plot(line.x, line.y, color="black", linewidth=0.8)
     ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3)
     _frame(ax, plan, shown)
+
+
+def _colours(kinds: Sequence[str]) -> list[str]:
+    """A colour for each kind."""
+    usual = dict(zip(_USUAL, _COLOURS, strict=False))
+    free = (colour for colour in _COLOURS if colour not in {usual.get(name) for name in kinds})
+    return [usual[name] if name in usual else next(free) for name in kinds]
 
 
 # --- reading ----------------------------------------------------------------------------------------------------------

@@ -120,7 +120,7 @@ ENGINE_COLUMNS = {
     "reference_time": (pa.float64(), "the same of the reference, s"),
     "reference_after": (pa.string(), "and what follows there"),
     "error": (pa.float64(), "the engine's time minus the reference's, s, where both have one"),
-    "verdict": (pa.string(), "right, or wrong: another first mode, or another mode after the first transition"),
+    "verdict": (pa.string(), "right, or wrong: another first mode, or another mode or none after it"),
     "cpu_s": (pa.float64(), "CPU time of the engine's run, s"),
 }
 
@@ -174,4 +174,5 @@ def _engine_run(work: Work, parameters: dict[str, float], known: dict) -> dict:
     row["error"] = row["first_time"] - (np.nan if known["first_time"] is None else known["first_time"])
     sequence = known["sequence"].split(table.ARROW)[:2]
     own = [row["first_mode"], *([row["first_after"]] if first else [])]
-    return row | {"verdict": "right" if own == sequence else "wrong"}
+    inside = first is None or 0.0 <= first.time <= case.duration  # a slip may be extrapolated to beyond its end
+    return row | {"verdict": "right" if own == sequence and inside else "wrong"}
