@@ -88,6 +88,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: flo
     if given.dask is not None:
         cluster.check(given.dask)
 
+    ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not there
     folder = Folder.opened(out, run.asked(plan, given.certify), given.fresh)
     folder.tell({"command": command})
     machines = run.Machines(jobs, given.dask, bar)
@@ -95,7 +96,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: flo
         made = run.run(plan, folder, given.certify, machines)
         engines: dict[str, str] = {}
         for name in solvers:
-            engines |= run.run_engine(plan, folder, name, machines)
+            engines |= run.run_engine(plan, folder, name, ways[name], machines)
         edges = refine.run(plan, folder, width) if width is not None else None
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"what is done is in {out}; give the same command to go on") from None

@@ -64,10 +64,15 @@ def run(plan: Plan, folder: Folder, certified: bool, machines: Machines) -> int:
     return _made(work, folder, ROWS, machines)
 
 
-def run_engine(plan: Plan, folder: Folder, solver: str, machines: Machines) -> dict[str, str]:
+def routes_of(solver: str) -> tuple[str, ...]:
+    """The routes of an engine; raises BadValue if it is not there."""
+    return _of_engine(routes, solver)
+
+
+def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], machines: Machines) -> dict[str, str]:
     """The same of every route of an engine; by kind of rows the title of each."""
     kinds = {}
-    for route in _of_engine(routes, solver):
+    for route in ways:
         work = Work(plan, solver, route, identity=_of_engine(parts.identity, solver))
         kinds[f"{solver}.{route}"] = f"{solver}, {route}"
         _made(work, folder, f"{solver}.{route}", machines)

@@ -18,6 +18,7 @@ from adapters import Setting
 from reports import build, options
 from reports.analysis import tables
 from reports.page import folder, text
+from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
 
 from .. import fake_adapter
@@ -102,7 +103,7 @@ def test_what_is_listed_is_read_from_code_and_no_engine_is_imported():
         "assert not {'exudyn', 'pymunk', 'pandas', 'matplotlib'} & set(sys.modules)"
     )
     told = subprocess.run([sys.executable, "-c", listed, "--list"], capture_output=True, text=True, check=True).stdout
-    assert "  pymunk: native, assisted\n" in told and "  exudyn: native, assisted\n" in told
+    assert "  pymunk: native, assisted\n" in told and "  exudyn: native, integrator\n" in told
 
 
 def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogue():
@@ -150,6 +151,7 @@ def test_report_has_every_promised_file_and_no_other(report):
     assert files == set(manifest["files"])
     promised = {"index.html", "manifest.json", "figures/headline.png"}
     promised |= {f"tables/{name}.{kind}" for name in tables.TABLES for kind in ("csv", "md")}
+    promised |= {"tables/columns.md", "tables/datapackage.json"}
     assert promised <= files
     assert [p.name for p in report.parent.iterdir()] == ["report"]  # no partial report is left beside it
 
@@ -166,7 +168,7 @@ def test_tables_have_the_promised_columns(report):
         "transitions": "case,solver,route,setting,event,before,after,time,reference_time,error,truth_error_bar,verdict,"
         "reading_doubt",
         "trajectories": "case,solver,route,setting,outcome,reason,status,first_mode,transitions_true,matched,missed,"
-        "spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,pose_final,normal_force_mean,"
+        "spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
         "energy_mean,cpu_s,setup_s,steps,run_at",
         "convergence": "case,solver,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
         "saturation,saturated_from",
@@ -198,7 +200,7 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
 
 def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
     figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
-    assert len(figures) == 7 and len(texts) == len(tables.TABLES)
+    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "columns"}
     for figure in figures:
         assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
     for file in texts:
@@ -296,18 +298,26 @@ def test_every_failure_is_a_row_told_as_what_it_was(failing):
     assert fake.keys() == FATES.keys()
     for setting, (outcome, reason) in FATES.items():
         assert fake[setting][0] == outcome and reason in fake[setting][1], fake[setting]
-    (ghost,) = rows[rows["solver"] == "ghost"].to_dict("records")
-    assert ghost["outcome"] == "refused" and "not installed" in ghost["reason"] and "no_such_engine" in ghost["reason"]
+    assert "ghost" not in set(rows["solver"])
 
 
 def test_a_report_of_failures_is_complete(failing):
     told = json.loads((failing / "manifest.json").read_text())
     assert {p.relative_to(failing).as_posix() for p in failing.rglob("*") if p.is_file()} == set(told["files"])
-    assert told["solvers"] == {"fake": "1.0", "ghost": "not installed"}
+    assert told["solvers"] == {"fake": "1.0", "ghost": "not_installed: no_such_engine"}
     page = (failing / "index.html").read_text()
     for _, reason in FATES.values():
         assert escape(reason) in page
     assert "no_such_engine" in page
+
+
+def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it():
+    versions = {"fine": "1.0", "box2d": "not_installed: pyb2d3", "ghost": "not_installed: no_such_engine"}
+    lines = solvers.missing_words(versions)
+    assert lines[:2] == ["box2d: not_installed (it needs pyb2d3)", "ghost: not_installed (it needs no_such_engine)"]
+    # Without the suite's own metadata nobody knows its extras.
+    assert lines[2:] in ([], ['make report EXTRAS="box2d" adds it'])
+    assert solvers.missing_words({"fine": "1.0"}) == []
 
 
 def test_what_came_from_outside_is_not_kept(failing):

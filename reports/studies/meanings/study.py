@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...drawing.files import Drawn
 from ...running.calls import Calls
 from ...running.records import REFERENCE
