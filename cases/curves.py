@@ -134,6 +134,11 @@ class Curve:
             row[...] = values  # a constant one is a number
         return jets
 
+    def jets_of(self, s: np.ndarray, constants: tuple) -> list:
+        """The same rows for curves of this structure with sizes of their own, each of the parameters' shape (n,); a
+        constant row may be a number."""
+        return self._jets(s, constants)
+
     def point(self, s) -> np.ndarray:
         """Position, shape (2,) for a number, (2, n) for an array."""
         return np.array(self.jet(s)[:2]) if np.ndim(s) == 0 else self.jets(s)[:2]

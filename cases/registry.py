@@ -111,7 +111,7 @@ def load(name: str, **parameters) -> Case:
     Raises UnknownName for a name or parameter that does not exist, with the nearest ones; CaseError for values no
     scene can have.
     """
-    bare, written = _parse(name)
+    bare, written = parse(name)
     found = entry(bare)
     parameters = {**written, **parameters}
     for key, value in parameters.items():
@@ -137,7 +137,7 @@ def select(text: str, long: bool = False) -> list[Case]:
 
     With `long` a bare name's variants that take minutes come too.
     """
-    bare, written = _parse(text)
+    bare, written = parse(text)
     if written or "[" in text:
         return [load(text)]
     found = entry(bare)
@@ -195,8 +195,8 @@ def _import_packages() -> None:
             raise BadValue(f"the cases of {found.value} fail: {type(problem).__name__}: {problem}") from problem
 
 
-def _parse(text: str) -> tuple[str, dict[str, float]]:
-    """Split "name[a=1,b=2]" into the name and its numbers."""
+def parse(text: str) -> tuple[str, dict[str, float]]:
+    """Split "name[a=1,b=2]" into the name and its numbers; raises BadValue."""
     if not isinstance(text, str):
         raise BadValue(f"{text!r} is not a case; give its name, for example disc_in_circle")
     match = re.fullmatch(r"\s*(\w+)\s*(?:\[(.*)\])?\s*", text)

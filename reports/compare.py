@@ -101,7 +101,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         given = parser.parse_args(words)
         options.load_files(given.case_file)
         case = options.guarded(f"the case {given.CASE}", lambda: cases.load(given.CASE))
-        print(compare(case, existing("file", given.FILE), given.creep))
+        print(compare(case, existing("file", given.FILE), options.creep_of(given.creep)))
 
     return options.status(COMMAND, work, argv)
 

@@ -11,6 +11,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -88,8 +89,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     ),
     "creep": dict(
         metavar="SPEED",
-        type=float,
-        default=0.0,
+        default="0",
         help="how fast the solver creeps while it sticks, m/s; the file may say so itself, in a column creep or in a "
         "first line such as '# creep = 5e-3'",
     ),
@@ -103,6 +103,22 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "fresh": dict(action="store_true", help="run everything anew, whatever is kept"),
     "force": dict(action="store_true", help="write over files that are there"),
     "list": dict(action="store_true", help="print cases and solvers, and stop"),
+    "vary": dict(
+        metavar="PARAMETER=VALUES",
+        action="append",
+        default=[],
+        help="low:high:count, low:high:count:log, or a,b,c; low:high to draw from; given again they make a grid",
+    ),
+    "sample": dict(metavar="HOW", default="grid", help="grid, random or sobol (default: grid)"),
+    "number": dict(metavar="N", help="scenarios to draw, where they are not a grid"),
+    "seed": dict(metavar="N", default="0", help="what random and sobol begin with (default: 0)"),
+    "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
+    "certify": dict(action="store_true", help="error bars by witnesses, for each scenario (seconds each)"),
+    "refine": dict(
+        metavar="WIDTH",
+        help="find the boundaries between what follows, to this width of the first parameter that varies",
+    ),
+    "dask": dict(metavar="ADDRESS", help='a Dask scheduler, as tcp://host:port, or "local" for a cluster of its own'),
 }
 
 
@@ -296,6 +312,17 @@ def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External
     from .running import external
 
     return external.from_options(texts, found, solvers())
+
+
+def creep_of(text: str) -> float:
+    """A speed in m/s; raises BadValue unless it is a number of at least 0."""
+    try:
+        creep = float(text)
+    except ValueError:
+        creep = nan
+    if not 0.0 <= creep < inf:
+        raise BadValue(f"--creep is {text!r}; give a speed in m/s, for example 5e-3")
+    return creep
 
 
 def _submissions(folder: str | None, found: Sequence[Case]) -> tuple[External, ...]:

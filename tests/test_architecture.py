@@ -16,10 +16,11 @@ ALLOWED = {
 }
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
-    {"build", "compare", "compare_builds", "study", "show", "export"},
+    {"build", "compare", "compare_builds", "study", "show", "export", "sweep"},
     {"options"},
     {"page"},
     {"studies"},
+    {"sweeping"},
     {"drawing"},
     {"analysis"},
     {"running"},
@@ -104,6 +105,7 @@ PARTS = {
     "narration": {"solve"},
     "errata": {"paper", "solve"},
     "certification": {"solve", "minimal", "contact_frame"},
+    "sweeping": {"certification", "solve", "minimal"},
 }
 
 

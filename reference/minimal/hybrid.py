@@ -132,7 +132,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
                 fly = _flown if segments or not _closes(case) else _thrown
                 step = _after_flight(case, *fly(case, now, t, y, near, rtol, integrate), bounces)
             else:
-                step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
+                step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
             idle = idle + 1 if step.time == t else 0
             if idle > IDLE and step.regime not in (None, FLIGHT):
                 step = _moved_on(case, regime, step)
@@ -194,7 +194,7 @@ def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
 # --- after contact ----------------------------------------------------------------------------------------------------
 
 
-def _after_contact(case: Case, segment: Segment, error: float) -> Step:
+def after_contact(case: Case, segment: Segment, error: float) -> Step:
     """What follows where a guard reached zero, in a motion known to that relative error."""
     now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
@@ -228,9 +228,9 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
         return decide(case, t, y, LOCATED, [other] if other in candidates(case) else [])
-    if guard in _BEGINS:
+    if guard in BEGINS:
         # Friction or its like has reached its bound from inside; the motion that begins is against it.
-        slip, turn = (_BEGINS[guard], turn) if guard.startswith("cone") else (slip, _BEGINS[guard])
+        slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
         begun = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
         begun = [r for r in begun if _unique_force(phase(case, r), t, y)]
         return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
@@ -238,7 +238,7 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     following = decide(case, t, y, LOCATED, able(case, slip, turn))
     if following is None:
         # What began a rounding ago and ends with the event is no motion that goes on.
-        slips, turns = senses(case, y, *_moves(case, y), LOCATED)
+        slips, turns = senses(case, y, *slip_and_spin(case, y), LOCATED)
         following = decide(case, t, y, LOCATED, able(case, slip * abs(slips), turn * abs(turns)))
     return following
 
@@ -251,19 +251,19 @@ def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
     return now.system.guards_of_numbers(t, state_in(now, y), now.parameters)[names.index("painleve")] > 0.0
 
 
-_BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
+BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
 
 
 def _leave(case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str) -> Step:
     """No contact follows: the plate flies, or that is the end."""
     ending = _nothing_follows(case, t, y)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
-        slip, omega = _moves(case, y)
+        slip, omega = slip_and_spin(case, y)
         return Step(segments, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
     return Step(segments, t, (y[0], y[1]), guard, ending=ending)
 
 
-def _moves(case: Case, y: Sequence[float]) -> tuple[float, float]:
+def slip_and_spin(case: Case, y: Sequence[float]) -> tuple[float, float]:
     """Slip velocity (12) and spin (9) of a full state in contact."""
     along_track = y[2] * float(case.track.speed(y[0]))
     along_outline = y[3] * float(case.plate.outline.speed(y[1]))

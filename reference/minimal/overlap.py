@@ -67,11 +67,12 @@ def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
     xi1 = np.array([case.start.xi1])
     if track.domain is None and not track.period:  # a stretch of it, as long as the motion
         xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
-    return _fits(track, outline, *span(track, xi1, _reach(outline)))
+    return fits(track, outline, *span(track, xi1, _reach(outline)))
 
 
 @lru_cache(maxsize=256)
-def _fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
+def fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
+    """The same on a stretch of the track."""
     if not outline.period:
         return True  # an outline without an inside is only its contact arc
     places = _places(track, low, high)

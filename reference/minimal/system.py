@@ -126,6 +126,11 @@ class System:
         return self._compile("rates", "math")
 
     @cached_property
+    def rates_of_arrays(self):
+        """The same on arrays of shape (n,); a constant rate stays a number."""
+        return self._compile("rates", "numpy")
+
+    @cached_property
     def rates_of_series(self):
         """The same on `series.Series`."""
         return self._compile("rates", "series")
@@ -144,6 +149,16 @@ class System:
     def conditions_of_numbers(self):
         """(t, y, parameters) -> list of the conditions' values, on floats."""
         return self._compile("conditions", "math")
+
+    @cached_property
+    def conditions_of_arrays(self):
+        """The same on arrays of shape (n,); a constant condition stays a number."""
+        return self._compile("conditions", "numpy")
+
+    @cached_property
+    def condition_rates_of_arrays(self):
+        """(t, y, parameters) -> list of the rates in `condition_rates`, on arrays; a constant one stays a number."""
+        return self._compile("condition_rates", "numpy")
 
     @cached_property
     def condition_rates_of_numbers(self):

@@ -63,10 +63,11 @@ SMALL = 500
 
 
 @lru_cache(maxsize=128)
-def compiled(system: System, tolerance: float, real: type = float):
-    """The compiled integrator of a system, with one terminal event for each guard."""
-    decided = (tolerance, real.__name__, hy.__version__, _build())
-    return system.kept("integrator", decided, lambda: _compiled(system, tolerance, real))
+def compiled(system: System, tolerance: float, real: type = float, optimised: bool = False):
+    """The compiled integrator of a system, with one terminal event for each guard; `optimised` whatever that takes,
+    for who makes thousands of runs."""
+    decided = (tolerance, real.__name__, hy.__version__, _build(), *(("optimised",) if optimised else ()))
+    return system.kept("integrator", decided, lambda: _compiled(system, tolerance, real, optimised))
 
 
 @lru_cache(maxsize=1)
@@ -76,7 +77,7 @@ def _build() -> tuple[int, int]:
     return found.st_size, found.st_mtime_ns
 
 
-def _compiled(system: System, tolerance: float, real: type):
+def _compiled(system: System, tolerance: float, real: type, optimised: bool):
     known = variables(system)
     equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
@@ -89,7 +90,7 @@ def _compiled(system: System, tolerance: float, real: type):
             tol=real(tolerance),
             fp_type=real,
             compact_mode=False,
-            opt_level=3 if _small(system) else 0,
+            opt_level=3 if optimised or _small(system) else 0,
         )
 
 
@@ -116,7 +117,7 @@ def _nothing_on_disk() -> Iterator[None]:
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     """Compile the phase's equations for that tolerance."""
-    compiled(phase.system, _tolerance(rtol))
+    compiled(phase.system, tolerance_of(rtol))
 
 
 def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
@@ -125,7 +126,7 @@ def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
 
 
 @lru_cache(maxsize=256)
-def _tolerance(rtol: float) -> float:
+def tolerance_of(rtol: float) -> float:
     return float(max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9)))
 
 
@@ -135,7 +136,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     The compiled loop carries a phase to its event at once; its steps are taken again, one by one, when they are asked
     for. Where a step may pass something over, or the loop finds no event to end at, they are taken one by one at once.
     """
-    tolerance = _tolerance(rtol)
+    tolerance = tolerance_of(rtol)
     integrator = compiled(phase.system, tolerance)
     ended = None if phase.features else _at_once(integrator, phase, t, y, end)
     if ended is None:
