@@ -11,18 +11,21 @@ from pathlib import Path
 
 from . import options
 from .drawing.files import file_name
-from .show import case_of
+from .show import case_of, check_ours
 
 COMMAND = "reports.animate"
 
 
 def run(words: Sequence[str]) -> None:
     """Write the film; raises CaseError if what was asked for makes no sense, or there is no ffmpeg for an MP4."""
-    case, out = case_of(COMMAND, words, "A case as a film: GIF, or MP4 where ffmpeg is installed.")
+    case, out, force = case_of(COMMAND, words, "A case as a film: GIF, or MP4 where ffmpeg is installed.")
+    path = out or Path(f"{file_name(case.label)}.gif")
+    check_ours(path, force)
     import reference
 
     film = reference.simulate(case).animate()
-    path = film.save(out or Path(f"{file_name(case.label)}.gif"))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    film.save(path)
     print(f"{film.seconds:.3g} s of film, {film.factor:g} × real time, {path.stat().st_size / 1e3:.0f} kB: {path}")
 
 

@@ -9,38 +9,58 @@ import inspect
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import cases
 from cases import BadValue, Case, Trajectory
+from cases.files import place
+from cases.pictures import MADE_BY
 
 from . import options
 
 _CHANGES = "what differs from its own"
+KINDS = (".png", ".svg", ".pdf")
+
+
+class Asked(NamedTuple):
+    """What a command line asks for."""
+
+    case: Case
+    out: Path | None
+    force: bool
 
 
 def run(words: Sequence[str]) -> None:
     """Draw and print; raises CaseError if what was asked for makes no sense."""
-    case, out = case_of("cases show", words, "A picture of a case and its motion, the facts, and who can run it.")
+    case, out, force = case_of(
+        "cases show", words, "A picture of a case and its motion, the facts, and who can run it."
+    )
+    picture = out or Path(f"{case.name}.png")
+    if picture.suffix not in KINDS:
+        raise BadValue(f"--out is {str(picture)!r}; give a file that ends in {', '.join(KINDS)}")
+    check_ours(picture, force)
     import reference
 
     motion = reference.simulate(case)
-    picture = out or Path(f"{case.name}.png")
-    motion.plot().savefig(picture)
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    metadata = {"Software" if picture.suffix == ".png" else "Creator": MADE_BY}
+    motion.plot().savefig(picture, metadata=metadata)
     print(facts(case, motion))
     print(f"picture: {picture}")
 
 
-def case_of(command: str, words: Sequence[str], says: str = "") -> tuple[Case, Path | None]:
-    """The case that a command line names, and where its output goes.
+def case_of(command: str, words: Sequence[str], says: str) -> Asked:
+    """The case that a command line names, where its output goes, and whether it may write over what is there.
 
     A name that the catalogue does not know is looked for in NAME.py where one works, which `python -m cases new` wrote.
     """
     positional = {"NAME": 'a case: name, "name[parameter=value,…]", or a file of cases', "parameter=value*": _CHANGES}
-    parser = options.parser(command, says or f"{command.capitalize()} a case.", "case_file", "out", words=positional)
+    parser = options.parser(command, says, "case_file", "out", "force", words=positional)
     given = parser.parse_args(list(words))
+    out = given.out and place("folder or file of --out", given.out)
     _, own = options.load_files(given.case_file)
     name, bracket, inside = given.NAME.partition("[")
-    file = Path(name if name.endswith(".py") else f"{name}.py")
+    file = place("case", name if name.endswith(".py") else f"{name}.py")
     if not own and name not in cases.names() and file.is_file():
         _, own = options.load_files([str(file)])
         if name.endswith(".py"):
@@ -48,8 +68,18 @@ def case_of(command: str, words: Sequence[str], says: str = "") -> tuple[Case, P
                 raise BadValue(f"{file} has {len(own)} cases; give --case-file {file} and one of {', '.join(own)}")
             name = own[0]
     changed = ",".join(filter(None, [inside.removesuffix("]"), *getattr(given, "parameter=value")]))
-    case = cases.load(f"{name}[{changed}]" if bracket or changed else name)
-    return case, given.out and Path(given.out)
+    text = f"{name}[{changed}]" if bracket or changed else name
+    return Asked(options.guarded(f"the case {text}", lambda: cases.load(text)), out, given.force)
+
+
+def check_ours(path: Path, force: bool) -> None:
+    """Raises BadValue for a file that no command of the suite wrote, unless it may be written over, and for what cannot
+    be written."""
+    if path.is_dir():
+        raise BadValue(f"{path} is a folder; give another name with --out")
+    if path.exists() and not force and MADE_BY.encode() not in path.read_bytes():
+        raise BadValue(f"{path} is there and none of ours; give another name with --out, or --force to write over it")
+    options.check_writable("--out", path, path.parent)
 
 
 def facts(case: Case, motion: Trajectory) -> str:

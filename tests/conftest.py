@@ -85,19 +85,32 @@ def accuracy(request) -> Callable[..., None]:
 
 def pytest_terminal_summary(terminalreporter, config):
     """The worst margin of each claim, a claim being a test with all its scenes, and one verdict; with --case-file every
-    number."""
-    rows = [
+    number. Before it what the fuzz tried."""
+    tried = sorted(row[1:] for row in _noted(terminalreporter, "fuzz"))
+    if tried:  # what did neither is a failure, and told as one
+        tried.append(("all", *(sum(row[i] for row in tried) for i in (1, 2, 3, 4))))
+        terminalreporter.section("fuzz")
+        _write_table(terminalreporter, ("kind", "tried", "ran", "refused", "else"), [tuple(map(str, r)) for r in tried])
+    rows = _noted(terminalreporter, _PROPERTY)
+    if rows:
+        _tell_margins(terminalreporter, rows, bool(config.own_cases))
+
+
+def _noted(terminalreporter, wanted: str) -> list[tuple]:
+    """What tests noted under that name, each with its test before it."""
+    return [
         (report.nodeid, *value)
         for outcome in ("passed", "failed")
         for report in terminalreporter.stats.get(outcome, ())
         if getattr(report, "when", None) == "call"
         for name, value in report.user_properties
-        if name == _PROPERTY
+        if name == wanted
     ]
-    if not rows:
-        return
+
+
+def _tell_margins(terminalreporter, rows: list[tuple], every: bool) -> None:
     terminalreporter.section("accuracy")
-    if config.own_cases:
+    if every:
         told = [(*row[1:5], f"{row[5]:.1e}", f"{row[6]:.0e}") for row in sorted(rows, key=lambda row: row[1:5])]
         _write_table(terminalreporter, _COLUMNS, told)
     worst: dict[str, tuple[float, int, tuple]] = {}
@@ -106,7 +119,7 @@ def pytest_terminal_summary(terminalreporter, config):
         margin, count, where = worst.get(claim, (float("inf"), 0, row))
         own = _margin(*row[5:])
         worst[claim] = (min(own, margin), count + 1, row if not own >= margin else where)
-    if not config.own_cases:
+    else:
         claims = sorted(worst.items(), key=lambda item: item[1][0])
         told = [
             (

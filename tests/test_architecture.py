@@ -16,10 +16,12 @@ ALLOWED = {
 }
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
-    {"build", "compare", "compare_builds", "comparison", "study", "show", "export", "animate"},
+    {"cli"},
+    {"build", "compare", "compare_builds", "comparison", "submit", "study", "show", "export", "sweep", "animate"},
     {"options"},
     {"page"},
     {"studies"},
+    {"sweeping"},
     {"drawing"},
     {"analysis"},
     {"running"},
@@ -104,6 +106,7 @@ PARTS = {
     "narration": {"solve"},
     "errata": {"paper", "solve"},
     "certification": {"solve", "minimal", "contact_frame"},
+    "sweeping": {"certification", "solve", "minimal"},
 }
 
 

@@ -11,8 +11,11 @@ from typing import Any
 
 import numpy as np
 from matplotlib import animation as movies
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
 
 from ..errors import BadValue, positive, unknown
+from . import MADE_BY
 from . import scene as scenes
 from .plots import LABELS, MODE_WORDS, mark_transitions
 from .scene import Scene
@@ -60,14 +63,11 @@ class Animation:
         """Write the film; returns its path. Raises BadValue for another ending than .gif and .mp4, and for .mp4 where
         ffmpeg is missing."""
         path = Path(path)
-        writer = _writer(path)
+        gif = _check_kind(path)
         with styled():
             figure, show = self._frames()
             times = np.linspace(self._motion.t[0], self._motion.t[-1], max(int(self.seconds * FRAMES_A_SECOND), 2))
-            with writer.saving(figure, str(path), _DPI):
-                for time in times:
-                    show(float(time))
-                    writer.grab_frame()
+            (_save_gif if gif else _save_mp4)(path, figure, show, [float(time) for time in times])
         return path
 
     def _speed(self) -> str:
@@ -163,11 +163,29 @@ def _round_factor(lasts: float) -> float:
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9))
 
 
-def _writer(path: Path) -> movies.AbstractMovieWriter:
+def _check_kind(path: Path) -> bool:
+    """Whether it is to be a GIF; raises BadValue for what cannot be written."""
     if path.suffix.lower() not in KINDS:
         raise BadValue(f"{path.name} ends in {path.suffix or 'nothing'!r}; end it in .gif or .mp4")
-    if path.suffix.lower() == ".gif":
-        return movies.PillowWriter(fps=FRAMES_A_SECOND)
-    if not movies.FFMpegWriter.isAvailable():
+    if path.suffix.lower() == ".mp4" and not movies.FFMpegWriter.isAvailable():
         raise BadValue("ffmpeg is not installed, without which there is no MP4; install it, or write a .gif")
-    return movies.FFMpegWriter(fps=FRAMES_A_SECOND)
+    return path.suffix.lower() == ".gif"
+
+
+def _save_gif(path: Path, figure: Picture, show: Callable[[float], None], times: list[float]) -> None:
+    figure.set_dpi(_DPI)
+    canvas, frames = FigureCanvasAgg(figure), []
+    for time in times:
+        show(time)
+        canvas.draw()
+        frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    lasts = 1000 // FRAMES_A_SECOND  # ms
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=lasts, loop=0, comment=MADE_BY.encode())
+
+
+def _save_mp4(path: Path, figure: Picture, show: Callable[[float], None], times: list[float]) -> None:
+    writer = movies.FFMpegWriter(fps=FRAMES_A_SECOND, metadata={"comment": MADE_BY})
+    with writer.saving(figure, str(path), _DPI):
+        for time in times:
+            show(time)
+            writer.grab_frame()

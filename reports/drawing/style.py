@@ -11,11 +11,13 @@ from cases.pictures.style import FAINT, STYLE
 from .colours import TRUTH as _TRUTH
 from .looks import Looks, logarithmic, looks_of
 
-__all__ = ["FAINT", "POINTS", "STYLE", "TRUTH", "Looks", "logarithmic", "looks_of", "ordinal"]
+__all__ = ["AREAS", "FAINT", "POINTS", "STYLE", "TRUTH", "Looks", "logarithmic", "looks_of", "ordinal"]
 
 matplotlib.use("Agg")  # pictures are files: no window is opened
 
 TRUTH = _TRUTH.light
+# Areas of a map, which stand for no solver: paler than any line. Paul Tol's "light" scheme, made for labelled areas.
+AREAS = ("#77aadd", "#ee8866", "#eedd88", "#ffaabb", "#99ddff", "#44bb99", "#bbcc33", "#aaaa00")
 # Points along a line: more than a panel of some 270 points' width needs, so that the page stays light.
 POINTS = 150
 
