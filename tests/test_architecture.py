@@ -16,7 +16,8 @@ ALLOWED = {
 }
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
-    {"build", "compare", "compare_builds", "study", "show", "export", "sweep"},
+    {"cli"},
+    {"build", "compare", "compare_builds", "submit", "study", "show", "export", "sweep"},
     {"options"},
     {"page"},
     {"studies"},

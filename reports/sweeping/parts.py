@@ -21,6 +21,7 @@ from adapters import EngineFailure
 from cases import BadValue, NotSupported
 from reference.sweeping import MANY, Plan, table
 
+from ..judging import soundness
 from ..running import fingerprint, tasks
 from ..running.solvers import solver, version
 
@@ -165,7 +166,7 @@ def _engine_run(work: Work, parameters: dict[str, float], known: dict) -> dict:
         return row | {"outcome": "crashed", "reason": str(problem)}
     except Exception as problem:
         return row | {"outcome": "crashed", "reason": tasks.sentence(problem)}
-    if not tasks.sound(motion):
+    if not soundness.sound(motion):
         return row | {"outcome": "crashed", "reason": "it gave numbers that are not finite, or times that do not grow"}
     told = tasks.reading_of(case, motion)
     first = told.transitions[0] if told.transitions else None
