@@ -26,7 +26,7 @@ from cases.errors import unknown
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..analysis.tables import Table
+    from ..analysis.columns import Table
     from ..drawing.files import Drawn
     from ..running.calls import Calls
 

@@ -27,7 +27,7 @@ from reference.minimal.integrators import taylor
 from reference.minimal.modes import Regime, phase, start_state
 from reference.paper.closed_form import sliding_disc_in_circle
 
-from ..analysis.tables import Table
+from ..analysis.columns import Table
 from ..running.calls import Calls
 from ..running.clock import UNTIMED, Contestant, Entry, Timing, take_turns, timing
 from ..running.records import REFERENCE

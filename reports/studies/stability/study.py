@@ -8,7 +8,7 @@ from typing import Any
 
 from adapters import Setting
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...running.calls import Calls
 from ...running.records import REFERENCE, TRUTH_RTOL
 from .. import Request
