@@ -141,6 +141,22 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "engine_alone_s": ("the engine's compiled code alone, without cold start, binding, callback and notes", "s"),
     "cheaper": ("who is; alike: by less than a tenth; empty: one of the two has no time (`reason`)", ""),
     "factor": ("the dearer one's time over the cheaper one's", "1"),
+    # the answer table
+    "cases": ("how many cases it was asked", ""),
+    "right": ("in how many its finest setting is right", ""),
+    "wrong": ("in how many it is wrong", ""),
+    "refused": ("in how many it refuses the case", ""),
+    "failed": ("in how many it crashes or runs out of time", ""),
+    "middle_default_error": ("size of the first transition's error, the engine as it comes, median of the cases", "s"),
+    "middle_finest_error": ("the same at the finest setting, without motions that are the truth itself", "s"),
+    **{f"hard_{word}": (f"of the hard scenes: how many {said}", "") for word, said in (
+        ("right", "it gets right"), ("wrong", "it gets wrong"), ("refused", "it refuses"), ("failed", "it fails in"))},
+    "rolling_cases": ("how many of its cases roll", ""),
+    **{f"reached_{a}": (f"in how many of these it reaches {a} in the quantity that leads the case", "")
+       for a in ("0.01", "1e-4")},
+    **{f"timed_{a}": (f"how many of these are timed at {a}", "") for a in ("0.01", "1e-4")},
+    **{f"once_{a}_s": (f"one whole call from cold to {a}, median of the timed cases", "s") for a in ("0.01", "1e-4")},
+    **{f"thousand_{a}_s": (f"a thousand calls, the first from cold, to {a}, the same", "s") for a in ("0.01", "1e-4")},
     # errata
     "where": ("where in the paper", ""),
     "printed": ("as printed", ""),

@@ -1,0 +1,174 @@
+"""What the chapters' templates take: cases by family, all cases at a glance, what failed, how it was made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import cases as catalogue
+from cases import Case
+
+from ..drawing.files import Drawn, file_name
+from ..running.records import Experiment, finest, routes
+from . import motions
+from .pieces import command_of, figure_of, picture, records, remake, table
+from .text import error_text, lead_text, reached_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# By severity: who is wrong does not say so.
+_FAILURES = {"wrong": "Wrong", "crashed": "Crashed", "timed_out": "Timed out", "refused": "Refused"}
+
+
+def anchor(label: str) -> str:
+    """The place of a case on the page."""
+    return "case-" + "".join(c if c.isalnum() else "-" for c in label).strip("-")
+
+
+def said_of(case: Case | None) -> str:
+    """The first line of a case function's docstring; of a case made by hand nothing is said."""
+    return catalogue.entry(case.name).summary if case and case.name in catalogue.names() else ""
+
+
+def cases(
+    experiment: Experiment,
+    frames: Mapping[str, pd.DataFrame],
+    drawn: Sequence[Drawn],
+    figures: Path,
+    manifest: dict[str, Any],
+    moving: set[str],
+) -> dict[str, Any]:
+    """The cases, and the index of them by family."""
+    told: list[dict[str, Any]] = []
+    families: dict[str, list[dict[str, Any]]] = {}
+    for case in experiment.cases:
+        label, family = case.label, motions.family(case)
+        # The player takes the place of the motion's static figure, which stands in the folder.
+        mine = [d for d in drawn if d.case == label and d.name != "headline"]
+        static = next((d.name for d in mine if d.name.startswith("motion_")), f"motion_{file_name(label)}")
+        pictures = [picture(d, figures) for d in mine if d.name != static or label not in moving]
+        one = {
+            "label": label,
+            "anchor": anchor(label),
+            "said": said_of(case),
+            "words": f"{label} {family} {said_of(case)}".lower(),
+            "failure": experiment.truths[label].failure,
+            "moving": label in moving and any(d.name == static for d in mine),
+            "static": static,
+            "pictures": pictures,
+            "command": command_of(label, manifest),
+            "tables": _case_tables(experiment, label, frames),
+        }
+        told.append(one)
+        families.setdefault(family, []).append(one)
+    return {"cases": told, "families": list(families.items())}
+
+
+def _case_tables(experiment: Experiment, label: str, frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
+    groups = routes(run for run in experiment.runs if run.case == label).values()
+    shown = {(r.solver, r.route, r.setting) for r in map(finest, groups) if r}
+    told = []
+    events = frames["transitions"]
+    if len(events):
+        chosen = events[
+            [r["case"] == label and (r["solver"], r["route"], r["setting"]) in shown for r in records(events)]
+        ]
+        if len(chosen):
+            told.append(_table("Transitions at the finest setting", chosen, ("case", "setting"), True))
+    orders = frames["convergence"]
+    chosen = orders[orders["case"] == label] if len(orders) else orders
+    if len(chosen):
+        told.append(_table("Observed orders", chosen, ("case", "settings_used"), False))
+    return told
+
+
+def _table(title: str, frame: pd.DataFrame, without: Sequence[str], is_open: bool) -> dict[str, Any]:
+    columns = {c: c.replace("_", " ") for c in map(str, frame.columns) if c not in without}
+    return {"title": title, "open": is_open, **table(frame, columns)}
+
+
+def headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
+    """A table of cases against routes, finest setting above, the engine as it comes below; and the picture."""
+    pictures = "".join(figure_of(d, figures, command) for d in drawn if d.name == "headline")
+    if frame.empty:
+        return pictures
+    rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
+    routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1]]
+    head = "".join(f'<th scope="col"{_switches(*who)}>{escape(who[0])}<br>{escape(who[1])}</th>' for who in routes)
+    body = ""
+    for case in dict.fromkeys(frame["case"]):
+        cells = "".join(f"<td{_switches(*who)}>{_headline_cell(rows.get((case, *who)))}</td>" for who in routes)
+        body += f'<tr><th scope="row"><a href="#{anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
+    table = f'<thead><tr><th scope="col">case</th>{head}</tr></thead><tbody>{body}</tbody>'
+    return (
+        '<div class="scroll" tabindex="0" role="region" aria-label="table: all cases">'
+        f'<table class="short data" data-name="headline">{table}</table></div>'
+        '<p class="note">Above: the finest setting. Below, small: the engine as it comes; and at the finest setting, '
+        "since one event may be met by chance, the worst of all transitions in s where there are several, else the "
+        "final pose in m, with the accuracy the ladder reaches in it. Where the truth has no transition, the largest "
+        "error of the centre in m stands above instead; an error inside the truth's own error bar is told as below "
+        'that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
+        f"</p>{remake(command)}{pictures}"
+    )
+
+
+def _switches(solver: str, route: str) -> str:
+    own = "" if solver == "reference" else f' data-route="{escape(route)}"'
+    return f' data-solver="{escape(solver)}"{own}'
+
+
+def _headline_cell(row: dict[str, Any] | None) -> str:
+    if row is None:
+        return ""
+    finest, own = (error_text(row, which) for which in ("finest", "default"))
+    lead, level = lead_text(row, "finest"), reached_text(row)
+    told = f"{lead}{f', reaches {level}' if level else ''}" if lead != finest else ""
+    return "<br>".join([escape(finest), *(f"<small>{escape(text)}</small>" for text in (own, told) if text)])
+
+
+def missing(experiment: Experiment) -> list[str]:
+    """Solvers that are not installed here, each with the reason."""
+    told = {run.solver: run.reason for run in experiment.runs if _is_missing(run.solver, run.route, run.reason)}
+    return list(told.values())
+
+
+def _is_missing(solver: str, route: str, reason: str) -> bool:
+    return not route and reason.startswith(f"{solver} is not installed")
+
+
+def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    """Runs that failed, by severity; who is not installed is told elsewhere."""
+    found = []
+    columns = {name: name for name in ("case", "solver", "route", "setting", "reason")}
+    for outcome, title in _FAILURES.items():
+        rows = frame[frame["outcome"] == outcome] if len(frame) else frame
+        rows = (
+            rows[[not _is_missing(r["solver"], r["route"], r["reason"]) for r in records(rows)]] if len(rows) else rows
+        )
+        found.append({"title": title, **table(rows, columns)})
+    return found
+
+
+def made(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How the report was made, in rows."""
+    rows = [("command", manifest["command"]), ("when", manifest["made_at"]), ("took", f"{manifest['seconds']:.0f} s")]
+    for key in (
+        "commit",
+        "machine",
+        "python",
+        "solvers",
+        "not installed",
+        "packages",
+        "settings",
+        "ladders",
+        "compiled",
+    ):
+        value = manifest.get(key)
+        if value:
+            rows.append(
+                (key, ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value))
+            )
+    return rows
