@@ -4,7 +4,11 @@ meaning; a test holds the files to it. (A study says what its own columns mean.)
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from math import isinf
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Table(NamedTuple):
@@ -184,3 +188,8 @@ def told(name: str) -> str:
 def unit_of(name: str) -> str:
     """The unit of a column, "" where it has none of its own."""
     return COLUMNS[name][1] if name in COLUMNS else ""
+
+
+def infinite(frame: pd.DataFrame) -> list[str]:
+    """The columns of a table with a number that is infinite: no result is; a word says what is meant."""
+    return [str(c) for c in frame.columns if any(isinstance(v, float) and isinf(v) for v in frame[c])]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite, isinf
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..analysis.columns import Table
+from ..analysis.columns import Table, infinite
 from ..analysis.words import level, number
 
 if TYPE_CHECKING:
@@ -69,9 +69,8 @@ def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder
     files = []
     for name, frame in tables.items():
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
-        infinite = [c for c in frame.columns if any(isinstance(v, float) and isinf(v) for v in frame[c])]
-        if infinite:
-            raise ValueError(f"the table {name} has an infinite result in {', '.join(infinite)}; give a word there")
+        if infinite(frame):
+            raise ValueError(f"the table {name} has an infinite result in {', '.join(infinite(frame))}; a word is due")
         frame.to_csv(files[-2], index=False)
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{words[name].holds}.\n\n{top(name, frame)}\n" + (f"\n{meanings}" if meanings else "")

@@ -24,7 +24,7 @@ BUDGET, MOST_CASES = 54.0, 7
 # A full report times every case, each for about so long.
 FULL_BUDGET_A_CASE = 60.0
 # Wall seconds a case may take for calls from cold, and for the parts of runs.
-COLD_BUDGET, PARTS_BUDGET = 8.0, 6.0
+COLD_BUDGET, PARTS_BUDGET = 4.0, 3.0
 # Beyond its budget a case may take as long as one run more and its compilations.
 PATIENCE = 60.0
 
