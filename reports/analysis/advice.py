@@ -76,9 +76,13 @@ def sentences(told: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _rivals(engines: Sequence[Mapping[str, Any]], best: Mapping[str, Any], name: str) -> str:
-    others = [row for row in engines if row is not best]
-    told = ", ".join(f"{_who(row)} in {row[f'reached_{name}']} of {row['rolling_cases']}" for row in others)
-    return f"The other engines reach it less often or at a higher price: {told}." if told else ""
+    """The other routes of the engines: in how many cases they reach it, and the cost of one call."""
+    told = []
+    for row in engines:
+        if row is not best:
+            spent = f", {seconds(row[f'once_{name}_s'])} once" if row[f"timed_{name}"] else ""
+            told.append(f"{_who(row)} {row[f'reached_{name}']} of {row['rolling_cases']}{spent}")
+    return f"The other engines and routes: {'; '.join(told)}." if told else ""
 
 
 def _who(row: Mapping[str, Any]) -> str:
@@ -99,10 +103,11 @@ def _costs(row: Mapping[str, Any], name: str) -> str:
 
 
 def _trust(row: Mapping[str, Any]) -> tuple:
-    """Engines before the reference; then by the share of cases at the accuracy asked for, at the next, by cost."""
+    """Engines before the reference; then by the share of cases at the accuracy asked for and at the others, by cost,
+    by error."""
     shares = [-row[f"reached_{level(a)}"] / max(row["rolling_cases"], 1) for a in (ASKED, *ACCURACIES)]
-    spent = row[f"once_{level(ASKED)}_s"]
-    return (row["solver"] == REFERENCE, *shares, spent if isfinite(spent) else float("inf"))
+    last = (row[f"once_{level(ASKED)}_s"], row["middle_finest_error"])
+    return (row["solver"] == REFERENCE, *shares, *(value if isfinite(value) else float("inf") for value in last))
 
 
 def _rolls(truth: Truth) -> bool:

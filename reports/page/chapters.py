@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from cases import Case
 from ..drawing.files import Drawn, file_name
 from ..running.records import Experiment, finest, routes
 from . import motions
-from .pieces import command_of, figure_of, picture, records, remake, table
+from .pieces import as_written, command_of, figure_of, picture, records, remake, table
 from .text import error_text, lead_text, reached_text
 
 if TYPE_CHECKING:
@@ -100,7 +101,10 @@ def headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, command
     head = "".join(f'<th scope="col"{_switches(*who)}>{escape(who[0])}<br>{escape(who[1])}</th>' for who in routes)
     body = ""
     for case in dict.fromkeys(frame["case"]):
-        cells = "".join(f"<td{_switches(*who)}>{_headline_cell(rows.get((case, *who)))}</td>" for who in routes)
+        cells = "".join(
+            f"<td{_switches(*who)}{_order(rows.get((case, *who)))}>{_headline_cell(rows.get((case, *who)))}</td>"
+            for who in routes
+        )
         body += f'<tr><th scope="row"><a href="#{anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
     table = f'<thead><tr><th scope="col">case</th>{head}</tr></thead><tbody>{body}</tbody>'
     return (
@@ -126,7 +130,14 @@ def _headline_cell(row: dict[str, Any] | None) -> str:
     finest, own = (error_text(row, which) for which in ("finest", "default"))
     lead, level = lead_text(row, "finest"), reached_text(row)
     told = f"{lead}{f', reaches {level}' if level else ''}" if lead != finest else ""
-    return "<br>".join([escape(finest), *(f"<small>{escape(text)}</small>" for text in (own, told) if text)])
+    small = (f"<small>{escape(as_written(text))}</small>" for text in (own, told) if text)
+    return "<br>".join([escape(as_written(finest)), *small])
+
+
+def _order(row: dict[str, Any] | None) -> str:
+    """What a cell is sorted by: the error that leads its case, at the finest setting."""
+    value = row["finest_lead_error"] if row else nan
+    return f' data-order="{value!r}"' if isfinite(value) else ""
 
 
 def missing(experiment: Experiment) -> list[str]:

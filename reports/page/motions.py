@@ -38,7 +38,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
     return {
         "label": case.label,
         "down": gravity is not None and sin(gravity.direction) > 0,
-        "t": packed(times),
+        "t": packed(times, whole=True),
         "start": float(times[0]),
         "end": float(times[-1]),
         "modes": _modes(truth),
@@ -115,9 +115,11 @@ def _track(case: Case, truth: Truth) -> tuple[float, float, np.ndarray]:
     return low, high, track.point(np.linspace(low, high, _TRACK))
 
 
-def packed(values: np.ndarray) -> str:
-    """Numbers as text: 32-bit floats with 16 bits of mantissa, first bytes first, compressed, in base64."""
+def packed(values: np.ndarray, whole: bool = False) -> str:
+    """Numbers as text: 32-bit floats, of their mantissa 16 bits if not the `whole`, first bytes first, compressed, in
+    base64. Times are whole: a transition is looked at closely."""
     bits = np.ascontiguousarray(values, dtype="<f4").view("<u4").ravel()
-    sound = np.isfinite(np.ravel(values))
-    bits = np.where(sound, (bits.astype(np.uint64) + 0x40) & 0xFFFFFF80, 0x7FC00000).astype("<u4")
+    if not whole:
+        bits = ((bits.astype(np.uint64) + 0x40) & 0xFFFFFF80).astype("<u4")
+    bits = np.where(np.isfinite(np.ravel(values)), bits, 0x7FC00000).astype("<u4")
     return b64encode(zlib.compress(bits.view(np.uint8).reshape(-1, 4).T.tobytes(), 9)).decode()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from functools import lru_cache
 from math import isfinite
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 _TEMPLATES = Path(__file__).parent / "templates"
 # Words of a table that have a colour of their own.
+_POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
 _VERDICTS = (*tables.OUTCOMES, "matched", "missed", "spurious", "unresolved")
 
 
@@ -95,6 +97,11 @@ def table(
     return {"heads": heads, "rows": rows}
 
 
+def as_written(text: str) -> str:
+    """A number's text as people write it: 1.1e-7 and 0, not 1.1e-07 and 0.0e+00."""
+    return _POWER.sub(lambda m: f"{m[1]}e{m[2].removeprefix('+')}{m[3]}", _ZERO.sub("0", text))
+
+
 def _switch(row: Mapping[str, Any]) -> str:
     """The route, if it is one that is switched on and off: the reference's methods are not."""
     return "" if row.get("solver") == "reference" else str(row.get("route", ""))
@@ -105,7 +112,11 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     if numeric:
         # What is no number stands at the end of those that grow.
         whole = isinstance(value, float | np.floating)
-        return {"text": text, "kind": "number", "order": repr(float(value)) if whole and isfinite(value) else None}
+        return {
+            "text": as_written(text),
+            "kind": "number",
+            "order": repr(float(value)) if whole and isfinite(value) else None,
+        }
     if text in _VERDICTS:
         kind = text
     elif "setting" in column:

@@ -10,7 +10,7 @@
     awake.add(node);
     for (const place of node.querySelectorAll(".player")) {
       if (node.id === "motions") continue; // its articles wake their own
-      const player = await suite.player(place), plots = place.parentElement.querySelector(".plots");
+      const player = await suite.player(place), plots = place.closest("article")?.querySelector(".plots");
       if (player && plots) suite.plots(plots, player);
     }
     node.querySelectorAll(".precision").forEach((place) => suite.precision(place));

@@ -12,14 +12,16 @@ suite.player = async (place) => {
   const span = motion.end - motion.start;
 
   // --- what stands around the picture ---
+  const icon = (path) => `<svg class="icon" viewBox="0 0 16 16" aria-hidden="true"><path d="${path}"/></svg>`;
+  const ICONS = { play: icon("M3 2l11 6-11 6z"), pause: icon("M3 2h4v12H3zM9 2h4v12H9z"), back: icon("M2 2h2v12H2zM14 2v12L5 8z"), next: icon("M12 2h2v12h-2zM2 2v12l9-6z") };
   place.innerHTML = `
     <div class="stage" tabindex="0" role="group" aria-label="Motion of ${motion.label.replace(/["<&]/g, "")}. Space plays, arrows scrub, comma and full stop go to transitions.">
       <svg role="img"></svg><p class="readout" aria-hidden="true"></p></div>
     <div class="modes" role="group" aria-label="Modes of the contact; each goes to its beginning"></div>
     <div class="controls">
-      <button type="button" data-do="play" aria-label="play">▶</button>
-      <button type="button" data-do="back" aria-label="previous transition">⏮</button>
-      <button type="button" data-do="next" aria-label="next transition">⏭</button>
+      <button type="button" data-do="play" aria-label="play">${ICONS.play}</button>
+      <button type="button" data-do="back" aria-label="previous transition">${ICONS.back}</button>
+      <button type="button" data-do="next" aria-label="next transition">${ICONS.next}</button>
       <input type="range" class="time" min="0" max="1000" value="0" step="1" aria-label="time">
       <output class="now"></output>
     </div>
@@ -30,11 +32,10 @@ suite.player = async (place) => {
       <label><input type="checkbox" class="follow"> follow</label>
     </div>`;
   const part = (selector) => place.querySelector(selector);
-  const svg = part("svg"), scrub = part(".time"), speed = part(".speed"), larger = part(".larger");
+  const svg = part(".stage svg"), scrub = part(".time"), speed = part(".speed"), larger = part(".larger");
 
   // --- the scene ---
   const up = motion.down ? 1 : -1, world = make("g", svg, { transform: `scale(1 ${up})` });
-  const line = (xs, ys) => "M" + Array.from(xs, (x, i) => (Number.isFinite(x) ? `${x} ${ys[i]}` : "")).join("L").replace(/L(?=L|$)|(?<=M)L+/g, "");
   const polyline = (xs, ys) => {
     let text = "", open = false;
     for (let i = 0; i < xs.length; i++) {
@@ -47,7 +48,7 @@ suite.player = async (place) => {
   const flying = (values) => values.map((v, i) => (Number.isFinite(truth.xi1[i]) ? NaN : v));
   make("path", world, { d: polyline(track.x, track.y), class: "track" });
   make("path", world, { d: polyline(flying(truth.x), flying(truth.y)), class: "flight" });
-  const shape = line(outline.x, outline.y) + "Z", mark = `M0 0L${outline.x[0]} ${outline.y[0]}`;
+  const shape = `${polyline(outline.x, outline.y)}Z`, mark = `M0 0L${outline.x[0]} ${outline.y[0]}`;
   const plateOf = (parent, kind) => {
     const group = make("g", parent, { class: kind });
     make("path", group, { d: shape });
@@ -141,7 +142,7 @@ suite.player = async (place) => {
     playing = go;
     if (go && time >= motion.end) time = motion.start;
     const button = part("[data-do=play]");
-    button.textContent = go ? "⏸" : "▶";
+    button.innerHTML = go ? ICONS.pause : ICONS.play;
     button.setAttribute("aria-label", go ? "pause" : "play");
     place.toggleAttribute("data-playing", go);
     before = 0;

@@ -3,12 +3,11 @@ suite.table = (table) => {
   if (table.dataset.awake) return;
   table.dataset.awake = "yes";
   const rows = table.tBodies[0]?.rows.length ?? 0, name = table.dataset.name || "table";
-  const awake = new DataTable(table, {
+  new DataTable(table, {
     paging: false, info: rows > 12, searching: rows > 6, order: [], autoWidth: false, typeDetect: true,
     layout: { topStart: rows > 6 ? { search: { placeholder: "filter rows" } } : null, topEnd: null, bottomStart: rows > 12 ? "info" : null, bottomEnd: null },
     language: { search: "", info: "_TOTAL_ rows", infoFiltered: "of _MAX_", infoEmpty: "no rows" },
   });
-  table.closest(".dt-container")?.querySelector("input[type=search]")?.setAttribute("aria-label", `filter rows of ${name}`);
   const text = (cell) => cell.innerText.replace(/\s*\n\s*/g, " ").replace(/[⇅▲▼]/g, "").trim();
   const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
   // What is shown, all digits where the cell knows them.
@@ -34,6 +33,11 @@ suite.table = (table) => {
     link.click();
     URL.revokeObjectURL(link.href);
   });
+  const search = table.closest(".dt-container").querySelector(".dt-search");
+  if (search) {
+    search.querySelector("input").setAttribute("aria-label", `filter rows of ${name}`);
+    search.querySelector("label")?.remove();
+    tools.prepend(search);
+  }
   (table.closest(".scroll") ?? table).before(tools);
-  return awake;
 };
