@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import cases as catalogue
 from cases import Case
 
-from ..drawing.files import Drawn, file_name
+from ..drawing.files import Drawn
 from ..running.records import Experiment, finest, routes
 from . import motions
 from .pieces import as_written, command_of, figure_of, picture, records, remake, table
@@ -47,19 +47,18 @@ def cases(
     families: dict[str, list[dict[str, Any]]] = {}
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
-        # The player takes the place of the motion's static figure, which stands in the folder.
         mine = [d for d in drawn if d.case == label and d.name != "headline"]
-        static = next((d.name for d in mine if d.name.startswith("motion_")), f"motion_{file_name(label)}")
-        pictures = [picture(d, figures) for d in mine if d.name != static or label not in moving]
+        # The player takes the place of what shows the motion: without scripts its figures are read from the folder.
+        moved = [d for d in mine if label in moving and d.name.startswith(("motion_", "scene_"))]
         one = {
             "label": label,
             "anchor": anchor(label),
             "said": said_of(case),
             "words": f"{label} {family} {said_of(case)}".lower(),
             "failure": experiment.truths[label].failure,
-            "moving": label in moving and any(d.name == static for d in mine),
-            "static": static,
-            "pictures": pictures,
+            "moving": label in moving,
+            "static": [picture(d, figures, inside=False) for d in moved],
+            "pictures": [picture(d, figures) for d in mine if d not in moved],
             "command": command_of(label, manifest),
             "tables": _case_tables(experiment, label, frames),
         }
@@ -140,10 +139,10 @@ def _order(row: dict[str, Any] | None) -> str:
     return f' data-order="{value!r}"' if isfinite(value) else ""
 
 
-def missing(experiment: Experiment) -> list[str]:
+def missing(experiment: Experiment) -> list[tuple[str, str]]:
     """Solvers that are not installed here, each with the reason."""
     told = {run.solver: run.reason for run in experiment.runs if _is_missing(run.solver, run.route, run.reason)}
-    return list(told.values())
+    return list(told.items())
 
 
 def _is_missing(solver: str, route: str, reason: str) -> bool:

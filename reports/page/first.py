@@ -31,20 +31,22 @@ def screen(
     hard = any("hard_right" in row for row in told)
     hero = next((m for m in moving if m["label"] == _HERO), moving[0] if moving else None)
     case = next((c for c in experiment.cases if hero and c.label == hero["label"]), None)
-    rows = [row for row in told if row["cases"] and row["route"]]
+    rows = [row for row in told if row["route"]]
+    costs = any(row[f"timed_{level(accuracy)}"] for row in rows for accuracy in advice.ACCURACIES)
     return {
         "compared": _compared(experiment),
         "sentences": advice.sentences(told),
         "warnings": [
             {"case": label, "why": truth.failure} for label, truth in experiment.truths.items() if truth.failure
         ],
-        "answers": [_row(row, hard, timed) for row in rows],
+        "answers": [_row(row, hard, costs) for row in rows],
+        "costs": costs,
         "levels": [f"{accuracy:g}" if accuracy >= 1e-3 else level(accuracy) for accuracy in advice.ACCURACIES],
         "hard": hard,
         "rolling": max((row["rolling_cases"] for row in rows), default=0),
         "timed": timed,
         "hero": hero and {"label": hero["label"], "anchor": anchor(hero["label"]), "said": said_of(case)},
-        "missing": missing(experiment),
+        "absent": missing(experiment),
         "provenance": f"Made {manifest['made_at'][:10]} on {manifest['machine']}.",
     }
 
@@ -64,23 +66,28 @@ def _compared(experiment: Experiment) -> str:
     )
 
 
-def _row(row: Mapping[str, Any], hard: bool, timed: bool) -> dict[str, Any]:
+def _row(row: Mapping[str, Any], hard: bool, costs: bool) -> dict[str, Any]:
     cells = [{"head": "as it comes", "text": _error(row["middle_default_error"]), "small": ""}]
     cells.append({"head": "finest", "text": _error(row["middle_finest_error"]), "small": _wrong(row)})
     for accuracy in advice.ACCURACIES:
         name = level(accuracy)
-        for runs, word in zip(("once", "1,000 ×"), advice.RUNS, strict=True):
-            spent = row[f"{word}_{name}_s"]
-            never = not row[f"reached_{name}"]
-            text = seconds(spent) if isfinite(spent) else "never" if never else "not timed" if timed else "–"
-            reached = f"{row[f'reached_{name}']} of {row['rolling_cases']}" if runs == "once" else ""
-            cells.append({"head": f"{name} {runs}", "text": text, "small": reached})
+        reached = f"{row[f'reached_{name}']} of {row['rolling_cases']}"
+        if not costs:
+            cells.append({"head": f"reaches {name}", "text": reached, "small": ""})
+            continue
+        once, many = (_cost(row, name, word) for word in advice.RUNS)
+        cells.append({"head": f"{name} once", "text": once, "small": reached})
+        cells.append({"head": f"{name} 1,000 ×", "text": many, "small": ""})
     if hard:
         count = [row.get(f"hard_{word}", 0) for word in ("right", "wrong", "refused")]
         told = " / ".join(str(int(n)) for n in count) if all(isfinite(n) for n in count) and sum(count) else ""
         cells.append({"head": "hard scenes", "text": told, "small": ""})
-    route = "" if row["solver"] == REFERENCE else row["route"]
-    return {"solver": row["solver"], "route": route or row["route"], "id": identifier(row["solver"]), "cells": cells}
+    return {"solver": row["solver"], "route": row["route"], "id": identifier(row["solver"]), "cells": cells}
+
+
+def _cost(row: Mapping[str, Any], name: str, word: str) -> str:
+    spent = row[f"{word}_{name}_s"]
+    return seconds(spent) if isfinite(spent) else "not timed" if row[f"reached_{name}"] else "never"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:

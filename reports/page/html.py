@@ -30,10 +30,10 @@ _SCRIPTS = ("state.js", "player.js", "plots.js", "precision.js", "tables.js", "c
 _LIBRARIES = ("uplot.min.js", "datatables.min.js")
 # Rows of a table that are shown on the page, where it is shown for itself and where it stands among all; the files hold
 # the rest.
-_STUDY_ROWS, _SHOWN_ROWS = 600, 100
+_STUDY_ROWS, _SHOWN_ROWS = 600, 30
 _SHORT = {
-    "stability": "Hard scenes", "effect_costs": "Price of effects", "error_parts": "Parts of the error",
-    "formulations": "Formulations", "paper": "The paper", "published": "Published", "reference_cost": "Reference",
+    "stability": "Hard scenes", "effect_costs": "Effects", "error_parts": "Error parts", "formulations": "Formulations",
+    "paper": "Paper", "published": "Published", "reference_cost": "Reference",
 }  # fmt: skip
 
 
@@ -68,7 +68,6 @@ def render(
         "precision_points": _points(frames.get("work_precision"), manifest),
         "studies": [_study(result, of_studies[result.name], figures) for result in studied],
         "failures": chapters.failures(frames["trajectories"]),
-        "missing": chapters.missing(experiment),
         "tables": [
             {"name": n, "holds": words[n].holds, "count": len(f)}
             | ({"rows": []} if n in shown_by_studies else table(f.head(_SHOWN_ROWS), _named(f), words[n].columns))
@@ -87,7 +86,7 @@ def _chapters(studied: Sequence[Result]) -> list[dict[str, str]]:
     """Chapters by their places and short names."""
     named = [("answer", "Answer"), ("motions", "Motion"), ("headline", "All cases"), ("precision", "Cost")]
     named += [(result.name, _SHORT.get(result.name, result.study.TITLE)) for result in studied]
-    named += [("failures", "What failed"), ("definitions", "Words"), ("tables", "Tables"), ("made", "Provenance")]
+    named += [("failures", "Failures"), ("definitions", "Words"), ("tables", "Tables"), ("made", "Made")]
     return [{"id": place, "name": name} for place, name in named]
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import cases
 from cases import Case, Gravity
 
-from ..running.records import REFERENCE, Experiment, Run, Truth, finest, is_truth, routes
+from ..running.records import REFERENCE, Experiment, Run, Truth, finest, routes
 
 # Samples of a motion, transitions among them: a player 800 points wide shows no more.
 SAMPLES = 401
@@ -50,11 +50,9 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
 
 
 def shown(experiment: Experiment, label: str) -> list[Run]:
-    """The finest motion of every route of the engines, and of the reference one that is not the truth itself."""
-    found = [run for run in map(finest, routes(r for r in experiment.runs if r.case == label).values()) if run]
-    found = [run for run in found if not is_truth(run, experiment.truths[label]) and len(run.samples.get("t", ())) > 1]
-    own = [run for run in found if run.solver == REFERENCE][:1]
-    return own + [run for run in found if run.solver != REFERENCE]
+    """The finest motion of every route but the reference's: those lie on the truth."""
+    found = map(finest, routes(run for run in experiment.runs if run.case == label).values())
+    return [run for run in found if run and run.solver != REFERENCE and len(run.samples.get("t", ())) > 1]
 
 
 def family(case: Case) -> str:

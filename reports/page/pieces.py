@@ -48,12 +48,13 @@ def command_of(label: str, manifest: dict[str, Any]) -> str:
     return f'python -m reports.build {manifest["options"]} --case "{label}"'.replace("  ", " ")
 
 
-def picture(drawn: Drawn, folder: Path) -> dict[str, Any]:
-    """A figure as its template takes it: the picture itself is its address."""
+def picture(drawn: Drawn, folder: Path, inside: bool = True) -> dict[str, Any]:
+    """A figure as its template takes it: the picture itself is its address, or its file beside the page."""
     told = {"name": drawn.name, "title": drawn.title, "caption": drawn.caption, "failure": not drawn.name}
     if drawn.name:
         told["alt"] = f"{drawn.title}: {drawn.case}" if drawn.case else drawn.title
-        told["source"] = Markup(_address((folder / f"{drawn.name}.svg").read_text(encoding="utf-8")))
+        file = folder / f"{drawn.name}.svg"
+        told["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"
     return told
 
 
@@ -115,7 +116,7 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
         return {
             "text": as_written(text),
             "kind": "number",
-            "order": repr(float(value)) if whole and isfinite(value) else None,
+            "order": f"{value:.10g}" if whole and isfinite(value) else None,
         }
     if text in _VERDICTS:
         kind = text

@@ -265,7 +265,7 @@ def test_a_point_of_the_precision_plot_tells_its_setting_and_command(open_page):
     assert "h=0.001" in told and 'python -m reports.build --case "a case" --solver pymunk' in told
     page.focus(".precision svg")
     page.keyboard.press("ArrowLeft")
-    assert "h=0.01," in page.inner_text(".precision .told")
+    assert "h=0.01:" in page.inner_text(".precision .told")
     page.uncheck("input[data-switch=solver][value=pymunk]")
     assert page.locator(".precision circle").count() == 0
 
