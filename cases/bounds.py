@@ -6,7 +6,7 @@ the origin in sizes of the plate.
 
 from __future__ import annotations
 
-import numpy as np
+from math import hypot
 
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Gravity, RollingResistance, one
@@ -58,7 +58,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
             f"{RATIO:g} times"
         )
-    away = float(np.hypot(*track.point(start.xi1)))
+    away = hypot(*track.jet(start.xi1)[:2])
     if not away <= FURTHEST * extent:
         raise BadValue(
             f"the plate begins {away / extent:.3g} times its own length from the origin; give a place, or a track, "

@@ -8,14 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .curves import Curve
-
-if TYPE_CHECKING:
-    from scipy.spatial import KDTree
 
 # Corners of the polygon, besides those that show the outline's features.
 CORNERS = 720
@@ -23,8 +20,8 @@ CORNERS = 720
 POINTS_A_SIZE, FEWEST, MOST = 16, 720, 20_000
 # Pairs of a pose and a track point that are looked at together: some megabytes.
 TOGETHER = 100_000
-# So many poses are looked at faster without a tree, and without importing one: a case's start is one pose.
-FEW = 4
+# Cells of a column are counted within this.
+COLUMN = 2**31
 
 
 class _Polygon(NamedTuple):
@@ -48,29 +45,35 @@ class _Polygon(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
-    """Track parameters (n,) and their points (2, n)."""
+    """Track parameters (n,) and their points (2, n), sorted into square cells of that size, m."""
 
     parameters: np.ndarray
     points: np.ndarray
+    cell: float
+
+    def _cells(self, points: np.ndarray) -> np.ndarray:
+        """Column and row of points' cells, whole numbers; far out they run together, and distances tell them apart."""
+        return np.clip(np.floor(points / self.cell), -COLUMN / 4, COLUMN / 4).astype(np.int64)
 
     @cached_property
-    def tree(self) -> KDTree:
-        """To look points up in; importing it takes a quarter of a second."""
-        from scipy.spatial import KDTree
+    def _sorted(self) -> tuple[np.ndarray, np.ndarray]:
+        """The cells' numbers in rising order, column by column, and which sample each belongs to."""
+        column, row = self._cells(self.points)
+        cells = column * COLUMN + row
+        order = np.argsort(cells, kind="stable")
+        return cells[order], order
 
-        return KDTree(self.points.T)
+    def around(self, centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """For centres (2, m): where the samples in the three cells of three columns begin and end, each (m, 3)."""
+        cells, _ = self._sorted
+        column, row = self._cells(centres)
+        middle = (column[:, None] + np.array([-1, 0, 1])) * COLUMN + row[:, None]
+        return np.searchsorted(cells, middle - 1), np.searchsorted(cells, middle + 1, side="right")
 
-    def counts(self, centres: np.ndarray, reach: float) -> np.ndarray:
-        """How many points lie within `reach` of each of some centres (m, 2)."""
-        if len(centres) <= FEW:
-            return np.array([len(found) for found in self.near(centres, reach)])
-        return self.tree.query_ball_point(centres, reach, return_length=True)
-
-    def near(self, centres: np.ndarray, reach: float) -> list[np.ndarray]:
-        """Which points these are, in order."""
-        if len(centres) <= FEW:
-            return [np.flatnonzero(np.hypot(*(self.points - centre[:, None])) <= reach) for centre in centres]
-        return [np.sort(found) for found in self.tree.query_ball_point(centres, reach)]
+    def of(self, starts: np.ndarray, counts: np.ndarray) -> np.ndarray:
+        """The samples of stretches of the order of cells, one after the other."""
+        stretch = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        return self._sorted[1][np.repeat(starts, counts) + stretch]
 
 
 def first_overlap(
@@ -83,21 +86,24 @@ def first_overlap(
     if not outline.period:
         return None
     polygon = _polygon(outline)
-    samples = _samples(track, *span(track, xi1, polygon.reach), polygon.size)
+    samples = _samples(track, *span(track, xi1, polygon.reach), polygon.size, polygon.reach)
     c, s = np.cos(theta), np.sin(theta)
-    (mx, my), centres = polygon.middle[:, 0], np.empty((len(x), 2))
-    centres[:, 0], centres[:, 1] = x + c * mx - s * my, y + s * mx + c * my
-    counts = samples.counts(centres, polygon.reach)
-    batch = np.cumsum(counts) // TOGETHER
-    for number in np.unique(batch[counts > 0]):
-        poses = np.flatnonzero((batch == number) & (counts > 0))
-        near = samples.near(centres[poses], polygon.reach)
-        pose, point = np.repeat(poses, [len(found) for found in near]), np.concatenate(near).astype(int)
+    mx, my = polygon.middle
+    centres = np.array([x + c * mx - s * my, y + s * mx + c * my])
+    starts, ends = samples.around(centres)
+    batch = np.cumsum((ends - starts).sum(axis=1)) // TOGETHER
+    for number in np.unique(batch):
+        some = np.flatnonzero(batch == number)
+        counts = (ends[some] - starts[some]).ravel()
+        point = samples.of(starts[some].ravel(), counts)
+        pose = np.repeat(np.repeat(some, 3), counts)
+        near = np.hypot(*(samples.points[:, point] - centres[:, pose])) <= polygon.reach
+        pose, point = pose[near], point[near]
         u, v = samples.points[0, point] - x[pose], samples.points[1, point] - y[pose]
         inside = polygon.holds(c[pose] * u + s[pose] * v, c[pose] * v - s[pose] * u)
         if inside.any():
-            first = int(np.argmax(inside))
-            return int(pose[first]), float(samples.parameters[point[first]])
+            first = pose[inside].min()
+            return int(first), float(samples.parameters[point[inside & (pose == first)].min()])
     return None
 
 
@@ -120,8 +126,8 @@ def _polygon(outline: Curve) -> _Polygon:
 
 
 @lru_cache(maxsize=64)
-def _samples(track: Curve, low: float, high: float, size: float) -> _Samples:
-    """Track parameters about a sixteenth of `size` apart, within what stays quick to look at."""
+def _samples(track: Curve, low: float, high: float, size: float, reach: float) -> _Samples:
+    """Track parameters about a sixteenth of `size` apart, within what stays quick to look at, in cells of `reach`."""
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
     places = np.linspace(low, high, int(min(MOST, max(FEWEST, POINTS_A_SIZE * length / size))))
     if track.features:
@@ -129,7 +135,7 @@ def _samples(track: Curve, low: float, high: float, size: float) -> _Samples:
     points = track.point(places)
     # Far out on a track without ends its points may be too large for a double: nothing meets them.
     there = np.isfinite(points).all(axis=0)
-    return _Samples(places[there], points[:, there])
+    return _Samples(places[there], points[:, there], reach)
 
 
 def span(track: Curve, xi1, reach: float) -> tuple[float, float]:

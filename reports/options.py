@@ -65,6 +65,13 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         help="Python files with cases of your own, marked with @case",
     ),
     "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all)"),
+    "engine": dict(
+        metavar="FILE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="executables that are engines (docs/process_protocol.md), beside the solvers",
+    ),
     "trajectory": dict(
         metavar="NAME[@CASE]=FILE",
         action="append",
@@ -217,7 +224,8 @@ def solvers() -> tuple[str, ...]:
 def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
     effort = "quick" if options.quick else "full" if options.full else "default"
-    jobs, chosen = whole_jobs(options.jobs), chosen_solvers(options.solver)
+    own_engines = tuple(adapters.interface.register(file) for file in options.engine)
+    jobs, chosen = whole_jobs(options.jobs), chosen_solvers([*(options.solver or solvers()), *own_engines])
     files, own = load_files(options.case_file)
     out = checked_out(Path(options.out))
     store = checked_store(options.store, out)

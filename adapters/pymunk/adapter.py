@@ -50,11 +50,6 @@ def refuses(case: Case, route: str) -> str | None:
     if friction and friction.stick != friction.mu:
         return "pymunk has one friction coefficient for slip and stick."
     impact = case.effect(Impact)
-    if impact and case.plate.radius is None:
-        return (
-            "pymunk decides friction by the slip after an impact, not along its course; that is Impact's law for discs "
-            "about their centre alone."
-        )
     if impact and impact.restitution > 0.0 and route == "assisted":
         return "A contact that pymunk is told closes without restitution; Impact(0) is all it can do."
     return _refuses_natively(case) if route == "native" else None

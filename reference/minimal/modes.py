@@ -125,6 +125,7 @@ def _lengths(case: Case) -> tuple[float, float, float]:
     return size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0
 
 
+@lru_cache(maxsize=1024)
 def _features(case: Case, in_contact: bool) -> tuple[tuple[int | None, Features], ...]:
     """What a step may not pass over, where there is such a thing."""
     load = case.effect(Load)

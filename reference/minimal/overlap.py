@@ -1,7 +1,13 @@
 """A plate that meets its track in a second place: this formulation has one contact, so the motion ends there.
 
-Where theorems exclude it (a convex outline on a straight line, or on a convex track that it fits: Blaschke's rolling
-theorem) nothing is searched.
+Where theorems exclude it nothing is searched. A convex outline lies inside the disc that touches it from within its
+place and has its smallest curvature (Blaschke's rolling theorem; known to us, not looked up), so that a disc is all
+that has to be asked for:
+
+- A closed convex track whose curvature is below the disc's everywhere is the same theorem again.
+- On a track that is the graph of a function along some direction, let its angle to that direction be φ(x). By
+  d(sin φ)/dx = κ, and the same of the disc's lower arc with its larger curvature, the arc is steeper than the track
+  everywhere beyond the contact and less steep before it: the track runs below the arc.
 """
 
 from __future__ import annotations
@@ -12,7 +18,6 @@ from math import pi
 from typing import NamedTuple
 
 import numpy as np
-import scipy.spatial  # noqa: F401 - the search for second contacts needs it: imported here, not within a first motion
 
 from cases import Case, Curve, DoesNotFit, Transition
 from cases.contact import Contact, find, overlap, pose
@@ -66,13 +71,15 @@ def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
 def _fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
     if not outline.period:
         return True  # an outline without an inside is only its contact arc
-    bends, bend = _bends(outline, *outline.span), _bends(track, low, high)
-    if bends.min() <= max(bend.max(), 0.0):
+    places = _places(track, low, high)
+    bend, bends = track.curvature(places), outline.curvature(_places(outline, *outline.span))
+    if np.min(bends) <= max(np.max(bend), 0.0):
         return False  # not convex, or tighter than the track somewhere
-    turning = track.tangent_angle(high) - track.tangent_angle(low)
-    convex = bend.min() >= 0.0 or bend.max() <= 0.0
-    # A closed convex track turns once; an open arc that turns by less than half a turn does not come back to itself.
-    return bool(convex and (abs(turning) < pi or (track.period is not None and abs(turning) < 2.1 * pi)))
+    angles = track.tangent_angle(places)
+    if np.ptp(angles) < pi:
+        return True  # a graph over the direction half-way between the extremes
+    convex = np.min(bend) >= 0.0 or np.max(bend) <= 0.0
+    return bool(convex and track.period is not None and abs(angles[-1] - angles[0]) < 2.1 * pi)
 
 
 @lru_cache(maxsize=256)
@@ -81,11 +88,10 @@ def _reach(outline: Curve) -> float:
     return float(np.hypot(*outline.point(np.linspace(*outline.span, 65))).max())
 
 
-def _bends(curve: Curve, low: float, high: float) -> np.ndarray:
+def _places(curve: Curve, low: float, high: float) -> np.ndarray:
+    """Parameters that show how the curve bends, (n,)."""
     places = np.linspace(low, high, 721)
-    if curve.features:
-        places = np.union1d(places, curve.features.places(low, high))
-    return np.asarray(curve.curvature(places))
+    return np.union1d(places, curve.features.places(low, high)) if curve.features else places
 
 
 def first_meeting(case: Case, segments: Sequence[Segment]) -> Meeting | None:
@@ -93,10 +99,14 @@ def first_meeting(case: Case, segments: Sequence[Segment]) -> Meeting | None:
     reach = _reach(case.plate.outline)
     for segment in segments:
         times = _divided(segment.times, np.full(len(segment.times) - 1, LOOKS))
-        x, y, theta, _ = _poses(case, segment, times)
+        poses = _poses(case, segment, times)
+        x, y, theta, _ = poses
         way = np.hypot(np.diff(x), np.diff(y)) + reach * np.abs(np.diff(theta))
-        times = _divided(times, np.maximum(np.ceil(way / (CLOSE * reach)), 1.0).astype(int))
-        found = first_overlap(case.track, case.plate.outline, *_poses(case, segment, times))
+        parts = np.maximum(np.ceil(way / (CLOSE * reach)), 1.0).astype(int)
+        if np.any(parts > 1):
+            times = _divided(times, parts)
+            poses = _poses(case, segment, times)
+        found = first_overlap(case.track, case.plate.outline, *poses)
         if found is not None:
             before = float(times[max(found[0] - 1, 0)])
             return _locate(case, before, float(times[found[0]]), found[1], partial(_pose, case, segment))

@@ -18,18 +18,17 @@ EPS = 2.0**-52
 class Series:
     """c[0] + c[1] t + … + c[K] t^K; e[k] bounds the error of c[k]."""
 
-    __slots__ = ("c", "e")
+    __slots__ = ("c", "e", "pair")
 
-    def __init__(self, c: Sequence[float], e: Sequence[float]):
-        self.c, self.e = list(c), list(e)
+    def __init__(self, c: list[float], e: list[float]):
+        self.c, self.e = c, e
+        # (sign, sine, cosine) once asked for, or their hyperbolic cousins: they come together.
+        self.pair: tuple[float, Series, Series] | None = None
 
     @classmethod
     def constant(cls, value: float, like: Series) -> Series:
         n = len(like.c)
         return cls([float(value)] + [0.0] * (n - 1), [0.0] * n)
-
-    def _other(self, value) -> Series:
-        return value if isinstance(value, Series) else Series.constant(value, self)
 
     def __neg__(self):
         return Series([-a for a in self.c], self.e)
@@ -48,7 +47,7 @@ class Series:
     __radd__ = __add__
 
     def __sub__(self, other):
-        return self + (-self._other(other))
+        return self + (-other)
 
     def __rsub__(self, other):
         return (-self) + other
@@ -58,12 +57,14 @@ class Series:
             b, c = float(other), [a * float(other) for a in self.c]
             return Series(c, [abs(b) * bound + 2 * EPS * abs(s) for bound, s in zip(self.e, c, strict=True)])
         c, e = [], []
-        for k in range(len(self.c)):
+        left = [(a, abs(a), error) for a, error in zip(self.c, self.e, strict=True)]
+        # From the back, so that each sum runs over two stretches side by side; with what |a| and a's error bring.
+        right = [(b, error + 2 * EPS * abs(b), abs(b) + error) for b, error in zip(other.c, other.e, strict=True)][::-1]
+        for k in range(len(left), 0, -1):
             value = bound = 0.0
-            for i in range(k + 1):
-                a, b = self.c[i], other.c[k - i]
+            for (a, size, error), (b, off, most) in zip(left, right[k - 1 :], strict=False):
                 value += a * b
-                bound += abs(a) * other.e[k - i] + (abs(b) + other.e[k - i]) * self.e[i] + 2 * EPS * abs(a * b)
+                bound += size * off + most * error
             c.append(value)
             e.append(bound)
         return Series(c, e)
@@ -71,7 +72,7 @@ class Series:
     __rmul__ = __mul__
 
     def __truediv__(self, other):
-        return self * self._other(other) ** -1
+        return self * (other**-1 if isinstance(other, Series) else 1.0 / float(other))
 
     def __rtruediv__(self, other):
         return self**-1 * other
@@ -79,8 +80,8 @@ class Series:
     def __pow__(self, power):
         """A real power; the base's value must not be zero unless the power is a whole number of at least zero."""
         if power == int(power) and 0 <= power <= 4:
-            result = Series.constant(1.0, self)
-            for _ in range(int(power)):
+            result = self if power else Series.constant(1.0, self)
+            for _ in range(int(power) - 1):
                 result = result * self
             return result
         # y = x^p satisfies x y' = p x' y.
@@ -174,6 +175,8 @@ def _integrate(rate: Series, value: float, error: float) -> Series:
 
 def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, Series]:
     """(a, b) with a' = b x' and b' = sign·a x': sine and cosine, or their hyperbolic cousins."""
+    if x.pair and x.pair[0] == sign:
+        return x.pair[1:]
     n = len(x.c)
     a = Series([first] + [0.0] * (n - 1), [abs(second) * x.e[0] + EPS * max(1.0, abs(first))] + [0.0] * (n - 1))
     b = Series([second] + [0.0] * (n - 1), [abs(first) * x.e[0] + EPS * max(1.0, abs(second))] + [0.0] * (n - 1))
@@ -185,6 +188,7 @@ def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, 
                 total += term
                 bound += i * (abs(x.c[i]) * other.e[k - i] + x.e[i] * abs(other.c[k - i])) + 2 * EPS * abs(term)
             out.c[k], out.e[k] = factor * total / k, bound / k
+    x.pair = sign, a, b
     return a, b
 
 
@@ -232,7 +236,7 @@ def along(rhs: Callable, y0: Sequence[float], errors: Sequence[float], order: in
     e = [[abs(float(v))] for v in errors]
     for k in range(order):
         time = Series([0.0, 1.0, *([0.0] * k)][: k + 1], [0.0] * (k + 1))
-        rates = rhs(time, [Series(a, b) for a, b in zip(c, e, strict=True)])
+        rates = rhs(time, [Series(a[:], b[:]) for a, b in zip(c, e, strict=True)])
         for a, b, rate in zip(c, e, rates, strict=True):
             exact = not isinstance(rate, Series)
             a.append((rate if k == 0 else 0.0) if exact else rate.c[k] / (k + 1))

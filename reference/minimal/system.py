@@ -59,19 +59,19 @@ class Named(Mapping[str, sp.Expr]):
     """Expressions by name. Their names are known at once; the expressions are derived when one is asked for."""
 
     def __init__(self, names: Sequence[str], derived: Callable[[], Mapping[str, sp.Expr]]):
-        self._names, self._derived = tuple(names), derived
+        self.names, self._derived = tuple(names), derived
 
     def __getitem__(self, name: str) -> sp.Expr:
         return self._derived()[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._names  # Mapping's own would derive
+        return name in self.names  # Mapping's own would derive
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
+        return iter(self.names)
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(self.names)
 
 
 class System:
@@ -292,12 +292,19 @@ def _has_ends(curve: Curve) -> bool:
 
 def parameter_values(case: Case, values: dict[str, float], names: tuple[sp.Symbol, ...]) -> tuple[float, ...]:
     """The runtime parameters in the system's order: the case's own and the mode's `values`, by name."""
+    known = _own_values(case) | values
+    return tuple([known[symbol.name] for symbol in names])
+
+
+@lru_cache(maxsize=1024)
+def _own_values(case: Case) -> dict[str, float]:
+    """What the parameters of a case are in all its modes, by name."""
     plate = case.plate
-    known: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass, **values}
+    known: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
     for prefix, curve in (("track", case.track), ("outline", plate.outline)):
         known |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}
         if curve.domain:
             known |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
     for load in laws(case).loads:
         known |= load.values(case)
-    return tuple(known[symbol.name] for symbol in names)
+    return known

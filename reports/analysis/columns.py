@@ -74,6 +74,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "lead_quantity": ("the quantity that leads the case (`lead`)", ""),
     "reached": ("the finest of 0.01, 1e-4, …, 1e-12 that the ladder reached in it: its finest rung, doubt included, "
                 "stays within; empty: none, or the finest motion is wrong", _OF_QUANTITY),
+    "lead_error_bar": ("how sure the truth is of it", _OF_QUANTITY),
     "default_lead_error": ("size of its error, the engine as it comes", _OF_QUANTITY),
     "finest_lead_error": ("size of its error at the finest setting", _OF_QUANTITY),
     "default_first_error": ("error of the first transition's time, signed, the engine as it comes", "s"),

@@ -124,6 +124,7 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
         row: dict[str, Any] = {"case": case, "solver": solver, "route": route}
         row |= {"lead_quantity": lead, "unit": quantities.UNITS[lead]}
         row["reached"] = reached.finest_level(group, lead, truth)
+        row["lead_error_bar"] = quantities.bar(truth, lead, {})
         for name, run in (("default", own), ("finest", fine)):
             row |= {
                 f"{name}_lead_error": quantities.error(run, lead) if run else nan,

@@ -109,10 +109,10 @@ def headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, command
     return (
         '<div class="scroll" tabindex="0" role="region" aria-label="table: all cases">'
         f'<table class="short data" data-name="headline">{table}</table></div>'
-        '<p class="note">Above: the finest setting. Below, small: the engine as it comes; and at the finest setting, '
-        "since one event may be met by chance, the worst of all transitions in s where there are several, else the "
-        "final pose in m, with the accuracy the ladder reaches in it. Where the truth has no transition, the largest "
-        "error of the centre in m stands above instead; an error inside the truth's own error bar is told as below "
+        '<p class="note">Above: the worst of all transitions in s where there are several, else the final pose in m, '
+        "at the finest setting, and the accuracy the ladder reaches in it. Small: the error of the first transition's "
+        "time in s, solver minus truth, at the finest setting and for the engine as it comes; where the truth has no "
+        "transition, the largest error of the centre in m; an error inside the truth's own error bar is told as below "
         'that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
         f"</p>{remake(command)}{pictures}"
     )
@@ -128,9 +128,11 @@ def _headline_cell(row: dict[str, Any] | None) -> str:
         return ""
     finest, own = (error_text(row, which) for which in ("finest", "default"))
     lead, level = lead_text(row, "finest"), reached_text(row)
-    told = f"{lead}{f', reaches {level}' if level else ''}" if lead != finest else ""
-    small = (f"<small>{escape(as_written(text))}</small>" for text in (own, told) if text)
-    return "<br>".join([escape(as_written(finest)), *small])
+    if lead == finest:  # a word, the same for both
+        return escape(lead)
+    small = [f"reaches {level}" if level else "reaches none", f"first: {finest}", f"as it comes: {own}" if own else ""]
+    told = (f"<small>{escape(as_written(text))}</small>" for text in small if text)
+    return "<br>".join([escape(as_written(lead)), *told])
 
 
 def _order(row: dict[str, Any] | None) -> str:

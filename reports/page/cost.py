@@ -72,7 +72,10 @@ def _answers(answers: Sequence[dict[str, Any]]) -> str:
         for runs in which_engine.RUNS
     )
     head = f"<tr><th>case</th>{heads}<th>reference<br>cheaper from</th></tr>"
-    return in_frame("which engine", f"<thead>{head}</thead><tbody>{body}</tbody>")
+    return in_frame("which engine", f"<thead>{head}</thead><tbody>{body}</tbody>", "") + (
+        '<p class="note">Whole calls: building, running, reading; the first from cold, the others warm. Strong: the '
+        "cheaper one, and by what factor. Below a tenth they are alike.</p>"
+    )
 
 
 def _side(row: dict[str, Any]) -> str:
@@ -84,7 +87,7 @@ def _side(row: dict[str, Any]) -> str:
             continue
         text = f"{escape(row[who])}<br>{seconds(row[f'{who}_total_s'])}"
         ahead = row["cheaper"] == row[who]
-        cells.append(f"<strong>{text}</strong> <small>{times(row['factor'])} less</small>" if ahead else text)
+        cells.append(f"<strong>{text}</strong> <small>({times(row['factor'])})</small>" if ahead else text)
     return "".join(f"<td>{cell}</td>" for cell in cells)
 
 

@@ -127,11 +127,11 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     return {"text": text, "kind": kind, "order": None}
 
 
-def in_frame(name: str, inside: str) -> str:
+def in_frame(name: str, inside: str, kind: str = "short") -> str:
     """A table whose rows are HTML already, in a frame that scrolls and that a keyboard reaches."""
     return (
         f'<div class="scroll" tabindex="0" role="region" aria-label="table: {name}">'
-        f'<table class="short" data-name="{name}">{inside}</table></div>'
+        f'<table{class_of(kind)} data-name="{name}">{inside}</table></div>'
     )
 
 

@@ -41,8 +41,10 @@ def lead_text(row: Mapping[str, Any], which: str) -> str:
     words = _no_error(row, which)
     if words is not None:
         return words
-    value = row[f"{which}_lead_error"]
-    return f"{value:.1e} {row['unit']}{_unsure(row, which)}" if isfinite(value) else "missed"
+    value, bar = row[f"{which}_lead_error"], row["lead_error_bar"]
+    if not isfinite(value):
+        return "missed"
+    return (f"< {bar:.1e}" if value <= bar else f"{value:.1e}") + f" {row['unit']}{_unsure(row, which)}"
 
 
 def _no_error(row: Mapping[str, Any], which: str) -> str | None:
@@ -120,7 +122,7 @@ def shorten(value: Any, column: str) -> str:
         value = float(value)
         if not isfinite(value):
             return ""
-        if column == "accuracy":
+        if column in ("accuracy", "reached"):
             return level(value)
         if column in ("time", "reference_time"):
             return f"{value:.9g}"

@@ -57,10 +57,12 @@ class _Repeat(NamedTuple):
 def first_calls(who: Sequence[Contestant], budget: float) -> list[tuple[Cold | None, str]]:
     """Of each contestant a first call, or None and why there is none, in a sentence.
 
-    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond imports;
-    those that do not fit in it even once have neither.
+    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond imports.
+    Of those that do not fit in it even once the first setting of a route has the call that was made for its imports,
+    which weigh nothing beside what takes so long; the others have neither.
     """
-    failures, spent = _import_all(who)
+    firsts, spent = _import_all(who)
+    failures = [answer if isinstance(answer, str) else "" for answer in firsts]
     deadline = time.perf_counter() + budget
     repeats: dict[int, list[_Repeat]] = {place: [] for place in range(len(who))}
     for _ in range(LEAST_REPEATS):
@@ -74,6 +76,9 @@ def first_calls(who: Sequence[Contestant], budget: float) -> list[tuple[Cold | N
                 failures[place] = answer
             else:
                 repeats[place].append(answer)
+    for place, answer in enumerate(firsts):
+        if not repeats[place] and isinstance(answer, _Repeat):
+            repeats[place].append(answer)
     quiet = min((r.loop for done in repeats.values() for r in done), default=0.0)
     return [(_median(repeats[place], quiet), failures[place]) for place in range(len(who))]
 
@@ -87,21 +92,27 @@ def _median(repeats: Sequence[_Repeat], loop: float) -> Cold | None:
     return Cold(build, run, statistics.median(r.read for r in used), len(used), not calm)
 
 
-def _import_all(who: Sequence[Contestant]) -> tuple[list[str], list[float]]:
-    """Import, in this process, what the calls import; of each call the reason if it fails, else "", and about how long
-    it takes (wall s)."""
-    said: dict[tuple[str, str], str] = {}
+def _import_all(who: Sequence[Contestant]) -> tuple[list[_Repeat | str | None], list[float]]:
+    """Import, in this process, what the calls import, by making one call of each route. Of each contestant that call,
+    the reason why its route fails, or None if another of its route made it; and about how long it takes (wall s)."""
+    told: list[_Repeat | str | None] = []
     took: dict[tuple[str, str], float] = {}
+    failed: dict[tuple[str, str], str] = {}
     for one in who:
         route = one[1:3]
-        if route not in said:
+        if route not in took:
             began = time.perf_counter()
             answer = _apart(_call, one)
-            said[route], took[route] = answer if isinstance(answer, str) else "", time.perf_counter() - began
+            took[route] = time.perf_counter() - began
+            told.append(answer)
+            if isinstance(answer, str):
+                failed[route] = answer
             for name in () if isinstance(answer, str) else answer.modules:
                 with suppress(ImportError):  # some compiled modules have a name that only their package knows
                     importlib.import_module(name)
-    return [said[one[1:3]] for one in who], [max(took[one[1:3]], one.expected_s) for one in who]
+        else:
+            told.append(failed.get(route))
+    return told, [max(took[one[1:3]], one.expected_s) for one in who]
 
 
 def _call(one: Contestant) -> _Repeat:

@@ -68,9 +68,11 @@ def test_fractions_move_in_quadruple_precision():
 def test_fractions_keep_all_digits_of_quadruple_precision(text, exact):
     import heyoka as hy
 
+    from reference.minimal.integrators import conversion
+
     formula = sp.sympify(text, locals={"x": X1})
     variable = hy.expression("x")
-    function = hy.cfunc([taylor._converted(formula, {X1: variable})], [variable], fp_type=hy.real128)
+    function = hy.cfunc([conversion.converted(formula, {X1: variable})], [variable], fp_type=hy.real128)
     (value,) = function(np.array([hy.real128(8)]))
     # Quadruple precision has a rounding of 2e-34; a constant held in double precision would be off by 1e-17.
     assert abs(sp.Float(str(value), 40) / sp.N(sp.sympify(exact), 40) - 1) < 1e-32

@@ -1,6 +1,6 @@
 """Impacts and bounces of the second formulation: Routh's closed forms, flight times, limits, energy."""
 
-from math import cos, pi, sin, sqrt
+from math import cos, inf, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,7 @@ from cases import curves as c
 from cases.library import circle, ellipse, line
 from reference import contact_frame
 from reference.contact_frame import bouncing
+from reference.minimal.impact import Law, Touch, collide
 from tests.scenes.elliptic import examples, numbers
 
 G = 9.81
@@ -154,6 +155,22 @@ def test_a_perfectly_rough_impact_leaves_no_slip(law):
     T = (C * P - before.slip) / A
     exact = (0.0, lift, before.spin + (a * P - b * T) / J)
     assert hit(PLATE, -1.2, before, PerfectlyRough(), Impact(e, law)) == pytest.approx(exact, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("slip", [-3.0, -1.6, 1.0])
+@pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
+def test_both_formulations_agree_on_a_rough_impact_whose_friction_alone_opens_the_contact(law, slip):
+    """By Newton's law and Moreau's a normal impulse is still due where what ends the slip lifts the contact more
+    slowly than −e times its closing speed; by Poisson's none is, without compression."""
+    before, e, (a, b), J = Velocities(slip, -0.1, 3.0), 0.6, arms(PLATE, -1.2), PLATE.inertia
+    stopped = before.lift + a * b / J / (1 + b * b / J) * slip
+    assert (stopped < 0.0) == (slip > 0.0)  # else the case is none
+    law_of_it = Law(a, b, J / PLATE.mass, inf, inf, 0.0, e, law)
+    ours = collide(law_of_it, Touch(slip, before.lift, before.spin))
+    theirs = hit(PLATE, -1.2, before, PerfectlyRough(), Impact(e, law))
+    assert (ours.slip, ours.lift, ours.omega) == pytest.approx(tuple(theirs), abs=ROUNDING)
+    least = stopped if stopped >= 0.0 else -e * stopped
+    assert ours.lift == pytest.approx(least if law == "poisson" else max(stopped, -e * before.lift), abs=ROUNDING)
 
 
 def test_rolling_resistance_takes_spin_from_an_impact_and_can_stop_it():

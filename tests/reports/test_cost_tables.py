@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from reports import build
-from reports.analysis import columns, conclusions, words
+from reports.analysis import columns, conclusions, which_engine, words
 from reports.page import dictionary, text
 from reports.running import timings
 
@@ -20,7 +20,8 @@ CASE = "disc_in_circle[mu=0.2]"
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
-    """A report of one case with little time for timings, made by the command."""
+    """A report of one case with little time for timings, made by the command. Calls from cold and parts end by their
+    own count of repeats, on a busy machine as on a quiet one."""
     out = tmp_path_factory.mktemp("made") / "report"
     together = timings.time_together
 
@@ -31,8 +32,9 @@ def report(tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timings, "time_together", undisturbed)
-        for name, seconds in (("BUDGET", 4.0), ("COLD_BUDGET", 6.0), ("PARTS_BUDGET", 2.0)):
+        for name, seconds in (("BUDGET", 5.0), ("COLD_BUDGET", 60.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
+        patch.setattr(which_engine, "LEVELS", (1e-4,))
         assert build.main(["--case", CASE, "--solver", "reference", "pymunk", "--out", str(out)]) == 0
     return out
 
@@ -89,9 +91,7 @@ def spent(row, runs: int) -> float:
 
 def test_answers_are_the_cheapest_of_each_side(report):
     told, answers = read(report, "time_to_accuracy"), read(report, "which_engine")
-    assert {(row.accuracy, row.runs) for row in answers.itertuples()} == {
-        (a, n) for a in (1e-2, 1e-4, 1e-6) for n in (1, 1000)
-    }
+    assert [(row.accuracy, row.runs) for row in answers.itertuples()] == [(1e-4, 1), (1e-4, 1000)]
     for answer in answers.itertuples():
         level = told[told.lead & (told.accuracy == answer.accuracy) & told.first_call_s.notna()]
         for name, seconds, ours in (

@@ -8,7 +8,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import chain, islice
 from math import exp, inf, isfinite, ulp
 from pathlib import Path
@@ -18,10 +18,8 @@ import numpy as np
 import sympy as sp
 from numpy.polynomial.polynomial import polyder, polyval
 
-from cases import NotSupported
-
 from ..ahead import INSIDE, PARTS, clear_part, defect
-from ..eliminated import Motion, T
+from ..eliminated import Motion
 from ..modes import Phase
 from ..system import System
 from .segment import BREAKDOWN, Event, Segment
@@ -31,6 +29,8 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
+    from .conversion import converted, variables
+
     AVAILABLE = True
     # As numbers: heyoka's own are compared by name, which costs as much as a step.
     SUCCESS, TIME_LIMIT, STEP_LIMIT = (
@@ -52,69 +52,13 @@ DEFECT, ROUNDING = 10.0, 1e-12
 PART = 1e-3
 # Powers that count there: beyond, a term is less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
 NEAR = 8
+# Where the forces stand among what is observed.
+NORMAL, FRICTION = Motion._fields.index("normal"), Motion._fields.index("friction")
 # The compiled loop comes up after so many steps, so that it does not run for ever towards a singularity.
 CHUNK = 1000
 # Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
 # 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
 SMALL = 500
-
-
-def _expressions(system: System) -> dict:
-    """SymPy symbols of the system as heyoka's variables, parameters and time."""
-    known = {v: hy.expression(v.name) for v in system.variables}
-    return known | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
-
-
-def _converted(expression: sp.Expr, known: dict):
-    """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero."""
-    known = known | {number: _number(number) for number in _numbers(expression)}
-    products: dict[sp.Expr, sp.Symbol] = {}
-    powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
-    # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
-    # compiled before, so that a motion is the same to its last bit whatever ran earlier.
-    for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
-        base = _from_sympy(power.base.xreplace(products), known)
-        products[power] = sp.Symbol(f"power_{i:04d}")
-        known[products[power]] = _power(base, int(power.exp))
-    return _from_sympy(expression.xreplace(products), known)
-
-
-def _from_sympy(expression: sp.Expr, known: dict):
-    """heyoka's own conversion; raises NotSupported for a function that it has no series of."""
-    try:
-        return hy.from_sympy(expression, known)
-    except (TypeError, ValueError) as problem:
-        raise NotSupported(f"the Taylor method cannot do this case ({problem}); give method='dop853'") from problem
-
-
-def _numbers(expression: sp.Expr) -> Iterator[sp.Expr]:
-    """Numbers inside the expression that heyoka refuses or rounds to double precision: 1/3, sqrt(2), exp(1)."""
-    nodes = sp.preorder_traversal(expression)
-    for node in nodes:
-        # π is heyoka's own; halves, quarters, … are exact, and as exponents they are square roots.
-        plain = isinstance(node, sp.Integer | sp.Float) or node is sp.pi or (node.is_Rational and _is_binary(node.q))
-        if isinstance(node, sp.Expr) and node.is_number and not plain:
-            yield node
-            nodes.skip()
-
-
-def _is_binary(denominator: int) -> bool:
-    """Whether the denominator is a power of two."""
-    return denominator & (denominator - 1) == 0
-
-
-def _number(number: sp.Expr):
-    """The number in quadruple precision, where heyoka has it; a compilation in double precision rounds it once more."""
-    digits = str(sp.N(number, 40))  # quadruple precision has 34
-    return hy.expression(hy.real128(digits) if hasattr(hy, "real128") else float(digits))
-
-
-def _power(base, exponent: int):
-    """Repeated squaring."""
-    half = base if exponent < 4 else _power(base, exponent // 2)
-    if exponent in (2, 3):
-        return base * base if exponent == 2 else base * (base * base)
-    return half * half if exponent % 2 == 0 else base * (half * half)
 
 
 @lru_cache(maxsize=128)
@@ -132,10 +76,10 @@ def _build() -> tuple[int, int]:
 
 
 def _compiled(system: System, tolerance: float, real: type):
-    known = _expressions(system)
-    equations = [(known[v], _converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
+    known = variables(system)
+    equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
-    events = [hy.t_event(_converted(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
+    events = [hy.t_event(converted(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
     with _nothing_on_disk():
         return hy.taylor_adaptive(
             equations,
@@ -196,12 +140,14 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     if ended is None:
         return _one_by_one(integrator, phase, t, y, end, float, tolerance)
     event, steps = ended
+    # No closure: of 10⁵ phases its cells would be a third of all that the garbage collector walks through.
+    return Segment(phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time))
 
-    def record():
-        again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
-        return np.append(again.times[:-1], event.time), again.states
 
-    return Segment(phase, t, event, steps, steps, record)
+def _again(integrator, phase: Phase, t: float, y, end: float, tolerance: float, ended: float):
+    """Times and dense output of a phase that the compiled loop carried to its end."""
+    again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
+    return np.append(again.times[:-1], ended), again.states
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
@@ -212,12 +158,12 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
 
 def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, int] | None:
     """What ends the phase and after how many steps, by heyoka's own loop; None where that does not tell."""
-    integrator.pars[:] = phase.parameters[: len(integrator.pars)]
+    _parametrise(integrator, phase, float)
     series = _series(integrator, t, y, float)
     left = _leave_start(integrator, phase, series, t, y, end, float)
     if left.guard:
         return None
-    outcome, _ = integrator.step(min(end - integrator.time, _most(series)))
+    outcome, _ = integrator.step(min(end - left.time, _most(series)))
     steps, guard = left.steps + 1, _guard(outcome, phase)
     if guard is None and int(outcome) not in (SUCCESS, TIME_LIMIT):
         return None
@@ -233,12 +179,12 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, 
 def _guard(outcome, phase: Phase) -> str | None:
     """The guard whose event a step ended at."""
     number = -int(outcome) - 1
-    return list(phase.system.guards)[number] if 0 <= number < len(phase.system.guards) else None
+    return phase.system.guards.names[number] if 0 <= number < len(phase.system.guards) else None
 
 
 def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Segment:
     """The phase with all its steps."""
-    integrator.pars[:] = [real(value) for value in phase.parameters[: len(integrator.pars)]]
+    _parametrise(integrator, phase, real)
     series = _series(integrator, t, y, real)
     first = integrator.tc.astype(float)
     left = _leave_start(integrator, phase, series, t, y, end, real)
@@ -327,14 +273,12 @@ def _most(series: Rows) -> float:
 
 def _fastest(row: list[float], size: float, first: int) -> float:
     """The largest k-th root of |c_k|/size over the powers k from `first` on."""
-    fastest = power = 0.0
+    fastest = least = 0.0
     for k, coefficient in enumerate(row[first:], first):
-        power *= fastest
-        if not coefficient:
-            continue
-        term = abs(coefficient) / size
-        if term > power:  # few terms have to be looked at: a root costs ten products
-            fastest, power = max(fastest, term ** (1.0 / k)), term
+        least *= fastest  # size·fastest^k: only what is larger asks for a root
+        if abs(coefficient) > least:
+            least = abs(coefficient)
+            fastest = (least / size) ** (1.0 / k)
     return fastest
 
 
@@ -359,6 +303,7 @@ def _leave_start(integrator, phase: Phase, series: Rows, t: float, y, end: float
         _set(integrator, t, y, real)
         return _Left(t, 0)  # nothing moves and nothing presses: no guard leaves zero
     values: list[float] = []
+    rows = [row[NEAR::-1] for row in series]
     for shorter in range(9):
         h = min(PART * reach * 10.0**-shorter, end - t)
         if phase.features:
@@ -366,7 +311,7 @@ def _leave_start(integrator, phase: Phase, series: Rows, t: float, y, end: float
         # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
         # until the event lies behind it.
         for part in (0.5, 1.0):
-            state = [_horner(row[NEAR::-1], part * h) for row in series]
+            state = [_horner(row, part * h) for row in rows]
             values = phase.system.guards_of_numbers(t + part * h, state, phase.parameters)
             if not all([value > 0.0 for value in values]):
                 break
@@ -385,10 +330,16 @@ def _reach(phase: Phase, series: Rows, t: float, y) -> float:
     and a load may change them; infinite where there are no forces either.
     """
     positions = series[: phase.system.positions]
-    forces = Motion(*phase.system.observed_of_numbers(t, tuple(y), phase.parameters))
-    falls = (max(abs(forces.normal), abs(forces.friction)) / phase.size) ** 0.5
-    fastest = max([falls, *(_fastest(row, length, 1) for row, length in zip(positions, phase.lengths, strict=True))])
+    forces = phase.system.observed_of_numbers(t, tuple(y), phase.parameters)
+    falls = (max(abs(forces[NORMAL]), abs(forces[FRICTION])) / phase.size) ** 0.5
+    fastest = max([falls, *[_fastest(row, length, 1) for row, length in zip(positions, phase.lengths, strict=True)]])
     return 1.0 / fastest if fastest else inf
+
+
+def _parametrise(integrator, phase: Phase, real: type) -> None:
+    pars = integrator.pars  # as many as the equations use: heyoka knows none beyond the last of these
+    used = phase.parameters[: len(pars)]
+    pars[:] = used if real is float else [real(value) for value in used]
 
 
 def _set(integrator, t: float, y, real: type) -> None:

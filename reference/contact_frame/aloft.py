@@ -1,0 +1,170 @@
+"""The plate off its track in the second formulation: hops, flights, what an impact leaves, bouncing that ends."""
+
+from __future__ import annotations
+
+from math import hypot, inf, pi, sqrt
+
+import numpy as np
+
+from cases import Impact, Mode, Transition
+from cases.contact import pose
+
+from . import bouncing, flight, hops, impact
+from .bouncing import Bounce
+from .course import Course, Flying, Landing, Leap, Stopped, Touching
+from .equations import Phase, leaves
+from .flight import Touch
+
+# A rebound is listed if its speed is at least this part of the greatest closing speed since the plate last lay on its
+# track; slower ones belong to bouncing that comes to rest.
+LISTED = 7e-4
+
+# A flight is a hop close to the track if all that acts on the plate turns by no more than this (rad) before it is over.
+SHORT = 1 / 32
+
+# An accumulation's limit is taken when its time is known this well, or when bounces are this short, both in parts of
+# the time in which the plate falls by its own size: nothing of what is left of them is resolved in the motions asked
+# for (they rise by 1e-15 of that size).
+SETTLED = 1e-13
+SHORTEST = 1e-7
+
+# A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: the end
+# of bouncing, at its limit or, where none was found (each ends otherwise than the one before), at once.
+OVER = 2.0**-50
+
+# A gap this far below zero (in plate's sizes) at the end of a hop is one in another place: far above rounding.
+ELSEWHERE = 1e-9
+
+
+def fly(course: Course, now: Flying) -> Touching | Flying | Stopped:
+    """A flight or a hop, and what follows its landing."""
+    hop = _short(course, now.leap) if now.leap and now.leap.short else None
+    if hop is None:
+        course.bounces.clear()  # no bounce of an accumulation yet
+    after = hop or _long(course, now)
+    return land(course, after) if isinstance(after, Landing) else after
+
+
+def _short(course: Course, leap: Leap) -> Landing | None:
+    """A hop close to the track; None if it is not: it lasts longer, or the plate meets the track elsewhere."""
+    found = hops.hop(course.scene, course.t, leap.z, leap.turns, leap.lift, leap.lasts, course.rtol)
+    if found is None or course.t + found.duration > course.end:
+        return None
+    around, middle_and_end = course.surroundings(), np.array([0.5, 1.0]) * found.duration
+    if min(around.closest(body).gap for body in found.bodies(middle_and_end).T) < -ELSEWHERE * around.size:
+        return None
+    start, course.t = course.t, course.t + found.duration
+    course.record.flight(start, course.t, lambda times: found.bodies(times - start))
+    return Landing(found.z, leap.turns, found.lift)
+
+
+def _long(course: Course, now: Flying) -> Landing | Stopped:
+    """A flight to wherever the outline meets the track."""
+    lasts = now.leap.lasts if now.leap else inf
+    flown = flight.fly(
+        course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts
+    )
+    course.t = flown.end
+    for start, until, interpolant in flown.pieces:
+        course.record.flight(start, until, interpolant)
+    if flown.touch is None:
+        return Stopped("completed")
+    xi1, xi2, turns = _wound(course, flown.touch)
+    seen = flight.frame(course.scene, flown.touch.body, xi1, xi2)
+    return Landing([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)
+
+
+def land(course: Course, landing: Landing) -> Touching | Flying | Stopped:
+    """What follows when the outline meets the track."""
+    scene, effect = course.scene, course.case.effect(Impact)
+    (xi1, xi2, spin, slip), turns = landing.z, landing.turns
+    q = scene.place(xi1, xi2)
+    if q.bend_outline <= q.bend_track:
+        return Stopped("no_fit")
+    if effect is None:
+        return Stopped("landing")
+    try:
+        result = impact.hit(scene, effect, q, slip, min(landing.lift, 0.0), spin)
+    except impact.Jammed:
+        return Stopped("paradox")
+    if effect.law == "newton" and impact.creates_energy(result):
+        return Stopped("energy_gain")
+    z = [xi1, xi2, result.spin, result.slip]
+    course.last_xi1 = xi1
+    course.fastest = max(course.fastest, -landing.lift)
+    if result.lift == 0.0:
+        return _settle(course, z, turns)
+    course.bounces.append(Bounce(course.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
+    listed = result.lift >= LISTED * course.fastest and not drowns(course, z, turns, result.lift)
+    limit = None if listed else _accumulation(course, turns)
+    if limit is not None:
+        course.t = limit.time
+        return _settle(course, limit.z, turns)
+    after = leap(course, z, turns, result.lift)
+    if listed and isinstance(after, Flying):
+        course.transitions.append(Transition(course.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2))
+    return after
+
+
+def _press(course: Course, z, turns: int) -> float:
+    """The acceleration (m/s²) that brings a plate back to its track."""
+    return course.scene.forces(course.t, z, Phase(None, None), turns).push
+
+
+def drowns(course: Course, z, turns: int, lift: float) -> bool:
+    """Whether a rebound of that speed (m/s) rises no higher than a position's rounding."""
+    q, (x, y) = course.scene.place(z[0], z[1]), course.scene.body(z, turns)[:2]
+    return lift**2 <= 2.0 * _press(course, z, turns) * OVER * (abs(x) + abs(y) + hypot(q.arm_t, q.arm_n))
+
+
+def leap(course: Course, z, turns: int, lift: float) -> Touching | Flying | Stopped:
+    """Flight from the track with a normal velocity."""
+    press = _press(course, z, turns)
+    lasts = 2.0 * lift / press if press > 0.0 else inf
+    if drowns(course, z, turns, lift) or course.t + lasts == course.t:
+        return _settle(course, z, turns)
+    pace = course.scene.pace(course.t, z, turns) + sqrt(max(press, 0.0) / course.scene.reach)
+    leap = Leap(z, turns, lift, lasts, lasts * pace <= SHORT)
+    return Flying(hops.body(course.scene, [*z, lift, 0.0], turns), leap)
+
+
+def _settle(course: Course, z, turns: int) -> Touching | Flying | Stopped:
+    """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
+    course.bounces.clear()
+    after = course.touching(z, turns)
+    if after is None:
+        return Flying(course.scene.body(z, turns)) if leaves(course.scene, course.t, z, turns) else Stopped("paradox")
+    course.fastest = 0.0
+    course.transitions.append(Transition(course.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
+    return after
+
+
+def _accumulation(course: Course, turns: int) -> bouncing.Limit | None:
+    """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
+    found, last = bouncing.limit(course.bounces), course.bounces[-1]
+    if found is None or not course.t < found.time < course.end:
+        return None
+    press = _press(course, last.z, turns)
+    fall = sqrt(course.scene.reach / press) if press > 0.0 else 0.0
+    if course.t - course.bounces[-2].time > SHORTEST * fall:
+        known = found.error <= max(SETTLED * fall, np.spacing(course.t))
+        if not known or course.record.asks_between(course.t, found.time):
+            return None
+
+    def settling(times: np.ndarray) -> np.ndarray:
+        # What is left of the bounces is closer to their limit than anything resolved.
+        part = (times - last.time) / (found.time - last.time)
+        return np.array(last.z)[:, None] + np.outer(np.subtract(found.z, last.z), part)
+
+    course.record.contact(course.t, found.time, settling, turns)
+    return found
+
+
+def _wound(course: Course, landing: Touch) -> tuple[float, float, int]:
+    """Contact parameters of a landing on closed curves: the track's nearest to the last, the outline's such that
+    (6) gives the plate's angle; and the whole turns that remain where the outline is open."""
+    track, outline, xi1, xi2 = course.scene.track, course.scene.outline, landing.xi1, landing.xi2
+    if track.period:
+        xi1 += track.period * round((course.last_xi1 - xi1) / track.period)
+    turns = round((landing.body[2] - float(pose(course.case, xi1, xi2)[2])) / (2 * pi))
+    return (xi1, xi2 - turns * outline.period, 0) if outline.period else (xi1, xi2, turns)

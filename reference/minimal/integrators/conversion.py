@@ -1,0 +1,71 @@
+"""SymPy's expressions as heyoka's, where the two differ: numbers that are no doubles, and whole powers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import heyoka as hy
+import sympy as sp
+
+from cases import NotSupported
+
+from ..eliminated import T
+from ..system import System
+
+
+def variables(system: System) -> dict:
+    """SymPy symbols of the system as heyoka's variables, parameters and time."""
+    known = {v: hy.expression(v.name) for v in system.variables}
+    return known | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
+
+
+def converted(expression: sp.Expr, known: dict):
+    """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero."""
+    known = known | {number: _number(number) for number in _numbers(expression)}
+    products: dict[sp.Expr, sp.Symbol] = {}
+    powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
+    # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
+    # compiled before, so that a motion is the same to its last bit whatever ran earlier.
+    for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
+        base = _from_sympy(power.base.xreplace(products), known)
+        products[power] = sp.Symbol(f"power_{i:04d}")
+        known[products[power]] = _power(base, int(power.exp))
+    return _from_sympy(expression.xreplace(products), known)
+
+
+def _from_sympy(expression: sp.Expr, known: dict):
+    """heyoka's own conversion; raises NotSupported for a function that it has no series of."""
+    try:
+        return hy.from_sympy(expression, known)
+    except (TypeError, ValueError) as problem:
+        raise NotSupported(f"the Taylor method cannot do this case ({problem}); give method='dop853'") from problem
+
+
+def _numbers(expression: sp.Expr) -> Iterator[sp.Expr]:
+    """Numbers inside the expression that heyoka refuses or rounds to double precision: 1/3, sqrt(2), exp(1)."""
+    nodes = sp.preorder_traversal(expression)
+    for node in nodes:
+        # π is heyoka's own; halves, quarters, … are exact, and as exponents they are square roots.
+        plain = isinstance(node, sp.Integer | sp.Float) or node is sp.pi or (node.is_Rational and _is_binary(node.q))
+        if isinstance(node, sp.Expr) and node.is_number and not plain:
+            yield node
+            nodes.skip()
+
+
+def _is_binary(denominator: int) -> bool:
+    """Whether the denominator is a power of two."""
+    return denominator & (denominator - 1) == 0
+
+
+def _number(number: sp.Expr):
+    """The number in quadruple precision, where heyoka has it; a compilation in double precision rounds it once more."""
+    digits = str(sp.N(number, 40))  # quadruple precision has 34
+    return hy.expression(hy.real128(digits) if hasattr(hy, "real128") else float(digits))
+
+
+def _power(base, exponent: int):
+    """Repeated squaring."""
+    half = base if exponent < 4 else _power(base, exponent // 2)
+    if exponent in (2, 3):
+        return base * base if exponent == 2 else base * (base * base)
+    return half * half if exponent % 2 == 0 else base * (half * half)

@@ -1,0 +1,1 @@
+"""What the reference costs: hot, cold, and as a motion grows."""

@@ -1,0 +1,175 @@
+"""What is timed hot, in turns: first slip phases at an equal error, whole motions, and the calls around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from itertools import count
+from math import nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import cases
+import reference
+from cases.library import cosine
+from reference import solve
+from reference.minimal.integrators import taylor
+from reference.minimal.modes import Regime, phase, start_state
+from reference.paper.closed_form import sliding_disc_in_circle
+
+from . import in_c
+
+# First slip phases are timed at the coarsest tolerance that reaches this error, s; whole motions at this tolerance.
+ACHIEVED, RTOL = 1e-9, 1e-9
+COEFFICIENTS = (0.01, 0.1, 0.2)
+
+
+class Program(NamedTuple):
+    """What is timed, and its error at the first transition (s, NaN for whole motions)."""
+
+    run: Callable[[], Any]
+    error: float = nan
+
+
+def contestants() -> dict[str, Program]:
+    """All that take turns, by name. All are hot: compiled, and run again and again."""
+    found: dict[str, Program] = {}
+    for mu in COEFFICIENTS:
+        if taylor.AVAILABLE:
+            found[f"heyoka on (35), first slip, mu={mu}"] = _reached(mu, closed_form_by_heyoka)
+        for nodes in (16, 32, 64, 128, 256, 512):
+            plain_c = in_c.first_slip(mu, nodes)
+            if plain_c is None:
+                break
+            found[f"plain C, first slip, mu={mu}"] = Program(plain_c, plain_c() - _exact(mu))
+            if abs(plain_c() - _exact(mu)) <= ACHIEVED:
+                break
+        for method in reference.METHODS:
+            found[f"{method}, first slip, mu={mu}"] = _reached(mu, partial(first_slip, method=method))
+            found[f"simulate by {method}, first slip, new mu={mu}"] = _reached(mu, partial(whole_call, method=method))
+    valley = scenes()["cosine valley, 2 s"]
+    known = slip_on(valley, 1e-14, reference.METHODS[0])()
+    for method in reference.METHODS:
+        found[f"{method}, first slip, cosine valley"] = _reaching(known, partial(slip_on, valley, method=method))
+    for method in reference.METHODS:
+        for name, case in scenes().items():
+            if method != reference.METHODS[0] and name == "superellipse on hill":
+                continue  # what it is there for, the search, is the same
+            found[f"{method}, {name}"] = Program(integration(case, method))
+            found[f"simulate by {method}, {name}"] = Program(partial(simulate_anew, case, method))
+            found[f"{method} with decisions and second contacts, {name}"] = Program(decided(case, method))
+    return found
+
+
+def scenes() -> dict[str, cases.Case]:
+    """The whole motions that are timed: the paper's disc with eight transitions, a general curve on which a theorem
+    excludes second contacts, and one on which they are searched for."""
+    valley = cases.Case(
+        track=cosine(0.3, 2.0),
+        plate=cases.disc(0.1, 1.0),
+        effects=(cases.Gravity(9.81), cases.CoulombFriction(0.1), cases.Unilateral()),
+        start=cases.Start(-1.0),
+        duration=2.0,
+    )
+    return {
+        "disc in circle, 5 s": cases.load("disc_in_circle", mu=0.2, duration=5.0),
+        "cosine valley, 2 s": valley,
+        "superellipse on hill": cases.load("superellipse_on_hill"),
+    }
+
+
+def _exact(mu: float) -> float:
+    """When the slip of the paper's disc vanishes, s: a quadrature of 20 digits."""
+    return float(sliding_disc_in_circle("1", "0.1", str(mu), "9.81").time)
+
+
+def _reached(mu: float, make: Callable[[float, float], Callable[[], float]]) -> Program:
+    """`make(mu, tolerance)` at the coarsest power of ten that reaches the error."""
+    return _reaching(_exact(mu), partial(make, mu))
+
+
+def _reaching(known: float, make: Callable[[float], Callable[[], float]]) -> Program:
+    """`make(tolerance)` at the coarsest power of ten that reaches the error; at the finest where none does."""
+    for digits in range(5, 15):
+        run = make(10.0**-digits)
+        error = run() - known
+        if abs(error) <= ACHIEVED:
+            break
+    return Program(run, error)
+
+
+def closed_form_by_heyoka(mu: float, tolerance: float) -> Callable[[], float]:
+    """heyoka on (35) until v = 0, written by hand with its numbers compiled in; returns the time."""
+    import heyoka as hy
+
+    R, r, g = 1.0, 0.1, 9.81
+    L = R - r
+    xi, u, theta, w = hy.make_vars("xi", "u", "theta", "w")
+    normal = g * hy.sin(xi) + L * u * u
+    equations = [
+        (xi, u),
+        (u, g / L * (hy.cos(xi) - mu * hy.sin(xi)) - mu * u * u),
+        (theta, w),
+        (w, -2 * mu / r * normal),
+    ]
+    event = hy.t_event(L * u + r * w, direction=hy.event_direction.negative)
+    integrator = hy.taylor_adaptive(equations, [0.0] * 4, t_events=[event], tol=tolerance)
+
+    def run() -> float:
+        integrator.time = 0.0
+        integrator.state[:] = 0.0
+        integrator.reset_cooldowns()
+        integrator.propagate_until(2.5)
+        return integrator.time
+
+    return run
+
+
+def first_slip(mu: float, rtol: float, method: str) -> Callable[[], float]:
+    """The general formulation until v = 0; returns the time."""
+    return slip_on(cases.load("disc_in_circle", mu=mu), rtol, method)
+
+
+def slip_on(case: cases.Case, rtol: float, method: str) -> Callable[[], float]:
+    """A case's first phase, in which it slips forward, until it ends; returns the time."""
+    _, integrate = solve.INTEGRATORS[method]
+    now, start = phase(case, Regime(cases.Mode.SLIP_FORWARD)), start_state(case)
+    return lambda: integrate(now, 0.0, start, case.duration, rtol).event.time
+
+
+def whole_call(mu: float, rtol: float, method: str) -> Callable[[], float]:
+    """What a user calls in a loop over μ, ended just after the first transition; returns its time."""
+    end = 1.01 * _exact(mu)
+    number = count()
+
+    def run() -> float:
+        # Each call has a friction of its own, so that nothing is kept of the call before but what μ does not change.
+        other = mu * (1.0 + 1e-14 * next(number))
+        case = cases.load("disc_in_circle", mu=other, duration=end)
+        return reference.simulate(case, rtol=rtol, method=method).transitions[0].time
+
+    return run
+
+
+def simulate_anew(case: cases.Case, method: str) -> int:
+    """The whole call for a case that is made anew; returns the number of transitions."""
+    again = cases.Case(case.track, case.plate, case.effects, case.start, case.duration)
+    return len(reference.simulate(again, rtol=RTOL, method=method).transitions)
+
+
+def decided(case: cases.Case, method: str) -> Callable[[], int]:
+    """All phases, decisions and the search for second contacts; returns the number of transitions."""
+    start = start_state(case)
+    regime = solve.first_regime(case, start)
+    _, integrate = solve.INTEGRATORS[method]
+    return lambda: len(solve.solved(case, regime, start, RTOL, integrate)[1])
+
+
+def integration(case: cases.Case, method: str) -> Callable[[], int]:
+    """The same phases, each integrated from its start, and nothing else; returns their number."""
+    start = start_state(case)
+    _, integrate = solve.INTEGRATORS[method]
+    segments, _, _ = solve.solved(case, solve.first_regime(case, start), start, RTOL, integrate)
+    begun = [(s.phase, s.start, s.states(np.array([s.start]))[:, 0].tolist()) for s in segments]
+    return lambda: len([integrate(now, t, y, case.duration, RTOL) for now, t, y in begun])
