@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
-.PHONY: report quick test test-all check clean
+.PHONY: report quick test test-all check browser clean
 
 report: $(VENV)/installed
 	$(BIN)/python -m reports.build
@@ -26,6 +26,10 @@ check: $(VENV)/installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# What drives a browser in the tests of the page; the browser itself is the system's: apt-get install chromium.
+browser: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[browser]"
 
 # heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
 $(VENV)/installed: pyproject.toml

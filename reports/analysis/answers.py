@@ -17,10 +17,13 @@ FAILED = ("crashed", "timed_out")
 
 
 def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame] | None = None) -> list[dict[str, Any]]:
-    """One row per solver and route. `cases`: those it was asked; `right`, `wrong`, `refused`, `failed` (crashed or
-    timed out): what came of its finest setting; `default_error`, `finest_error` (s): the median over the cases of the
-    first transition's error, without the motions that are the truth itself; `hard_right`, …: the same of the study of
-    hard scenes, where the report has it."""
+    """One row per solver and route.
+
+    `cases`: those it was asked; `right`, `wrong`, `refused`, `failed` (crashed or timed out): what came of its finest
+    setting; `default_error`, `finest_error` (s): the median over the cases of the first transition's error, without the
+    motions that are the truth itself (`is_truth`: all are); `hard_right`, …: the same of the study of hard scenes,
+    where the report has it.
+    """
     found: dict[tuple[str, str], list[list[Run]]] = {}
     for (_, solver, route), group in routes(experiment.runs).items():
         found.setdefault((solver, route), []).append(group)
@@ -30,7 +33,7 @@ def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame] | None = Non
         judged = [run for run in last if not is_truth(run, experiment.truths[run.case])]
         told.append(
             {"solver": solver, "route": route, "cases": len(groups), **_counted(run.outcome for run in last)}
-            | {"default_error": _middle(map(default, groups)), "finest_error": _middle(judged)}
+            | {"default_error": _middle(map(default, groups)), "finest_error": _middle(judged), "is_truth": not judged}
         )
     stability = (frames or {}).get("stability")
     if stability is not None:

@@ -157,11 +157,11 @@ COLUMNS: dict[str, tuple[str, str]] = {
     **{f"hard_{word}": (f"of the hard scenes: how many {said}", "") for word, said in (
         ("right", "it gets right"), ("wrong", "it gets wrong"), ("refused", "it refuses"), ("failed", "it fails in"))},
     "rolling_cases": ("how many of its cases roll", ""),
-    **{f"reached_{a}": (f"in how many of these it reaches {a} in the quantity that leads the case", "")
-       for a in ("0.01", "1e-4")},
-    **{f"timed_{a}": (f"how many of these are timed at {a}", "") for a in ("0.01", "1e-4")},
-    **{f"once_{a}_s": (f"one whole call from cold to {a}, median of the timed cases", "s") for a in ("0.01", "1e-4")},
-    **{f"thousand_{a}_s": (f"a thousand calls, the first from cold, to {a}, the same", "s") for a in ("0.01", "1e-4")},
+    **{f"reached_1e_{n}": (f"in how many of these it reaches 1e-{n} in the quantity that leads the case", "")
+       for n in (2, 4)},
+    **{f"timed_1e_{n}": (f"how many of these are timed at 1e-{n}", "") for n in (2, 4)},
+    **{f"once_1e_{n}_s": (f"one whole call from cold to 1e-{n}, median of the timed cases", "s") for n in (2, 4)},
+    **{f"thousand_1e_{n}_s": (f"a thousand calls, the first from cold, to 1e-{n}, the same", "s") for n in (2, 4)},
     # errata
     "where": ("where in the paper", ""),
     "printed": ("as printed", ""),

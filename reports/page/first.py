@@ -32,7 +32,7 @@ def screen(
     hero = next((m for m in moving if m["label"] == _HERO), moving[0] if moving else None)
     case = next((c for c in experiment.cases if hero and c.label == hero["label"]), None)
     rows = [row for row in told if row["route"]]
-    costs = any(row[f"timed_{level(accuracy)}"] for row in rows for accuracy in advice.ACCURACIES)
+    costs = any(row[f"timed_{advice.COLUMN[accuracy]}"] for row in rows for accuracy in advice.ACCURACIES)
     return {
         "compared": _compared(experiment),
         "sentences": advice.sentences(told),
@@ -68,14 +68,15 @@ def _compared(experiment: Experiment) -> str:
 
 def _row(row: Mapping[str, Any], hard: bool, costs: bool) -> dict[str, Any]:
     cells = [{"head": "as it comes", "text": _error(row["middle_default_error"]), "small": ""}]
-    cells.append({"head": "finest", "text": _error(row["middle_finest_error"]), "small": _wrong(row)})
+    finest = "is the truth" if row["is_truth"] else _error(row["middle_finest_error"])
+    cells.append({"head": "finest", "text": finest, "small": _wrong(row)})
     for accuracy in advice.ACCURACIES:
-        name = level(accuracy)
-        reached = f"{row[f'reached_{name}']} of {row['rolling_cases']}"
+        name, column = level(accuracy), advice.COLUMN[accuracy]
+        reached = f"{row[f'reached_{column}']} of {row['rolling_cases']}"
         if not costs:
             cells.append({"head": f"reaches {name}", "text": reached, "small": ""})
             continue
-        once, many = (_cost(row, name, word) for word in advice.RUNS)
+        once, many = (_cost(row, column, word) for word in advice.RUNS)
         cells.append({"head": f"{name} once", "text": once, "small": reached})
         cells.append({"head": f"{name} 1,000 ×", "text": many, "small": ""})
     if hard:
@@ -85,9 +86,9 @@ def _row(row: Mapping[str, Any], hard: bool, costs: bool) -> dict[str, Any]:
     return {"solver": row["solver"], "route": row["route"], "id": identifier(row["solver"]), "cells": cells}
 
 
-def _cost(row: Mapping[str, Any], name: str, word: str) -> str:
-    spent = row[f"{word}_{name}_s"]
-    return seconds(spent) if isfinite(spent) else "not timed" if row[f"reached_{name}"] else "never"
+def _cost(row: Mapping[str, Any], column: str, word: str) -> str:
+    spent = row[f"{word}_{column}_s"]
+    return seconds(spent) if isfinite(spent) else "not timed" if row[f"reached_{column}"] else "never"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:
