@@ -193,7 +193,7 @@ def test_tables_sort_filter_and_give_what_they_show(open_page):
     column = table.locator("thead th").all_inner_texts().index("error")
     head = table.locator("thead th").nth(column)
     head.click()
-    assert head.get_attribute("aria-sort") == "ascending"
+    page.wait_for_selector(f"{DISC} th[aria-sort=ascending]")
     values = [
         float(v)
         for v in rows.locator(f"td:nth-child({column + 1})").evaluate_all(

@@ -12,6 +12,11 @@ suite.plots = (place, player) => {
     return off > 0 ? Math.max(off, 1e-18) : null;
   });
   const sum = (name, run) => times.map((_, i) => { const v = truth[name][i] + run.off[name][i]; return Number.isFinite(v) ? v : null; });
+  // Some four powers of ten on a logarithmic axis.
+  const powers = (_, __, low, high) => {
+    const from = Math.ceil(Math.log10(low) - 1e-9), to = Math.floor(Math.log10(high) + 1e-9), step = Math.max(1, Math.ceil((to - from) / 4));
+    return Array.from({ length: Math.floor((to - from) / step) + 1 }, (_, i) => 10 ** (from + i * step));
+  };
   const power = (v) => `1e${Math.round(Math.log10(v))}`;
 
   function one(panel, title, data, series, logarithmic) {
@@ -20,7 +25,7 @@ suite.plots = (place, player) => {
       width: Math.max(200, panel.clientWidth), height: 150, legend: { show: false },
       cursor: { sync: { key: motion.label }, drag: { x: false, y: false }, points: { size: 5 } },
       scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : {} },
-      axes: [{ ...text, size: 26 }, { ...text, size: 52, values: (_, all) => all.map((v) => (v === null ? "" : logarithmic ? power(v) : suite.digits(v, 3))) }],
+      axes: [{ ...text, size: 26 }, { ...text, size: 52, ...(logarithmic ? { splits: powers } : {}), values: (_, all) => all.map((v) => (v === null ? "" : logarithmic ? power(v) : suite.digits(v, 3))) }],
       series: [{}, ...series],
     }, data, panel);
     chart.root.setAttribute("role", "img");
