@@ -78,6 +78,17 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         default=[],
         help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
     ),
+    "submissions": dict(
+        metavar="DIR",
+        help="folder of motions that others handed in, as ENGINE/VERSION/CASE.csv, each a solver of its own",
+    ),
+    "creep": dict(
+        metavar="SPEED",
+        type=float,
+        default=0.0,
+        help="how fast the solver creeps while it sticks, m/s; the file may say so itself, in a column creep or in a "
+        "first line such as '# creep = 5e-3'",
+    ),
     "quick": dict(action="store_true", help="three cases, one variant each, fewer settings"),
     "full": dict(action="store_true", help="every setting of every case, with ten times the patience"),
     "jobs": dict(metavar="N", default="2", help="runs beside each other (default: 2)"),
@@ -231,7 +242,7 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     store = checked_store(options.store, out)
     names = options.case or own
     found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
-    external = _trajectories(options.trajectory, found)
+    external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
     return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(names), store, options.fresh, external)
 
 
@@ -280,6 +291,14 @@ def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External
     from .running import external
 
     return external.from_options(texts, found, solvers())
+
+
+def _submissions(folder: str | None, found: Sequence[Case]) -> tuple[External, ...]:
+    if folder is None:
+        return ()
+    from .running import submissions
+
+    return submissions.externals(submissions.found_in(Path(folder).expanduser()), found, solvers())
 
 
 def whole_jobs(text: str) -> int:

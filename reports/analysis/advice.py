@@ -45,7 +45,7 @@ def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> list[dic
     found = []
     for row in answers.rows(experiment, frames):
         if not row["route"]:
-            continue  # it is not installed, and was asked nothing
+            continue  # it could not be asked
         row |= {f"middle_{which}_error": row.pop(f"{which}_error") for which in ("default", "finest")}
         who = (row["solver"], row["route"])
         mine = [r for r in headline if (r["solver"], r["route"]) == who and r["case"] in rolling]

@@ -141,25 +141,12 @@ def _order(row: dict[str, Any] | None) -> str:
     return f' data-order="{value!r}"' if isfinite(value) else ""
 
 
-def missing(experiment: Experiment) -> list[tuple[str, str]]:
-    """Solvers that are not installed here, each with the reason."""
-    told = {run.solver: run.reason for run in experiment.runs if _is_missing(run.solver, run.route, run.reason)}
-    return list(told.items())
-
-
-def _is_missing(solver: str, route: str, reason: str) -> bool:
-    return not route and reason.startswith(f"{solver} is not installed")
-
-
 def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
-    """Runs that failed, by severity; who is not installed is told elsewhere."""
+    """Runs that failed, by severity."""
     found = []
     columns = {name: name for name in ("case", "solver", "route", "setting", "reason")}
     for outcome, title in _FAILURES.items():
         rows = frame[frame["outcome"] == outcome] if len(frame) else frame
-        rows = (
-            rows[[not _is_missing(r["solver"], r["route"], r["reason"]) for r in records(rows)]] if len(rows) else rows
-        )
         found.append({"title": title, **table(rows, columns)})
     return found
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from ..analysis import advice, tables
 from ..analysis.words import level, number, seconds
 from ..running.records import REFERENCE, Experiment, routes
-from .chapters import anchor, missing, said_of
+from ..running.solvers import missing_words
+from .chapters import anchor, said_of
 from .pieces import records
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def screen(
         "rolling": max((row["rolling_cases"] for row in rows), default=0),
         "timed": timed,
         "hero": hero and {"label": hero["label"], "anchor": anchor(hero["label"]), "said": said_of(case)},
-        "absent": missing(experiment),
+        "absent": missing_words(experiment.versions),
         "provenance": f"Made {manifest['made_at'][:10]} on {manifest['machine']}.",
     }
 

@@ -19,7 +19,7 @@ from . import workers
 from .fingerprint import Key, content, made_with, plain, record_digest, sources
 from .progress import Progress, silent
 from .records import now
-from .solvers import version
+from .solvers import is_missing, version
 from .store import Store
 from .workers import Answer
 
@@ -79,6 +79,12 @@ class Calls:
         new = [name for name in solvers if name not in self.versions]
         answers = self.all("versions", version, [(name,) for name in new])
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
+
+    def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
+        """Those of the solvers that are installed here."""
+        solvers = tuple(solvers)
+        self.ask_versions(solvers)
+        return tuple(name for name in solvers if not is_missing(self.versions[name]))
 
     def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[Answer]:
         """The answers of `each`, in the order of the arguments."""
