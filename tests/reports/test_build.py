@@ -196,9 +196,9 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
     assert len(inside) == 3 and len(static) == 4 and all((report / source).is_file() for source in static)
     for target in re.findall(r'href="([^#"][^"]*)"', bare.replace('href="data:,"', "")):
         assert (report / target).is_file(), target
-    for target in re.findall(r'href="#([^"]+)"', page):
-        assert f'id="{target}"' in page, target
-    remake = "python -m reports.build --quick --solver reference pymunk --case &quot;disc_on_line[mu=0.3]&quot;"
+    for target in re.findall(r'href="#([^"]+)"', bare):
+        assert f'id="{target}"' in bare, target
+    remake = "python -m reports.build --quick --solver reference pymunk --case &#34;disc_on_line[mu=0.3]&#34;"
     assert remake in page
 
 

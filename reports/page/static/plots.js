@@ -19,12 +19,19 @@ suite.plots = (place, player) => {
   };
   const power = (v) => `1e${Math.round(Math.log10(v))}`;
 
+  // The axis belongs to the truth: a noisy force of one engine must not flatten everyone's curve.
+  const room = (values) => {
+    const known = values.filter((v) => v !== null), low = Math.min(...known), high = Math.max(...known);
+    const more = 0.08 * (high - low > 1e-6 * Math.abs(high) ? high - low : Math.abs(high) || 1);
+    return known.length ? [low - more, high + more] : [0, 1];
+  };
+
   function one(panel, title, data, series, logarithmic) {
     const ink = suite.colour("--soft"), line = suite.colour("--line"), text = { stroke: ink, font: "11px system-ui", grid: { stroke: line, width: 1 }, ticks: { show: false } };
     const chart = new uPlot({
       width: Math.max(200, panel.clientWidth), height: 150, legend: { show: false },
       cursor: { sync: { key: motion.label }, drag: { x: false, y: false }, points: { size: 5 } },
-      scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : {} },
+      scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : { range: room(data[1]) } },
       axes: [{ ...text, size: 26 }, { ...text, size: 52, ...(logarithmic ? { splits: powers } : {}), values: (_, all) => all.map((v) => (v === null ? "" : logarithmic ? power(v) : suite.digits(v, 3))) }],
       series: [{}, ...series],
     }, data, panel);
