@@ -33,7 +33,7 @@ _LIBRARIES = ("uplot.min.js", "datatables.min.js")
 _STUDY_ROWS, _SHOWN_ROWS = 600, 30
 _SHORT = {
     "stability": "Hard scenes", "effect_costs": "Effects", "error_parts": "Error parts", "formulations": "Formulations",
-    "paper": "Paper", "published": "Published", "reference_cost": "Reference", "settings": "Rungs",
+    "paper": "Paper", "published": "Published", "reference_cost": "Reference", "settings": "Rungs", "maps": "Maps",
 }  # fmt: skip
 
 

@@ -25,6 +25,7 @@ from .records import Experiment, Run, Truth
 from .tasks import judge, true_motion
 
 ROUTE = "file"
+LONGEST_NAME = 60
 FORM = "--trajectory NAME=FILE.csv, or NAME@CASE=FILE.csv in a report of several cases"
 # NAME, then perhaps @CASE, whose brackets may hold the equals signs of its parameters, then =FILE.
 _FORM = re.compile(r"(?P<name>[^@=]+)(@(?P<case>[^=\[]+(\[[^\]]*\])?))?=(?P<file>.+)", re.DOTALL)
@@ -53,6 +54,8 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
     if not parts:
         raise BadValue(f"--trajectory is {text!r}; give {FORM}")
     name, file = parts["name"].strip(), Path(parts["file"].strip()).expanduser()
+    if not name.isprintable() or len(name) > LONGEST_NAME or set(name) & set("$<>/\\"):
+        raise BadValue(f"--trajectory names {name!r}; give up to {LONGEST_NAME} letters, digits, spaces and hyphens")
     if name in solvers:
         raise BadValue(f"--trajectory {text!r} takes the name of the solver {name}; give another name")
     case = _case(text, parts["case"], cases)
@@ -61,7 +64,9 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
         motion = exported.trajectory_of(case, table)
     except CaseError as problem:
         raise type(problem)(f"--trajectory {text!r}: {problem}") from problem
-    return External(name, case, file.name, digest(file), motion, exported.columns_of(table))
+    # A dollar sign begins a formula in a figure.
+    shown = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
+    return External(name, case, shown, digest(file), motion, exported.columns_of(table))
 
 
 def digest(file: Path) -> str:

@@ -5,6 +5,7 @@ Nothing of a submission is run, and no more of it is read than its form allows: 
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ WORDS = {
 # Bytes: a line or two for each word; ten million numbers. A stranger's file is not to fill the memory.
 LARGEST_HEAD, LARGEST_MOTION = 16_384, 200_000_000
 LONGEST = 300  # characters of one word
+# Names stand in figures, file names and spreadsheets, where a dollar sign or an equals sign begins a formula.
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,59}")
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,10 @@ def read(folder: Path) -> Submission:
         raise BadValue(f"{head} is no TOML: {problem}") from problem
     words = {name: _word(head, given, name) for name in WORDS}
     for place, name in ((folder.resolve().parent, "engine"), (folder.resolve(), "version")):
+        if not _NAME.fullmatch(words[name]):
+            raise BadValue(
+                f"{name} in {head} is {words[name]!r}; give letters, digits, '_', '.', '+' and '-', up to 60"
+            )
         if place.name != words[name]:
             raise BadValue(
                 f"{head} says {name} = {words[name]!r}, and lies in a folder {place.name!r}; call both alike"

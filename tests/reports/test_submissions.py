@@ -91,6 +91,7 @@ def test_millimetres_are_told(hand_in, poses, capsys):
     [
         ({"who": None}, "does not say who"),
         ({"engine": "another"}, "call both alike"),
+        ({"engine": "=cmd()"}, "give letters"),
         ({"settings": ["h"]}, "does not say settings"),
         ({"machine": "a\nb"}, "no single line"),
         ({"machine": "a" * 400}, "shorten it"),
