@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from html import escape
-from math import isfinite, nan
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ from cases import Case
 from ..drawing.files import Drawn
 from ..running.records import Experiment, finest, routes
 from . import motions
-from .pieces import as_written, command_of, figure_of, picture, records, remake, table
+from .pieces import as_written, command_of, picture, records, switch, table
 from .text import error_text, lead_text, reached_text
 
 if TYPE_CHECKING:
@@ -90,55 +89,34 @@ def _table(title: str, frame: pd.DataFrame, without: Sequence[str], is_open: boo
     return {"title": title, "open": is_open, **table(frame, columns)}
 
 
-def headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
-    """A table of cases against routes, finest setting above, the engine as it comes below; and the picture."""
-    pictures = "".join(figure_of(d, figures, command) for d in drawn if d.name == "headline")
-    if frame.empty:
-        return pictures
+def headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path) -> dict[str, Any]:
+    """All cases against all routes: what leads a case at the finest setting, and the first transition beside it."""
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
-    routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1]]
-    head = "".join(f'<th scope="col"{_switches(*who)}>{escape(who[0])}<br>{escape(who[1])}</th>' for who in routes)
-    body = ""
-    for case in dict.fromkeys(frame["case"]):
-        cells = "".join(
-            f"<td{_switches(*who)}{_order(rows.get((case, *who)))}>{_headline_cell(rows.get((case, *who)))}</td>"
-            for who in routes
-        )
-        body += f'<tr><th scope="row"><a href="#{anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
-    table = f'<thead><tr><th scope="col">case</th>{head}</tr></thead><tbody>{body}</tbody>'
-    return (
-        '<div class="scroll" tabindex="0" role="region" aria-label="table: all cases">'
-        f'<table class="short data" data-name="headline">{table}</table></div>'
-        '<p class="note">Above: the worst of all transitions in s where there are several, else the final pose in m, '
-        "at the finest setting, and the accuracy the ladder reaches in it. Small: the error of the first transition's "
-        "time in s, solver minus truth, at the finest setting and for the engine as it comes; where the truth has no "
-        "transition, the largest error of the centre in m; an error inside the truth's own error bar is told as below "
-        'that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
-        f"</p>{remake(command)}{pictures}"
-    )
+    asked = [who for who in dict.fromkeys(key[1:] for key in rows) if who[1]]
+    return {
+        "pictures": [picture(d, figures) for d in drawn if d.name == "headline"],
+        "routes": [{"solver": solver, "route": route, "switch": switch(solver, route)} for solver, route in asked],
+        "rows": [
+            {"case": case, "anchor": anchor(case), "cells": [_cell(rows.get((case, *who)), *who) for who in asked]}
+            for case in dict.fromkeys(key[0] for key in rows)
+        ],
+    }
 
 
-def _switches(solver: str, route: str) -> str:
-    own = "" if solver == "reference" else f' data-route="{escape(route)}"'
-    return f' data-solver="{escape(solver)}"{own}'
-
-
-def _headline_cell(row: dict[str, Any] | None) -> str:
+def _cell(row: dict[str, Any] | None, solver: str, route: str) -> dict[str, Any]:
+    """What a cell says, and by which number it is sorted: the error that leads its case."""
+    cell: dict[str, Any] = {"solver": solver, "switch": switch(solver, route), "text": "", "small": [], "order": ""}
     if row is None:
-        return ""
+        return cell
     finest, own = (error_text(row, which) for which in ("finest", "default"))
     lead, level = lead_text(row, "finest"), reached_text(row)
-    if lead == finest:  # a word, the same for both
-        return escape(lead)
-    small = [f"reaches {level}" if level else "reaches none", f"first: {finest}", f"as it comes: {own}" if own else ""]
-    told = (f"<small>{escape(as_written(text))}</small>" for text in small if text)
-    return "<br>".join([escape(as_written(lead)), *told])
-
-
-def _order(row: dict[str, Any] | None) -> str:
-    """What a cell is sorted by: the error that leads its case, at the finest setting."""
-    value = row["finest_lead_error"] if row else nan
-    return f' data-order="{value!r}"' if isfinite(value) else ""
+    cell["text"] = as_written(lead)
+    if isfinite(row["finest_lead_error"]):
+        cell["order"] = repr(float(row["finest_lead_error"]))
+    if lead != finest:  # else a word, the same for both
+        small = [f"reaches {level}" if level else "reaches none", f"first: {finest}"]
+        cell["small"] = [as_written(text) for text in (*small, *([f"as it comes: {own}"] if own else []))]
+    return cell
 
 
 def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:

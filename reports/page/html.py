@@ -63,7 +63,7 @@ def render(
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
         **first.screen(experiment, frames, moving, bool(measured.cases), manifest),
         **chapters.cases(experiment, frames, drawn, figures, manifest, {told["label"] for told in moving}),
-        "headline": Markup(chapters.headline(frames["headline"], drawn, figures, command)),
+        "headline": chapters.headline(frames["headline"], drawn, figures),
         "precision": Markup(cost.section(measured, frames, drawn, figures, command)),
         "precision_points": _points(frames.get("work_precision"), manifest),
         "studies": [_study(result, of_studies[result.name], figures) for result in studied],

@@ -15,6 +15,7 @@ from markupsafe import Markup
 
 from ..analysis import tables
 from ..drawing.files import Drawn
+from ..running.records import REFERENCE
 from .text import shorten
 
 if TYPE_CHECKING:
@@ -94,7 +95,13 @@ def table(
     rows = []
     for row in records(frame):
         cells = [_cell(row[c], c, c in numeric) for c in columns]
-        rows.append({"solver": str(row.get("solver", "")), "route": _switch(row), "cells": cells})
+        rows.append(
+            {
+                "solver": str(row.get("solver", "")),
+                "route": switch(str(row.get("solver", "")), str(row.get("route", ""))),
+                "cells": cells,
+            }
+        )
     return {"heads": heads, "rows": rows}
 
 
@@ -103,9 +110,9 @@ def as_written(text: str) -> str:
     return _POWER.sub(lambda m: f"{m[1]}e{m[2].removeprefix('+')}{m[3]}", _ZERO.sub("0", text))
 
 
-def _switch(row: Mapping[str, Any]) -> str:
+def switch(solver: str, route: str) -> str:
     """The route, if it is one that is switched on and off: the reference's methods are not."""
-    return "" if row.get("solver") == "reference" else str(row.get("route", ""))
+    return "" if solver == REFERENCE else route
 
 
 def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
