@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
-.PHONY: report quick test test-all check docs clean
+.PHONY: report quick test test-all check docs browser clean
 
 # Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
 EXTRAS ?=
@@ -39,6 +39,10 @@ docs: $(VENV)/documented
 $(VENV)/documented: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
 	touch $@
+
+# What drives a browser in the tests of the page; the browser itself is the system's: apt-get install chromium.
+browser: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[browser]"
 
 # heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
 $(VENV)/installed: pyproject.toml

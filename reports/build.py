@@ -193,7 +193,9 @@ def _write(
     place: Path,
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
-    from .analysis import cost_tables, tables
+    import pandas as pd
+
+    from .analysis import advice, cost_tables, tables
     from .analysis.columns import described
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
@@ -222,6 +224,10 @@ def _write(
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
+    answers = pd.DataFrame(advice.rows(shown, frames))
+    words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
+    frames = {"answers": answers} | frames
+    text.write({"answers": answers}, words, place / "tables", command)
     dictionary.write(frames, words, place / "tables", command)
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)

@@ -131,7 +131,7 @@ def minify(svg: str) -> str:
         svg = svg.replace(f'"{name}"', f'"i{place}"')
         svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may begin another
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
-    svg = _styles_once(svg)
+    svg = _bare_groups(_styles_once(svg))
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
 
 
@@ -161,6 +161,18 @@ def _path(text: str) -> str:
             here = there
         before = command
     return "".join(told)
+
+
+def _bare_groups(svg: str) -> str:
+    """Without groups that say nothing of what they hold."""
+    told, bare = [], []
+    for part in re.split(r"(<g\b[^>]*>|</g>)", svg):
+        if part.startswith("<g"):
+            bare.append(part == "<g>")
+            told.append("" if bare[-1] else part)
+        else:
+            told.append("" if part == "</g>" and bare.pop() else part)
+    return re.sub(r"\n+", "\n", "".join(told))
 
 
 def _styles_once(svg: str) -> str:

@@ -233,8 +233,8 @@ def _faults(
 
 
 def _shown(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, and the centre; thinned."""
-    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force")
+    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces; thinned."""
+    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
     shown = {name: _thin(getattr(trajectory, name)) for name in names}
     with np.errstate(invalid="ignore"):
         shown["lambda"] = shown["normal_force"] / case.track.speed(shown["xi1"])
