@@ -44,7 +44,7 @@ def case_file(tmp_path, monkeypatch):
         (["--solver", "exudin"], "exudyn"),
         (["--solvr", "exudyn"], "--solver"),
         (["--jobs", "many"], "whole number"),
-        (["--jobs", "0"], "at least 1"),
+        (["--jobs", "0"], "from 1 to"),
         (["--quick", "--full"], "not allowed with"),
         (["--case-file", "nowhere.py"], "nowhere.py"),
         (["--case"], "expected at least one"),
