@@ -19,12 +19,18 @@ from . import workers
 from .fingerprint import Key, content, made_with, plain, record_digest, sources
 from .progress import Progress, silent
 from .records import now
-from .solvers import version
+from .serving import Answer
+from .solvers import names, version
 from .store import Store
-from .workers import Answer
 
 # Wall time (s) a call may take. A whole default report takes minutes, so one run that takes longer has lost its way.
 LIMIT_SECONDS = 60.0
+# Wall seconds in which a solver says its version, or what it offers for a case: that takes milliseconds, and imports a
+# few seconds.
+ASKING_SECONDS = 20.0
+
+# What is longer is no name of anything.
+_NAMED_CHARACTERS = 120
 
 # Given a call and the calls that ran out of time so far: the answer that stands for it, or None if it is to be made.
 Skip = Callable[[tuple, Sequence[tuple]], Answer | None]
@@ -32,12 +38,14 @@ Skip = Callable[[tuple, Sequence[tuple]], Answer | None]
 
 class Keep(NamedTuple):
     """How answers are kept: the store's word for them; what of the arguments they depend on; modules whose code they
-    do not depend on, because what it found out is an argument; which answers are worth keeping."""
+    do not depend on, because what it found out is an argument; which answers are worth keeping; whether failures are
+    kept as well."""
 
     kind: str = "trial"
     of: Callable[..., tuple] = lambda *arguments: arguments
     apart: tuple[ModuleType, ...] = ()
     worth: Callable[[Any], bool] = lambda value: True
+    failures: bool = True
 
 
 class _Failure(NamedTuple):
@@ -54,7 +62,8 @@ class Calls:
     """Where calls are made: how many at a time, within how many wall seconds each, who watches, where answers are kept.
 
     `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
-    depends on the solver is kept. A context manager: the workers end with it.
+    depends on the solver is kept. `lost`: a sentence for each call that something outside ended twice, so that it would
+    come out otherwise another time. A context manager: the workers end with it.
     """
 
     jobs: int = 2
@@ -62,6 +71,7 @@ class Calls:
     store: Store = field(default_factory=lambda: Store(None))
     progress: Progress = silent
     versions: dict[str, str] = field(default_factory=dict)
+    lost: list[str] = field(default_factory=list)
 
     def __enter__(self) -> Calls:
         self._pool = workers.Pool(self.jobs)
@@ -77,7 +87,8 @@ class Calls:
     def ask_versions(self, solvers: Iterable[str]) -> None:
         """Note the versions of solvers that are not known yet."""
         new = [name for name in solvers if name not in self.versions]
-        answers = self.all("versions", version, [(name,) for name in new])
+        limit = min(self.limit, ASKING_SECONDS)
+        answers = self.all("versions", version, [(name,) for name in new], limit=limit)
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
 
     def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[Answer]:
@@ -115,10 +126,15 @@ class Calls:
             return
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
-        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow))) as coming:
+        engines = dict.fromkeys(names()[1:], "")
+        # What an engine leaves in its process reaches no digit of the reference.
+        groups = ["engines" if _solvers(call, engines) else "" for call in calls]
+        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])
+                if answer.outcome == "died" and not answer.lasting:
+                    self.lost.append(f"{step}, {_named(calls[k])}: {answer.reason}")
                 if keep:
                     answer = replace(answer, when=now())
                     self._keep(keys[left[k]], keep, limit, answer)
@@ -138,7 +154,7 @@ class Calls:
         if answer.outcome == "done":
             if keep.worth(answer.value):
                 self.store.put(keep.kind, key, answer.value)
-        elif answer.lasting and answer.outcome != "raised":
+        elif keep.failures and answer.lasting and answer.outcome != "raised":
             failure = _Failure(answer.outcome, answer.reason, answer.output, answer.when)
             self.store.put(keep.kind, key and {**key, "limit": limit}, failure)
 
@@ -157,6 +173,12 @@ class Calls:
             "code": sources(sys.modules[function.__module__], keep.apart),
             **engines,
         }
+
+
+def _named(call: tuple) -> str:
+    """A call's cases, solvers and settings, for people."""
+    told = [argument.label if isinstance(argument, Case) else str(argument) for argument in call[:4]]
+    return " ".join(text for text in told if text and len(text) <= _NAMED_CHARACTERS)
 
 
 def _plain(argument: Any) -> Any:

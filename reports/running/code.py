@@ -11,10 +11,10 @@ import importlib.machinery
 import importlib.util
 from collections.abc import Iterator
 from functools import lru_cache
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from adapters.interface import GROUP
+from adapters.interface import GROUP, NO_ADAPTERS
 
 # The suite's rooms: their modules and those of a module's own package are followed, no others.
 SUITE = ("adapters", "cases", "reference", "reports")
@@ -22,8 +22,21 @@ SUITE = ("adapters", "cases", "reference", "reports")
 
 def of_adapter(engine: str) -> str:
     """The name of an engine's adapter module."""
-    foreign = {point.name: point.module for point in entry_points(group=GROUP)}
-    return foreign.get(engine, f"adapters.{engine}")
+    foreign = [_module(point) for point in entry_points(group=GROUP, name=engine)]
+    return foreign[-1] if foreign else f"adapters.{engine}"
+
+
+def is_adapters(module: str) -> bool:
+    """Whether a module is an engine's adapter, or of the package of one: to import it is to run the engine."""
+    here, _, rest = module.partition(".")
+    if here == "adapters":
+        return bool(rest) and rest.partition(".")[0] not in NO_ADAPTERS
+    return here in {_module(point).partition(".")[0] for point in entry_points(group=GROUP)}
+
+
+def _module(point: EntryPoint) -> str:
+    """The module an entry point names, whatever else stands there."""
+    return point.value.partition(":")[0].strip()
 
 
 def routes_of(engine: str) -> tuple[str, ...]:
