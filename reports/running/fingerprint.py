@@ -76,7 +76,7 @@ def installed(package: str) -> str:
 def digest(told: Any) -> str:
     """A short name for anything JSON can hold."""
     text = json.dumps(told, sort_keys=True, ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
 
 
 def record_digest(record: Any) -> str:

@@ -24,6 +24,8 @@ import numpy as np
 
 from cases import kept
 
+from .records import legible
+
 # An engine that writes more than this to one file is flooding; the largest honest log of one run is a few megabytes.
 _FILE_BYTES = 32 * 2**20
 # Far above what a plane body needs (compiling in quadruple precision takes a gigabyte and a half of addresses), far
@@ -32,7 +34,7 @@ _MEMORY_BYTES = 3 * 2**30
 # A worker grows by what it compiles and keeps for later cases. Two that have grown by so much since their first call,
 # and the process that asks them, stay well below a gigabyte; a fresh one costs a second or two.
 _GROWTH_BYTES = 150 * 2**20
-# What is kept of a call's output, and of what it says of a failure: enough for the last error message of an engine.
+# What is kept of a call's output: enough for the last error message of an engine.
 _OUTPUT_CHARACTERS = 2000
 # What a worker says when it begins with a call; its time runs from then.
 BEGUN = "begun"
@@ -89,14 +91,6 @@ def serve(pipe: Connection, scratch: str, parent: int) -> None:
             answer = Answer("raised", reason=legible(f"what it returned cannot travel: {problem}"))
             told = pickle.dumps((number, answer, spent, kept.counted()))
         pipe.send_bytes(told)
-
-
-def legible(text: object, most: int = _OUTPUT_CHARACTERS) -> str:
-    """Text that every file and terminal can hold: of at most so many characters, what is no printable character (a
-    lone surrogate, NUL, an escape) spelled out."""
-    whole = str(text)
-    shown = whole if len(whole) <= most else f"{whole[: most - 1]}…"
-    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in shown)
 
 
 def _numerics() -> tuple[float, ...]:

@@ -8,7 +8,9 @@ from types import ModuleType
 import adapters
 
 from . import code
-from .records import REFERENCE
+from .records import REFERENCE, legible
+
+_LONGEST_VERSION = 100
 
 
 def names() -> tuple[str, ...]:
@@ -28,7 +30,7 @@ def solver(name: str) -> ModuleType:
 def version(name: str) -> str:
     """The version of a solver."""
     try:
-        return str(solver(name).version())
+        return legible(solver(name).version(), _LONGEST_VERSION)
     except ImportError:
         return "not installed"
 

@@ -27,7 +27,8 @@ from cases import kept
 
 from . import scratch
 from .code import is_adapters
-from .serving import BEGUN, Answer, legible, serve
+from .records import legible
+from .serving import BEGUN, Answer, serve
 
 # A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
 _STARTUP_SECONDS = 60.0
