@@ -18,6 +18,19 @@ and, if errors are to be taken apart by what causes them (`reports.study error_p
                                                     more knobs of the model; each knob's values appear from coarse to
                                                     fine, so the first setting is the coarsest, the last the finest
 
+and, if the parts of its time are to be told,
+
+    stripped(case, route, setting, without) -> Callable[[], None]
+                                                    as many steps as `run` takes, ready to be called, without "notes";
+                                                    and with "callback" empty, too; and without the "binding", too
+    ENGINE: str                                     or, without that function, the Python package whose compiled code is
+                                                    the engine's, for a profile, if it is not called NAME
+
+and, where it can say so,
+
+    MEANINGS: tuple[Meaning, ...]                   what the engine's parameters make of friction, restitution and
+                                                    rolling resistance; for which cases that is another law than theirs
+
 The first setting of a ladder is the engine as it comes and says so: `Setting.of(rung="defaults", ...)`.
 """
 
@@ -25,13 +38,17 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
 import pkgutil
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
+from cases import Case
 from cases.errors import BadValue, UnknownName, unknown
 
 GROUP = "slip_to_roll.adapters"
@@ -43,11 +60,43 @@ PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version
 DEFAULTS = "defaults"
 
 # What else lies in this folder.
-NO_ADAPTERS = {"common", "interface", "laws"}
+NO_ADAPTERS = {"by_process", "common", "interface", "laws"}
+
+# Executables that are engines (`by_process`), by this variable, so that every process of a command knows them.
+EXECUTABLES = "SLIP_TO_ROLL_ENGINES"
 
 
 class EngineFailure(RuntimeError):
     """The engine ran and gave no motion: it stopped with an error, or its numbers are not finite."""
+
+
+def _never(case: Case) -> bool:
+    return False
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What an engine makes of one effect, an effect's class, on the routes named (on all if none is).
+
+    `parameter`: the engine's own word for it and how it combines the two bodies' numbers; `law`: what it does with it,
+    a phrase. `differs(case)`: whether that is another law than the case's effect. Such a run is made, not refused, and
+    its row tells the law and how far off it is.
+    """
+
+    effect: type
+    parameter: str
+    law: str
+    routes: tuple[str, ...] = ()
+    differs: Callable[[Case], bool] = _never
+
+
+def other_laws(adapter, case: Case, route: str) -> tuple[str, ...]:
+    """The effects of the case that the route models by another law than theirs, each with that law in a phrase."""
+    return tuple(
+        f"{meaning.effect.__name__} by another law: {meaning.law}"
+        for meaning in getattr(adapter, "MEANINGS", ())
+        if (not meaning.routes or route in meaning.routes) and case.effect(meaning.effect) and meaning.differs(case)
+    )
 
 
 @dataclass(frozen=True)
@@ -95,19 +144,21 @@ class Setting:
 def engines() -> tuple[str, ...]:
     """The adapters' names, in alphabetical order: this folder's, and those of installed packages."""
     own = {module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)])} - NO_ADAPTERS
-    return tuple(sorted(own | _installed().keys()))
+    return tuple(sorted(own | _installed().keys() | executables().keys()))
 
 
 def engine(name: str) -> ModuleType:
     """The adapter of that name; raises UnknownName, or ImportError if its engine is not installed."""
     if name not in engines():
         raise unknown("engine", name, engines())
-    foreign = _installed().get(name)
+    executable, foreign = executables().get(name), _installed().get(name)
+    if executable:
+        return _by_process(executable)
     return foreign.load() if foreign else importlib.import_module(f"adapters.{name}")
 
 
 def find(name: str) -> ModuleType:
-    """The adapter of that name, in that Python file, or in that module, whoever wrote it.
+    """The adapter of that name, in that Python file, executable or module, whoever wrote it.
 
     Raises UnknownName if there is none, BadValue for a file that fails or a module that is no adapter, ImportError if
     its engine is not installed.
@@ -117,6 +168,8 @@ def find(name: str) -> ModuleType:
         adapter = engine(name)
     elif path.suffix == ".py":
         adapter = _from_file(path)
+    elif path.is_file():
+        adapter = _by_process(path)
     else:
         try:
             adapter = importlib.import_module(name)
@@ -145,6 +198,34 @@ def _from_file(path: Path) -> ModuleType:
     except Exception as problem:
         raise BadValue(f"the adapter file {path} fails: {type(problem).__name__}: {problem}") from problem
     return adapter
+
+
+def executables() -> dict[str, Path]:
+    """The executables that `register` has made engines, by name."""
+    paths = map(Path, filter(None, os.environ.get(EXECUTABLES, "").split(os.pathsep)))
+    return {path.stem: path for path in paths}
+
+
+def register(file: str | Path) -> str:
+    """Make an executable an engine of this process and of those it starts; its name, which is the file's.
+
+    Raises BadValue if it cannot be run or its name is another engine's.
+    """
+    path = Path(file).expanduser().resolve()
+    name = _by_process(path).NAME
+    if executables().get(name) == path:
+        return name
+    if name in engines() or not name.isidentifier():
+        raise BadValue(
+            f"the engine {path} cannot be called {name!r}; give its file a name of its own, such as my_engine"
+        )
+    os.environ[EXECUTABLES] = os.pathsep.join([*map(str, executables().values()), str(path)])
+    return name
+
+
+def _by_process(path: Path) -> Any:
+    # It knows what an adapter is, so that it is not known here until it is asked for.
+    return importlib.import_module("adapters.by_process").Engine(path)
 
 
 def _installed() -> dict[str, EntryPoint]:

@@ -17,19 +17,29 @@ from math import atan2, cos, sin
 import numpy as np
 import pybullet
 
-from cases import Case, CoulombFriction, Gravity, Trajectory, Unilateral
+from cases import Case, CoulombFriction, Gravity, Impact, RollingResistance, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
 from cases.errors import DoesNotFit, unknown
 from cases.mechanics import gravity
 
 from .common import half_steps
-from .interface import Setting
+from .interface import Meaning, Setting
 
 NAME = "pybullet"
 routes = ("assisted",)
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
+
+MEANINGS = (
+    Meaning(
+        CoulombFriction,
+        "lateralFriction of both bodies, multiplied; here mu and 1",
+        "Coulomb's cone on the impulses of a step, one coefficient for slip and stick",
+    ),
+    Meaning(Impact, "restitution; this adapter does not set it", "refused"),
+    Meaning(RollingResistance, "rollingFriction; this adapter does not set it", "refused"),
+)
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4), 2.5

@@ -17,6 +17,9 @@ import sympy as sp
 from . import expressions, features
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 
+# How an impact's restitution and friction go together (`Impact`).
+IMPACT_LAWS = ("poisson", "newton", "moreau")
+
 # What a load may depend on: time (s), pose (m, rad) and velocities (m/s, rad/s) of the centre of mass.
 MOTION = sp.symbols("t x y theta vx vy omega", real=True)
 
@@ -169,12 +172,16 @@ class Flight:
 
 @dataclass(frozen=True)
 class Impact:
-    """A landing is an impact without duration with friction, `restitution` e in [0, 1], by Routh's construction.
+    """A landing is an impact without duration with friction, `restitution` e in [0, 1].
 
     `law`: "poisson" (the impulse of restitution is e times that of compression) or "newton" (the contact point's
-    normal velocity turns to −e times itself). Newton's law can create energy where friction reverses the slip; such an
-    impact ends the motion with a reason. (Wang & Mason 1992, J. Appl. Mech. 59, 635:
-    reference looked up, not the text; Routh's book of 1905 is known to us, not looked up.)
+    normal velocity turns to −e times itself), both by Routh's construction, which follows the slip along the impulse;
+    or "moreau", Newton's restitution with Coulomb's law between the whole impulses and the velocities after the
+    impact, as engines with a fixed step have it. Newton's restitution can create energy where friction ends or
+    reverses the slip: with "newton" such an impact ends the motion with a reason, with "moreau" the motion goes on, as
+    those engines do. (Wang & Mason 1992, J. Appl. Mech. 59, 635:
+    reference looked up, not the text; Routh's book of 1905 is known to us, not looked up. "moreau": Siconos' users'
+    guide, "Non Smooth Laws", has the normal part; the whole is derived in `reference.minimal.impact`.)
     """
 
     restitution: float
@@ -184,8 +191,9 @@ class Impact:
         object.__setattr__(self, "restitution", not_negative("restitution of Impact", self.restitution))
         if self.restitution > 1.0:
             raise BadValue(f"restitution of Impact is {self.restitution:g}; give a number between 0 and 1")
-        if not isinstance(self.law, str) or self.law not in ("poisson", "newton"):
-            raise BadValue(f'law of Impact is {self.law!r}; give "poisson" or "newton"')
+        if not isinstance(self.law, str) or self.law not in IMPACT_LAWS:
+            names = ", ".join(f'"{name}"' for name in IMPACT_LAWS)
+            raise BadValue(f"law of Impact is {self.law!r}; give one of {names}")
 
 
 Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact

@@ -38,7 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
-        "case", "case_file", "solver", "trajectory", "quick", "full", "jobs", "store", "fresh", "list", out="report",
+        "case", "case_file", "solver", "engine", "trajectory", "quick", "full", "jobs", "store", "fresh", "list",
+        out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
     given = parser.parse_args(words)
@@ -132,16 +133,20 @@ def _run_by_nobody(shown: Experiment) -> list[str]:
 
 def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     """The timed pass, after everything else has ended; a quick report goes without."""
-    from .analysis import baselines
+    from .analysis import baselines, time_to_accuracy, which_engine, work_precision
     from .analysis.work_precision import Measured
     from .running import timings
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
         return Measured()
-    timed = timings.measure(ran, plan.effort == "full", calls)
+    full = plan.effort == "full"
+    timed = timings.measure(ran, full, calls)
     labels = tuple(case.label for case in timed.cases)
-    return Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
+    measured = Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
+    told = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured))
+    beside = timings.beside(ran, which_engine.wanted(told), full, calls)
+    return measured._replace(cold=beside.cold, parts=beside.parts)
 
 
 def _studied(plan: Plan, calls: Calls) -> list[Result]:
@@ -180,9 +185,10 @@ def _write(
     place: Path,
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
-    from .analysis import tables, work_precision
+    from .analysis import cost_tables, tables
+    from .analysis.columns import described
     from .drawing.files import embed_command
-    from .page import folder, html, pictures, text
+    from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
     from .running import external
 
@@ -199,12 +205,14 @@ def _write(
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
     }
     told["solvers"] |= external.sources(plan.trajectories)
-    frames = tables.frames(shown) | work_precision.frames(ran, measured)
-    words = tables.WORDS | work_precision.WORDS
+    frames = cost_tables.frames(ran, measured) | tables.frames(shown)
+    holds = cost_tables.HOLDS | tables.HOLDS
+    words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
     text.write(frames, words, place / "tables", command)
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command)
         frames, words = frames | result.frames, words | result.words
+    dictionary.write(frames, words, place / "tables", command)
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
     for figure in drawn:
@@ -231,7 +239,7 @@ def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
     from tabulate import tabulate
 
     from .analysis import tables
-    from .page.text import error_text
+    from .page.text import error_text, lead_text, reached_text
 
     lines = [f"report: {plan.out / 'index.html'} ({shown.seconds:.0f} s of runs)", ""]
     counts = tables.outcome_counts(shown)
@@ -242,11 +250,13 @@ def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
             row["case"],
             row["solver"],
             row["route"],
-            *(error_text(row, f"{which}_error") for which in ("default", "finest")),
+            reached_text(row),
+            lead_text(row, "finest"),
+            *(error_text(row, which) for which in ("default", "finest")),
         ]
         for row in tables.headline_rows(shown)
     ]
-    headers = ["first transition", "solver", "route", "as it comes / s", "finest / s"]
+    headers = ["case", "solver", "route", "reached", "finest", "first transition as it comes / s", "finest / s"]
     lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += ["", f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]

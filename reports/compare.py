@@ -1,7 +1,7 @@
 """`python -m reports.compare CASE FILE.csv`: judge a trajectory that a solver without Python has written to a file.
 
-The columns: `judging.exported`. The judgement is that of the report. Exit status: 0 if the file could be judged,
-whatever came out; 2, with one sentence, if it could not.
+The columns: `adapters.common.exported`. The judgement is that of the report. Exit status: 0 if the file could be
+judged, whatever came out; 2, with one sentence, if it could not.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ COMMAND = "reports.compare"
 def compare(case: Case, path: str | Path) -> str:
     """The judgement as text. Raises CaseError if the file cannot be judged, or the reference has no truth."""
     from adapters import Setting
+    from adapters.common.exported import read_table, trajectory_of
 
-    from .judging.exported import read_table, trajectory_of
     from .running.external import judge_external
     from .running.records import Run
     from .running.tasks import find_truth
@@ -41,9 +41,9 @@ def compare(case: Case, path: str | Path) -> str:
 def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from tabulate import tabulate
 
+    from adapters.common.exported import NEEDED, followed
     from cases.mechanics import energy
 
-    from .judging.exported import NEEDED, followed
     from .judging.residuals import energy_growth, laws_broken
 
     gap = followed(case, {name: getattr(motion, name) for name in NEEDED})[2]

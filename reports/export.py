@@ -1,26 +1,23 @@
 """`python -m cases export NAME [mu=0.3 …] [--out DIR]`: a case as data, for a tool of your own.
 
-Writes scene.json (parameters, effects, start, true transitions with error bars), track.csv and outline.csv (parameter,
-point, left normal, curvature).
+Writes scene.json (`adapters.by_process.scene`, as an executable is given it, with the true transitions and their error
+bars beside it), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion, motion.csv.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
-from cases import Case, Curve
-from cases.contact import start_motion
+from cases import Case
 
 from .show import case_of, main
 
-# Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
-SAMPLES = 1001
+# Samples of the true motion, at equal times.
+SAMPLES = 2001
 
 
 def run(words: Sequence[str]) -> None:
@@ -33,35 +30,25 @@ def run(words: Sequence[str]) -> None:
 
 def export(case: Case, folder: Path) -> list[Path]:
     """Write a case into a folder; returns the files."""
-    said = scene(case)
+    from adapters.by_process.scene import as_json, sampled, scene
+
+    told = {**scene(case), **truth(case)}
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / "scene.json", folder / "track.csv", folder / "outline.csv"]
-    paths[0].write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    for path, curve in zip(paths[1:], (case.track, case.plate.outline), strict=True):
+    paths = [folder / f"{name}" for name in ("scene.json", "track.csv", "outline.csv", "motion.csv")]
+    paths[0].write_text(as_json(told, indent=1) + "\n", encoding="utf-8")
+    for path, curve in zip(paths[1:3], (case.track, case.plate.outline), strict=True):
         np.savetxt(path, sampled(curve), delimiter=",", comments="", header="s,x,y,normal_x,normal_y,curvature")
+    names, rows = motion(case)
+    np.savetxt(paths[3], rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
     return paths
 
 
-def sampled(curve: Curve) -> np.ndarray:
-    """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6)."""
-    s = np.linspace(*curve.span, SAMPLES)
-    return np.column_stack([s, *curve.point(s), *curve.normal(s), curve.curvature(s)])
-
-
-def scene(case: Case) -> dict:
-    """Everything but the sampled curves, in SI units."""
+def truth(case: Case) -> dict:
+    """How the true motion ends, and its transitions with their error bars."""
     import reference
 
     certificate = reference.certify(case)
     return {
-        "case": case.label,
-        "units": "SI, radians; the plate lies on the left of the track; components along its tangent and left normal",
-        "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},
-        "track": [str(part) for part in case.track.expression],
-        "outline": [str(part) for part in case.plate.outline.expression],
-        "effects": {type(e).__name__: asdict(e) for e in case.effects},
-        "start": start_motion(case)._asdict(),
-        "duration": case.duration,
         "status": certificate.status,
         "end": certificate.end._asdict(),
         "transitions": [
@@ -69,6 +56,17 @@ def scene(case: Case) -> dict:
             for before, after, time, xi1 in certificate.transitions
         ],
     }
+
+
+def motion(case: Case) -> tuple[tuple[str, ...], np.ndarray]:
+    """Columns and rows of the true motion, as `reports.compare` reads them; a plate in flight has no forces."""
+    import reference
+
+    true = reference.simulate(case, rtol=1e-13)
+    times = np.linspace(0.0, true.t[-1], SAMPLES)
+    names = ("x", "y", "theta", "vx", "vy", "omega", "normal_force", "friction_force")
+    state = true(times)
+    return ("t", *names), np.nan_to_num(np.column_stack([times, *(getattr(state, name) for name in names)]))
 
 
 if __name__ == "__main__":

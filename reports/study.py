@@ -45,7 +45,7 @@ def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
     from .drawing.files import embed_command
-    from .page import folder, text
+    from .page import dictionary, folder, text
     from .page.manifest import manifest
     from .running.calls import Calls
     from .running.progress import bar
@@ -62,6 +62,7 @@ def _make(
         raise OSError(f"the study failed: {result.failure}")
     with folder.written_whole(out) as place:
         files = text.write(result.frames, result.words, place, command)
+        files += dictionary.write(result.frames, result.words, place, command)
         for drawn in result.draw(place):
             embed_command(place, drawn, command)
             print(f"{drawn.title}: {out / f'{drawn.name}.svg'}" if drawn.name else f"{drawn.title}. {drawn.caption}")

@@ -16,7 +16,7 @@ ALLOWED = {
 }
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
-    {"build", "compare", "study", "show", "export"},
+    {"build", "compare", "compare_builds", "study", "show", "export"},
     {"options"},
     {"page"},
     {"studies"},

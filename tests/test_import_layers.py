@@ -79,6 +79,7 @@ MAY_IMPORT = {
     "face": {"interface"},
     "common": {"interface"},
     "laws": {"interface"},
+    "by_process": {"interface", "common"},
     "engine": {"interface", "common"},
 }
 

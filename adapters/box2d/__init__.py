@@ -1,5 +1,6 @@
 """Box2D's adapter; `adapters.box2d.adapter` says what it does."""
 
 from .adapter import NAME, ROUNDING, build, grid, ladder, read, refuses, routes, run, version
+from .meanings import MEANINGS
 
-__all__ = ["NAME", "ROUNDING", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
+__all__ = ["MEANINGS", "NAME", "ROUNDING", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]

@@ -80,7 +80,7 @@ def refuses(case: Case, route: str) -> str | None:
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if strange:
         return f"box2d has nothing for {' and '.join(strange)}."
-    friction, outline, impact = case.effect(CoulombFriction), case.plate.outline, case.effect(Impact)
+    friction, outline = case.effect(CoulombFriction), case.plate.outline
     if friction and friction.stick != friction.mu:
         return "box2d has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):
@@ -89,10 +89,6 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles alone, and this outline is none."
-    if impact and not case.plate.radius:
-        return "box2d's Impact is right for circles about their centre of mass alone, and this outline is none."
-    if impact and impact.restitution and friction:
-        return "box2d's friction in an Impact is bounded by the compression alone, whatever the restitution adds."
     return None
 
 

@@ -12,7 +12,8 @@ from cases.errors import unknown
 
 HELP = """\
 ADAPTER is a name that the suite knows (its own adapters, and those of installed packages in the entry-point group
-slip_to_roll.adapters), a Python file, or a module: exudyn, my_engine.py, my_package.my_engine.
+slip_to_roll.adapters), a Python file, an executable, or a module: exudyn, my_engine.py, ./my_engine,
+my_package.my_engine.
 
 Every law is tried on every route, with the finest setting but one of its ladder: kept, broken (and by how much),
 refused (and why), failed with an exception, crashed or timed_out (it runs in a process of its own, whose output is

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from cases import Case, Trajectory
+from cases import Case, NotSupported, Trajectory
 from cases.mechanics import gravity
 
 from ..interface import Setting
@@ -115,7 +115,10 @@ def _run(adapter, route: str, case: Case) -> Run:
     ladder = adapter.ladder(case, route)
     setting = [rung for rung in ladder if rung.get("vertices", 0) <= MOST_VERTICES][RUNG]
     model = adapter.build(case, route, setting)
-    adapter.run(model)
+    try:
+        adapter.run(model)
+    except NotSupported as refusal:
+        raise Refused(str(refusal)) from refusal
     return Run(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))
 
 

@@ -10,11 +10,14 @@ order 2).
 
 from __future__ import annotations
 
-from array import array
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import pymunk
+from pymunk._chipmunk_cffi import lib
+from pymunk.batch import BodyFields, Buffer, get_space_bodies
 
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
@@ -24,7 +27,7 @@ from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import Drive
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version"]
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version"]
 
 NAME = "pymunk"
 routes = ("native", "assisted")
@@ -47,11 +50,6 @@ def refuses(case: Case, route: str) -> str | None:
     if friction and friction.stick != friction.mu:
         return "pymunk has one friction coefficient for slip and stick."
     impact = case.effect(Impact)
-    if impact and case.plate.radius is None:
-        return (
-            "pymunk decides friction by the slip after an impact, not along its course; that is Impact's law for discs "
-            "about their centre alone."
-        )
     if impact and impact.restitution > 0.0 and route == "assisted":
         return "A contact that pymunk is told closes without restitution; Impact(0) is all it can do."
     return _refuses_natively(case) if route == "native" else None
@@ -116,6 +114,11 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
 # --- build, run, read -------------------------------------------------------------------------------------------------
 
 
+# The plate comes first; the space's static body is one, too.
+_BODIES = 2
+_NOTED = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+
+
 @dataclass
 class Model:
     """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
@@ -132,17 +135,28 @@ class Model:
     drive: Drive | None = None
     rough: float = 0.0
     guide: assisted.Guide | None = None
-    # Six numbers to a row. Boxed ones would take ten times the memory, which is gigabytes for a long motion.
-    rows: array[float] = field(default_factory=lambda: array("d"))
+    # What the engine itself notes after every step, six numbers for the plate and then as many for the track's body.
+    # Reading them one by one in Python takes longer than a native step.
+    noted: Buffer = field(default_factory=Buffer)
+
+    @property
+    def rows(self) -> np.ndarray:
+        """(x, y, theta, vx, vy, omega) of the plate after every step, shape (n, 6)."""
+        # A copy: the engine's memory goes with the model.
+        return np.frombuffer(self.noted.float_buf()).reshape(-1, _BODIES, 6)[:, 0].copy()
 
 
 def build(case: Case, route: str, setting: Setting) -> Model:
     """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
+    return _model(case, route, setting, driven=case.effect(Load) is not None)
+
+
+def _model(case: Case, route: str, setting: Setting, driven: bool) -> Model:
     steps = max(2, round(case.duration / setting["h"]))
     h = case.duration / steps
     if route == "native":
         space, body = native.build(case, setting)
-        drive = Drive(case, body, h) if case.effect(Load) else None
+        drive = Drive(case, body, h) if driven else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
         model = Model(case, space, body, h, steps, drive, rough)
     else:
@@ -157,18 +171,49 @@ def build(case: Case, route: str, setting: Setting) -> Model:
 
 def run(model: Model) -> None:
     """Step through the duration, noting pose and velocities after every step."""
-    step, body, note = model.space.step, model.body, model.rows.extend
+    space, step, noted = model.space, model.space.step, model.noted
     # The half step moves the plate to its start and gives the velocities half a step's forces.
     step(0.5 * model.h)
-    note((*body.position, body.angle, *body.velocity, body.angular_velocity))
+    get_space_bodies(space, _NOTED, noted)
     for _ in range(model.steps):
         step(model.h)
-        note((*body.position, body.angle, *body.velocity, body.angular_velocity))
+        get_space_bodies(space, _NOTED, noted)
+
+
+def stripped(case: Case, route: str, setting: Setting, without: str) -> Callable[[], None]:
+    """As many steps as `run` takes, ready to be called: without "notes"; and with the "callback" empty; and without the
+    "binding", by the C function alone.
+
+    An empty callback leaves the engine its own contact of two circles that overlap everywhere, one as before; that
+    must not be mended, or they would fly apart at once.
+    """
+    loaded = case.effect(Load) is not None
+    model = _model(case, route, setting, driven=loaded and without == "notes")
+    space, body, h, steps = model.space, model.body, model.h, model.steps
+    if route == "assisted" and without != "notes":
+        space, body = assisted.overlapping(case, setting)
+        body.position, space.collision_bias = model.body.position, 1.0
+    if without == "callback":
+        if route == "assisted":
+            assisted.listen(space, lambda arbiter, space, data: None)
+        if loaded:
+            body.velocity_func = lambda *now: pymunk.Body.update_velocity(*now)
+
+    step, what = (lib.cpSpaceStep, (space._space, h)) if without == "binding" else (space.step, (h,))
+    space.step(h)  # what was added is looked at, and the circles meet
+
+    return partial(_step_on, space, step, what, steps)
+
+
+def _step_on(space: pymunk.Space, step: Callable[..., None], what: tuple, steps: int) -> None:
+    """Steps alone, of a space that lives as long as they do."""
+    for _ in range(steps):
+        step(*what)
 
 
 def read(model: Model) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
-    drive, guide, rows = model.drive, model.guide, np.array(model.rows).reshape(-1, 6)
+    drive, guide, rows = model.drive, model.guide, model.rows
     if drive and drive.problem:
         raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
     if guide and guide.problem:

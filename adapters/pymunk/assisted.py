@@ -8,7 +8,9 @@ along the normal is not in pymunk's manual; it is what Chipmunk's `cpArbiterAppl
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import hypot, isnan
+from typing import Any
 
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
@@ -150,6 +152,15 @@ def iterations(case: Case) -> int:
 
 def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Drive | None, Guide]:
     """A space with the plate as a body of its mass and inertia, what drives it, and the guide that knows its track."""
+    space, body = overlapping(case, setting)
+    drive = Drive(case, body, h) if case.effect(Load) else None
+    guide = Guide(case, body, h, drive)
+    listen(space, guide.pre_solve)
+    return space, body, drive, guide
+
+
+def overlapping(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
+    """A space with two circles that overlap everywhere, and the body of the second, the plate's."""
     space = pymunk.Space()
     gx, gy = gravity(case)
     space.gravity = float(gx), float(gy)
@@ -160,8 +171,10 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.
     track, plate = pymunk.Circle(space.static_body, EVERYWHERE), pymunk.Circle(body, EVERYWHERE)
     track.collision_type, plate.collision_type = _TRACK, _PLATE
     track.friction, plate.friction = 1.0, friction_coefficient(case)
-    drive = Drive(case, body, h) if case.effect(Load) else None
-    guide = Guide(case, body, h, drive)
-    space.on_collision(_TRACK, _PLATE, pre_solve=guide.pre_solve)
     space.add(body, track, plate)
-    return space, body, drive, guide
+    return space, body
+
+
+def listen(space: pymunk.Space, pre_solve: Callable[[Arbiter, pymunk.Space, Any], None]) -> None:
+    """Have the function called in every step before the contact is solved."""
+    space.on_collision(_TRACK, _PLATE, pre_solve=pre_solve)

@@ -1,5 +1,6 @@
 """Plates that leave their track and come back: flight, landing, impact, bouncing to rest. Gravity pulls along −Y."""
 
+from dataclasses import replace
 from math import pi, sqrt
 
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, Start, Unilateral, case, disc
@@ -77,6 +78,20 @@ def tumbling_ellipse(e=0.4, mu=0.3, height=0.4, omega=4.0, a=0.2, b=0.1, m=1.0, 
         start=Start(xi1=0.0, xi2=-pi / 2, gap=height, omega=omega),
         duration=duration,
     )
+
+
+@case
+def tumbling_ellipse_moreau(e=0.4, mu=0.3, height=0.4, omega=4.0, a=0.2, b=0.1, m=1.0, g=9.81, duration=1.0):
+    """The ellipse of `tumbling_ellipse`, with the law of impact of engines that solve for a step's end.
+
+    Why: beside `tumbling_ellipse` it tells an engine's other law from its errors.
+    Source: this suite's; Moreau's law as `Impact` has it.
+    Known exactly: it lands when and where `tumbling_ellipse` does; each impact turns the normal velocity to −e times
+    itself.
+    """
+    one = tumbling_ellipse(e, mu, height, omega, a, b, m, g, duration)
+    effects = tuple(Impact(e, "moreau") if isinstance(effect, Impact) else effect for effect in one.effects)
+    return replace(one, effects=effects)
 
 
 @case

@@ -87,7 +87,7 @@ def land(course: Course, landing: Landing) -> Touching | Flying | Stopped:
         result = impact.hit(scene, effect, q, slip, min(landing.lift, 0.0), spin)
     except impact.Jammed:
         return Stopped("paradox")
-    if impact.creates_energy(result):
+    if effect.law == "newton" and impact.creates_energy(result):
         return Stopped("energy_gain")
     z = [xi1, xi2, result.spin, result.slip]
     course.last_xi1 = xi1

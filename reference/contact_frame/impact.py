@@ -8,6 +8,9 @@ have it: reference looked up, not the text; Routh's book of 1905 is known to us,
 
 Their right-hand sides are constant as long as slip and rotation keep their signs, so an integration in straight pieces
 is exact.
+
+Moreau's law asks for the sums T, P, C alone: the same equations once, with the velocities after the impact in Coulomb's
+inequalities; of the phases that agree the one that holds most.
 """
 
 from __future__ import annotations
@@ -25,6 +28,10 @@ MOST_PIECES = 20
 
 # Newton's restitution is refused where kinetic energy grows by more than rounding.
 ENERGY_ROUNDING = 1e-12
+
+
+# What a phase of motion may move against its sense where it borders on one that holds: rounding.
+AT_REST = 1e-12
 
 
 class Rates(NamedTuple):
@@ -51,6 +58,8 @@ class Jammed(Exception):
 
 def hit(scene: Scene, effect: Impact, q: Place, slip: float, lift: float, spin: float) -> Hit:
     """The impact at a place with contact velocity (slip, lift < 0) and spin; raises Jammed if it has no end."""
+    if effect.law == "moreau":
+        return _whole(scene, q, slip, lift, spin, effect.restitution)
     impulse = _Impulse(scene, q, slip, lift, spin)
     before = impulse.energy()
     if scene.case.effect(PerfectlyRough):
@@ -68,6 +77,62 @@ def hit(scene: Scene, effect: Impact, q: Place, slip: float, lift: float, spin: 
 
 def creates_energy(result: Hit) -> bool:
     return result.energy > ENERGY_ROUNDING
+
+
+def _whole(scene: Scene, q: Place, slip: float, lift: float, spin: float, restitution: float) -> Hit:
+    """Moreau's law; raises Jammed if no phase agrees."""
+    m, J, at, an = scene.m, scene.J, q.arm_t, q.arm_n
+    goal = -restitution * lift
+    about = J + m * an * an  # inertia about the contact, for what turns without slip
+
+    def needed(phase: Phase) -> Held:
+        """The sums P, T, C in a phase, from the one condition v_n⁺ = goal."""
+        by_slip, by_turn = ratios(scene.laws, phase)
+        if phase.turn == 0:
+            normal = m * (goal - lift + at * spin)
+            friction = -m * (an * spin + slip) if phase.slip == 0 else by_slip * normal
+            return Held(normal, friction, an * friction - at * normal - J * spin)
+        if phase.slip == 0:
+            lever = at + by_turn
+            normal = (goal - lift - at * an * m * slip / about) / (1 / m + at * lever / about)
+            turned = (lever * normal + an * m * slip) / about
+            return Held(normal, m * (an * turned - slip), by_turn * normal)
+        lever = at - an * by_slip + by_turn
+        per_impulse = 1 / m + at * lever / J
+        normal = (goal - lift) / per_impulse if per_impulse > 0.0 else inf  # friction that wedges
+        return Held(normal, by_slip * normal, by_turn * normal)
+
+    def ended(slip_after: float, lift_after: float, spin_after: float, phase: Phase) -> Hit:
+        before = _Impulse(scene, q, slip, lift, spin).energy()
+        after = _Impulse(scene, q, slip_after, lift_after, spin_after).energy()
+        return Hit(slip_after, lift_after, spin_after, phase, (after - before) / before if before > 0.0 else 0.0)
+
+    slips: tuple[int | None, ...] = (None,) if scene.laws.slip is None else (0, 1, -1)
+    turns: tuple[int | None, ...] = (None,) if scene.laws.arm is None else (0, 1, -1)
+    if scene.laws.slip == inf:
+        slips, stopped = (0,), _Impulse(scene, q, slip, lift, spin)
+        stopped.stop_slip_at_once()
+        if stopped.lift >= goal:  # there is no normal impulse to give
+            return ended(0.0, stopped.lift, stopped.spin, Phase(0, None))
+    for phase in (Phase(along, turn) for along in slips for turn in turns):
+        held = needed(phase)
+        if not 0.0 < held.normal < inf:
+            continue
+        turned = -spin if phase.turn == 0 else (at * held.normal - an * held.friction + held.couple) / J
+        along = 0.0 if phase.slip == 0 else slip + held.friction / m - an * turned
+        slips_so = _agrees(phase.slip, along, abs(slip), held.friction, scene.laws.stick * held.normal)
+        if slips_so and _agrees(
+            phase.turn, spin + turned, abs(spin), held.couple, (scene.laws.arm or 0.0) * held.normal
+        ):
+            return ended(along, goal, spin + turned, phase)
+    raise Jammed
+
+
+def _agrees(way: int | None, after: float, size: float, holds: float, bound: float) -> bool:
+    """Whether what is held (0) needs no more than the bound, and what moves does so in its sense, but for rounding."""
+    if way == 0:
+        return abs(holds) <= bound
+    return way is None or way * after >= -AT_REST * (size + abs(after))
 
 
 class _Impulse:

@@ -358,7 +358,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     none = landing.time == since and landing.touch.lift >= 0.0
     touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
     after = collide(law, touch)
-    if not law.poisson and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
+    if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
         return Step(flown, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf

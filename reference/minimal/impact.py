@@ -1,9 +1,16 @@
-"""An impact without duration: Routh's construction, piece by piece along the normal impulse.
+"""An impact without duration: Routh's construction, piece by piece along the normal impulse, or Moreau's law at once.
 
 The contact point's velocity (v_t, v_n) and the spin ω are linear in the normal impulse P as long as the contact
 slips one way or sticks, turns one way or is held. (Routh's construction: his book of
 1905 is known to us, not looked up; Wang & Mason 1992, J. Appl. Mech. 59, 635: reference looked up, not the text.)
 Impulses are taken per mass.
+
+Moreau's law knows no course: normal impulse P, friction T and couple C of the whole impact obey
+v_n⁺ = −e v_n⁻, |T| ≤ μ P with T against v_t⁺ where that is not 0, and |C| ≤ arm P with C against ω⁺ likewise. Without
+rolling resistance there is exactly one solution whatever μ is: with T = −τ P and the 2×2 matrix [[a, b], [b, c]] from
+(T, P) to the velocities, P = Q/(c − b τ), Q = −(1 + e) v_n⁻ > 0, and v_t⁺ = v_t⁻ + Q (b − a τ)/(c − b τ) falls with τ
+wherever P > 0, since its derivative has the sign of b² − a c < 0. (Derived here; Moreau's and Jean's papers of 1988 and
+1992 are known to us, not looked up.)
 """
 
 from __future__ import annotations
@@ -13,7 +20,12 @@ from itertools import product
 from math import copysign, inf
 from typing import NamedTuple
 
+import numpy as np
+
 from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+
+# Of Moreau's law one end agrees exactly; where two of them meet, rounding may leave each a little beyond its bound.
+ROUNDING = 1e-9
 
 
 class Touch(NamedTuple):
@@ -26,7 +38,8 @@ class Touch(NamedTuple):
 
 class Law(NamedTuple):
     """What an impact obeys: the arm from the centre to the contact along tangent and normal (m), the squared radius
-    of gyration (m²), kinetic and static friction, the arm of rolling resistance (m), restitution and its law."""
+    of gyration (m²), kinetic and static friction, the arm of rolling resistance (m), restitution and the name of its
+    law (`cases.Impact`)."""
 
     arm_t: float
     arm_n: float
@@ -35,7 +48,7 @@ class Law(NamedTuple):
     stick: float
     arm: float
     restitution: float
-    poisson: bool
+    name: str
 
 
 class _Rates(NamedTuple):
@@ -55,8 +68,10 @@ def collide(law: Law, before: Touch) -> Touch:
     """
     if before.lift > 0.0 or (before.lift == 0.0 and law.mu < inf):
         return before
+    if law.name == "moreau":
+        return _at_once(law, before)
     now = _stopped(law, before) if law.mu == inf else before
-    goal = 0.0 if law.poisson else -law.restitution * before.lift
+    goal = 0.0 if law.name == "poisson" else -law.restitution * before.lift
     if now.lift >= goal:
         return now  # what ended the slip has lifted the contact
     compression = 0.0
@@ -65,7 +80,7 @@ def collide(law: Law, before: Touch) -> Touch:
         now = now._replace(lift=0.0)
     if law.restitution == 0.0:
         return now
-    if law.poisson:
+    if law.name == "poisson":
         return _advance(law, now, lambda spent, now, rates: law.restitution * compression - spent)[0]
     return _advance(law, now, lambda spent, now, rates: _until(now.lift, rates.lift, goal))[0]._replace(lift=goal)
 
@@ -129,6 +144,50 @@ def _piece(law: Law, slip: float, turn: float) -> _Rates:
     return _Rates(friction, couple, along, 1.0 + law.arm_t * omega, omega)
 
 
+def _at_once(law: Law, before: Touch) -> Touch:
+    """Moreau's law: of the ways to end, those that hold most first, the one that agrees with its impulse."""
+    goal = -law.restitution * before.lift
+    if law.mu == inf and (stopped := _stopped(law, before)).lift >= goal:
+        return stopped  # what ends the slip lifts the contact fast enough without a normal impulse
+    slips, turns = (0.0,) if law.mu == inf else (0.0, 1.0, -1.0), (0.0, 1.0, -1.0) if law.arm else (0.0,)
+    ends = [_ending(law, before, slip, turn) for slip, turn in product(slips, turns)]
+    excess, after = min(ends, key=lambda end: end[0])
+    if not excess <= ROUNDING:
+        raise ArithmeticError(f"no end of the impact agrees with its laws at {before} under {law}")
+    return after._replace(lift=goal)
+
+
+def _ending(law: Law, before: Touch, slip: float, turn: float) -> tuple[float, Touch]:
+    """By how much, relatively, the impulse is beyond its laws that ends slipping and turning in those senses (0: not at
+    all), and the velocities after it.
+
+    The impulse (T, P, C) is the solution of a condition each on friction, normal velocity and couple.
+    """
+    held = bool(law.arm) and not turn
+    spins = np.array([-law.arm_n, law.arm_t, 1.0]) / law.gyration
+    slips, lifts = np.array([1.0, 0.0, 0.0]) - law.arm_n * spins, np.array([0.0, 1.0, 0.0]) + law.arm_t * spins
+    conditions = (
+        (np.array([1.0, law.mu * slip, 0.0]), 0.0) if slip else (slips, -before.slip),
+        (lifts, -(1.0 + law.restitution) * before.lift),
+        (spins, -before.omega) if held else (np.array([0.0, law.arm * turn, 1.0]), 0.0),
+    )
+    try:
+        impulse = np.linalg.solve([row for row, _ in conditions], [value for _, value in conditions])
+    except np.linalg.LinAlgError:  # friction that wedges: no impulse of this kind changes the normal velocity
+        return inf, before
+    friction, normal, couple = (float(part) for part in impulse)
+    along, omega = before.slip + float(slips @ impulse), before.omega + float(spins @ impulse)
+    if not normal > 0.0:
+        return inf, before
+    excess = max(
+        -along * slip / (abs(before.slip) + abs(along)) if slip and along else 0.0,
+        -omega * turn / (abs(before.omega) + abs(omega)) if turn and omega else 0.0,
+        abs(friction) / normal - law.stick if not slip else 0.0,
+        (abs(couple) / normal - law.arm) / law.arm if held else 0.0,
+    )
+    return max(excess, 0.0), Touch(along if slip else 0.0, before.lift, 0.0 if held else omega)
+
+
 def _stopped(law: Law, now: Touch) -> Touch:
     """Friction without bound ends the slip before there is any normal impulse."""
     impulse = -now.slip / (1.0 + law.arm_n**2 / law.gyration)
@@ -151,5 +210,5 @@ def law_of(case: Case, arm_t: float, arm_n: float) -> Law:
         stick,
         resistance.arm if resistance else 0.0,
         impact.restitution,
-        impact.law == "poisson",
+        impact.law,
     )

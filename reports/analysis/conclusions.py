@@ -1,4 +1,7 @@
-"""The section's first sentences, counted from the rows: where the reference is cheaper, by how much, and where not."""
+"""The section's first sentences, from the rows of `which_engine` and `time_to_accuracy`: who is cheaper, and by what.
+
+They say what was measured whoever it favours: where an engine is cheaper, that is what the sentence says.
+"""
 
 from __future__ import annotations
 
@@ -8,132 +11,105 @@ from statistics import median
 from typing import Any, NamedTuple
 
 from ..running.records import REFERENCE
-from .quantities import UNITS
-from .work_precision import DISTURBED, groups, ratio_of_intervals
+from .time_to_accuracy import DISTURBED, REACHED
+from .which_engine import ALIKE, RUNS
+from .words import level, number, quantity, seconds, times, unit
 
-# The factor that is worth the name at the finest level an engine reaches.
-CLEARLY = 100.0
-
-
-class Conclusion(NamedTuple):
-    """At one accuracy of a case: the engine that gets there first, and its CPU time over that of each of the
-    reference's methods (least, middle, greatest that the timings allow)."""
-
-    case: str
-    quantity: str
-    accuracy: float
-    engine: str
-    ratios: dict[str, tuple[float, float, float]]
-    finest: bool  # whether no engine is known to reach a finer level
+# The accuracy an engineer asks for; the first sentence is about it, or the finest coarser one that anybody has.
+ASKED = 1e-4
 
 
-def main_quantity(rows: Sequence[dict[str, Any]]) -> dict[str, str]:
-    """What each case is judged by: the first transition's time where there is one, else the final pose."""
-    first, pose = "first_transition_time", "final_pose"
-    asked = {(row["case"], row["quantity"]) for row in rows}
-    return {case: first if (case, first) in asked else pose for case in dict.fromkeys(row["case"] for row in rows)}
+class Headline(NamedTuple):
+    """The first sentence, about one case, and those that follow, about all."""
+
+    first: str
+    rest: str
 
 
-def conclusions(rows: Sequence[dict[str, Any]]) -> list[Conclusion]:
-    """One for each case and accuracy that both an engine and the reference reach, by rows of `time_to_accuracy`."""
-    quantity = main_quantity(rows)
-    rows = [row for row in rows if quantity[row["case"]] == row["quantity"]]
-    found = []
-    for (case,), of_case in groups(rows, "case").items():
-        timed = [row for row in of_case if _is_time(row)]
-        reached = [row["accuracy"] for row in timed if row["solver"] != REFERENCE]
-        for (accuracy,), level in groups(timed, "accuracy").items():
-            engines = [row for row in level if row["solver"] != REFERENCE]
-            own = [row for row in level if row["solver"] == REFERENCE]
-            if engines and own:
-                best = min(engines, key=lambda row: row["cpu_s"])
-                ratios = {row["route"]: ratio_of_intervals(best, row) for row in own}
-                name = f"{best['solver']} {best['route']}"
-                found.append(Conclusion(case, quantity[case], accuracy, name, ratios, accuracy == min(reached)))
-    return found
-
-
-def _is_time(row: dict[str, Any]) -> bool:
-    return not isinstance(row["cpu_s"], str)
-
-
-def headline(rows: Sequence[dict[str, Any]]) -> str:
-    """What the section says first: by what factor the reference is cheaper, and everywhere that it is not."""
-    found = conclusions(rows)
-    if not found:
-        return f"No case has timings of both an engine and the reference to be ranked by.{_disturbed(rows)}"
-    methods = list(dict.fromkeys(method for verdict in found for method in verdict.ratios))
-    finest = [verdict for verdict in found if verdict.finest]
-    parts = []
-    for method in methods:
-        ratios = [v.ratios[method][1] for v in finest if method in v.ratios]
-        if ratios:
-            parts.append(f"{median(ratios):.2g} times {method}'s (from {min(ratios):.2g} to {max(ratios):.2g})")
-    told = (
-        f"At the finest accuracy that any engine reaches, the engine that gets there first takes {' and '.join(parts)} "
-        f"CPU time, in the median over {_cases(len(finest))}."
+def headline(answers: Sequence[dict[str, Any]], told: Sequence[dict[str, Any]]) -> Headline:
+    """By rows of `which_engine` and of `time_to_accuracy`."""
+    decided = [row for row in answers if row["cheaper"]]
+    if not decided:
+        return Headline("No case has timings of both an engine and the reference to be compared by.", _disturbed(told))
+    accuracy = ASKED if any(row["accuracy"] == ASKED for row in decided) else decided[0]["accuracy"]
+    of_level = [row for row in decided if row["accuracy"] == accuracy]
+    case = of_level[0]["case"]
+    parts = [_clause(row) for row in of_level if row["case"] == case]
+    first = (
+        f"As used from Python, to reach {level(accuracy)}{unit(of_level[0]['unit'])} in "
+        f"{quantity(of_level[0]['quantity'])} of {case}, {'; '.join(parts)}."
     )
-    best = methods[0]
-    close = [v for v in finest if best in v.ratios and 1.0 <= v.ratios[best][1] < CLEARLY]
-    if close:
-        told += f" It is less than {CLEARLY:g} times {best}'s on {_list(close, best)}."
-    return told + "".join(_method(method, found) for method in methods) + _disturbed(rows)
+    rest = [_even(of_level[0])] + [_counted(of_level, runs) for runs in RUNS] + [_alone(told, case, accuracy)]
+    return Headline(first, " ".join(filter(None, [*rest, _disturbed(told)])))
 
 
-def _method(method: str, found: Sequence[Conclusion]) -> str:
-    """Where one method of the reference is cheaper than every engine, and where it is not."""
-    mine = [verdict for verdict in found if method in verdict.ratios]
-    dearer = [v for v in mine if v.ratios[method][1] < 1.0]
-    told = f" {method.capitalize()} is cheaper than every engine at {len(mine) - len(dearer)} of the {len(mine)} levels"
-    told += " of accuracy, from 0.01 on, that an engine reaches"
-    return told + (f"; not on {_list(dearer, method)}." if dearer else ".")
+def _clause(row: dict[str, Any]) -> str:
+    """Who takes how long for so many runs, the cheaper first."""
+    spent = {row["engine"]: row["engine_total_s"], row["reference"]: row["reference_total_s"]}
+    one, other = sorted(spent, key=lambda who: spent[who])
+    what = "one simulation from cold takes" if row["runs"] == 1 else f"{row['runs']:,} take"
+    end = "they are alike" if row["cheaper"] == ALIKE else f"{row['cheaper']} is cheaper, by {times(row['factor'])}"
+    return f"{what} {seconds(spent[one])} with {one} and {seconds(spent[other])} with {other}: {end}"
 
 
-def _list(found: Sequence[Conclusion], method: str) -> str:
-    """Case by case: the accuracies, the engine, and what part of the method's time it takes where that is least."""
-    named = []
-    for (case, engine), same in groups([v._asdict() for v in found], "case", "engine").items():
-        levels = [v["accuracy"] for v in same]
-        worst = min((v["ratios"][method] for v in same), key=lambda ratio: ratio[1])
-        span = f"{max(levels):g}" + (f" to {min(levels):g}" if len(levels) > 1 else "")
-        unit = UNITS[same[0]["quantity"]]
-        named.append(f"{case} at {span} {unit} ({engine}: {worst[1]:.2g}{'' if _sure(worst) else ', not for sure'})")
-    return "; ".join(named)
+def _even(row: dict[str, Any]) -> str:
+    runs = row["break_even_runs"]
+    if not isfinite(runs):
+        return "However often it is run, an engine stays cheaper there."
+    return "The reference is cheaper from the first run on." if runs <= 1 else (
+        f"From {runs:,.0f} runs on the reference is cheaper there."
+    )  # fmt: skip
 
 
-def _sure(ratio: tuple[float, float, float]) -> bool:
-    """Whether the interval leaves one out."""
-    low, _, high = ratio
-    return high < 1.0 or low > 1.0
+def _counted(rows: Sequence[dict[str, Any]], runs: int) -> str:
+    """At one accuracy, over all cases: in how many an engine is cheaper, and which."""
+    same = [row for row in rows if row["runs"] == runs]
+    ahead = [row for row in same if row["cheaper"] == row["engine"]]
+    how = "run once" if runs == 1 else f"run {runs:,} times"
+    told = f"Over all {len(same)} cases decided at {level(rows[0]['accuracy'])}, {how}, an engine is cheaper in "
+    if not ahead:
+        return told + "none."
+    names = "; ".join(f"{row['case']} ({row['engine']}, {times(row['factor'])})" for row in ahead)
+    return f"{told}{len(ahead)}: {names}."
+
+
+def _alone(told: Sequence[dict[str, Any]], case: str, accuracy: float) -> str:
+    """What of the cheapest warm run is the engine's own, beside the reference's whole run."""
+    rows = [r for r in told if r["case"] == case and r["accuracy"] == accuracy and r["lead"] and r["award"] == REACHED]
+    own = min((r["cpu_s"] for r in rows if r["solver"] == REFERENCE), default=float("nan"))
+    engines = [r for r in rows if r["solver"] != REFERENCE and isfinite(r["engine_s"])]
+    if not engines or not isfinite(own):
+        return ""
+    least = min(engines, key=lambda r: r["engine_s"])
+    ratio = least["engine_s"] / own
+    side = f"{times(ratio)} that of" if ratio >= 1.0 else f"{times(1.0 / ratio)} less than"
+    return (
+        f"Much of this is Python: of a warm run of {least['solver']} {least['route']}, {seconds(least['cpu_s'])}, the "
+        f"engine alone takes {seconds(least['engine_s'])}, {side} the reference's whole run ({seconds(own)})."
+    )
 
 
 def set_up(points: Sequence[dict[str, Any]]) -> str:
-    """What is not in the times of `work_precision`: building and compiling all settings of a case."""
+    """What is not in the warm times of runs: building and compiling all settings of a case."""
     spent: dict[str, dict[str, float]] = {}
     for row in {(p["case"], p["solver"], p["route"], p["setting"]): p for p in points}.values():
-        seconds = row["setup_s"] + (row["compile_s"] if isfinite(row["compile_s"]) else 0.0)
-        if isfinite(seconds):
+        whole = row["setup_s"] + (row["compile_s"] if isfinite(row["compile_s"]) else 0.0)
+        if isfinite(whole):
             of_solver = spent.setdefault(row["solver"], {})
-            of_solver[row["case"]] = of_solver.get(row["case"], 0.0) + seconds
-    told = ", ".join(f"{solver} {median(cases.values()):.2g} s" for solver, cases in spent.items())
-    return (
-        f"Not in these times: building and compiling. All settings of a case together take, in the median, {told}."
-        if told
-        else ""
-    )
+            of_solver[row["case"]] = of_solver.get(row["case"], 0.0) + whole
+    if not spent:
+        return ""
+    told = ", ".join(f"{solver} {seconds(median(cases.values()))}" for solver, cases in spent.items())
+    return f"Building and compiling all settings of a case together takes, in the median, {told}."
 
 
-def _cases(count: int) -> str:
-    return f"{count} case{'s' * (count != 1)}"
-
-
-def _disturbed(rows: Sequence[dict[str, Any]]) -> str:
+def _disturbed(told: Sequence[dict[str, Any]]) -> str:
     """How much was measured on a machine that had other things to do, and is ranked nowhere."""
-    timed = [row for row in rows if _is_time(row) or row["cpu_s"] == DISTURBED]
-    lost = sum(row["cpu_s"] == DISTURBED for row in timed)
+    timed = [row for row in told if row["award"] in (REACHED, DISTURBED)]
+    lost = sum(row["award"] == DISTURBED for row in timed)
     if not lost:
         return ""
     return (
-        f" The machine was disturbed during {lost / len(timed):.0%} of these timings, which therefore rank "
+        f"The machine was disturbed during {number(100 * lost / len(timed))}% of these timings, which therefore rank "
         "nothing: make them again on a quiet one."
     )

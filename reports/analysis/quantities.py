@@ -9,6 +9,7 @@ import numpy as np
 
 from ..judging.distances import Distance
 from ..running.records import Run, Truth, first_error
+from .convergence import ABOVE as ABOVE
 from .convergence import rounding as step_rounding
 
 # The unit of each quantity's error. Force and energy are parts of the true motion's own (`distances.differences`).
@@ -17,14 +18,21 @@ UNITS = {
     "all_transitions": "s",
     "final_pose": "m",
     "centre_rms": "m",
-    "normal_force_mean": "",
-    "energy_mean": "",
+    "normal_force_mean": "part",
+    "energy_mean": "part",
 }
 TIMES = ("first_transition_time", "all_transitions")
-_DISTANCES = {"final_pose": "pose_final", "centre_max": "centre_max", "centre_rms": "centre_rms"}
+# A single event may be met by chance; several of them, or a pose, are not.
+_SEVERAL = 2
+
 _SHARES = ("normal_force_mean", "energy_mean")
 # No share of a force or an energy is known better than to a few units in the last place of its terms.
 _LEAST_SHARE = 1e-15
+
+
+def lead(truth: Truth) -> str:
+    """What a case is judged by first: all its transitions where there are several, else where the plate ends."""
+    return "all_transitions" if len(truth.transitions) >= _SEVERAL else "final_pose"
 
 
 def error(run: Run, quantity: str) -> float:
@@ -32,13 +40,16 @@ def error(run: Run, quantity: str) -> float:
     if quantity == "first_transition_time":
         return abs(first_error(run))
     if quantity == "all_transitions":
-        return max((abs(row.error) for row in run.ledger), default=nan)
+        if any(row.verdict in ("missed", "spurious") for row in run.ledger):
+            return nan
+        # A rebound that no sample resolves has no time to be wrong by.
+        return max((abs(row.error) for row in run.ledger if isfinite(row.error)), default=nan)
     return from_distance(run.distance, quantity)
 
 
 def from_distance(distance: Distance, quantity: str) -> float:
     """The error of a quantity that is no time of a transition."""
-    return float(getattr(distance, _DISTANCES.get(quantity, quantity)))
+    return float(getattr(distance, quantity))
 
 
 def bar(truth: Truth, quantity: str, witnessed: Mapping[str, float]) -> float:
@@ -59,8 +70,8 @@ def doubt(run: Run, quantity: str) -> float:
     """How sure the reading of the run's transitions from its samples is, s; 0 where nothing is read."""
     if quantity not in TIMES:
         return 0.0
-    told = [spread for spread in run.spreads if isfinite(spread)]
-    return max(told[:1] if quantity == "first_transition_time" else told, default=0.0)
+    spreads = run.spreads[:1] if quantity == "first_transition_time" else run.spreads
+    return max((spread for spread in spreads if isfinite(spread)), default=0.0)
 
 
 def rounding(run: Run, quantity: str) -> float:

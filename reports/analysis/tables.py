@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from reference.errata import errata
 
 from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
+from . import quantities, reached
 from .convergence import convergence_rows
 
 if TYPE_CHECKING:
@@ -23,7 +23,11 @@ OUTCOMES = ("right", "wrong", "refused", "crashed", "timed_out")
 
 def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
     """The paper's misprints, each formula evaluated; they are the same for every experiment."""
-    return [erratum._asdict() for erratum in errata()]
+    # A verdict is said of transitions; what is found of a formula has a name of its own.
+    return [
+        {"finding" if name == "verdict" else name: value for name, value in erratum._asdict().items()}
+        for erratum in errata()
+    ]
 
 
 def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
@@ -106,7 +110,8 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per case and route: first-transition error (where there is one) and centre error, default and finest."""
+    """One row per case and route, default and finest: the error of the quantity that leads the case, which chance
+    cannot meet, and what the ladder reached in it; beside it the first transition's error and the centre's."""
     orders = {
         (row["case"], row["solver"], row["route"]): row["order"]
         for row in convergence_rows(experiment)
@@ -115,24 +120,27 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
     rows = []
     for (case, solver, route), group in routes(experiment.runs).items():
         fine, own, truth = finest(group), default(group), experiment.truths[case]
-        rows.append(
-            {
-                "case": case,
-                "solver": solver,
-                "route": route,
-                "default_error": first_error(own),
-                "default_centre_max": own.distance.centre_max if own else nan,
-                "default_outcome": own.outcome if own else "",
-                "finest_error": first_error(fine),
-                "finest_centre_max": fine.distance.centre_max if fine else nan,
-                "finest_outcome": fine.outcome if fine else group[-1].outcome,
-                "finest_setting": str(fine.setting) if fine else "",
-                "order": orders.get((case, solver, route), nan),
-                "transitions": len(truth.transitions),
-                "truth_error_bar": truth.error_bars[0] if truth.error_bars else nan,
-                "is_truth": bool(fine and is_truth(fine, truth)),
+        lead = quantities.lead(truth)
+        row: dict[str, Any] = {"case": case, "solver": solver, "route": route}
+        row |= {"lead_quantity": lead, "unit": quantities.UNITS[lead]}
+        row["reached"] = reached.finest_level(group, lead, truth)
+        row["lead_error_bar"] = quantities.bar(truth, lead, {})
+        for name, run in (("default", own), ("finest", fine)):
+            row |= {
+                f"{name}_lead_error": quantities.error(run, lead) if run else nan,
+                f"{name}_first_error": first_error(run),
+                f"{name}_centre_max": run.distance.centre_max if run else nan,
             }
-        )
+        row |= {
+            "default_outcome": own.outcome if own else "",
+            "finest_outcome": fine.outcome if fine else group[-1].outcome,
+            "finest_setting": str(fine.setting) if fine else "",
+            "order": orders.get((case, solver, route), nan),
+            "transitions_true": len(truth.transitions),
+            "truth_error_bar": truth.error_bars[0] if truth.error_bars else nan,
+            "is_truth": bool(fine and is_truth(fine, truth)),
+        }
+        rows.append(row)
     return rows
 
 
@@ -144,13 +152,6 @@ def outcome_counts(experiment: Experiment) -> dict[str, Counter]:
     return counts
 
 
-class Table(NamedTuple):
-    """What is said of a table: what it holds, and what its columns mean."""
-
-    holds: str
-    columns: Mapping[str, str] = {}
-
-
 TABLES = {
     "headline": headline_rows,
     "transitions": transition_rows,
@@ -159,15 +160,15 @@ TABLES = {
     "truth": truth_rows,
     "errata": errata_rows,
 }
-WORDS = {
-    "headline": Table("First-transition error and centre error of each route, defaults and finest setting"),
-    "transitions": Table(
+HOLDS = {
+    "headline": "What each route reaches, and its errors at the finest setting and as the engine comes",
+    "transitions": (
         "Every transition of every run: matched, missed, unresolved (a rebound too short for its samples) or spurious"
     ),
-    "trajectories": Table("Every run: outcome, distance from the truth, cost"),
-    "convergence": Table("Observed order of every route"),
-    "truth": Table("The certified transitions the runs are judged by"),
-    "errata": Table("The paper's misprints, each formula evaluated (residuals relative to what it must equal)"),
+    "trajectories": "Every run: outcome, distance from the truth, cost",
+    "convergence": "Observed order of every route",
+    "truth": "The certified transitions the runs are judged by",
+    "errata": "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
 }
 
 

@@ -12,10 +12,11 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..analysis import conclusions, work_precision
+from ..analysis import time_to_accuracy, work_precision
 from ..analysis.quantities import UNITS
+from ..analysis.words import level
 from ..analysis.work_precision import Measured
-from ..running.records import Experiment
+from ..running.records import REFERENCE, Experiment
 from .files import Drawn, file_name, save
 from .style import STYLE, Looks, logarithmic, looks_of
 
@@ -29,8 +30,9 @@ _WORDS = (
 _SUMMARY_WORDS = (
     "What accuracy costs, over all timed cases",
     "Performance profiles (Dolan and Moré 2002): the share of the cases in which a route reaches the accuracy within "
-    "so many times the CPU time of the fastest route (first transition in s, or the final pose in m where there is "
-    "none). A line that ends low never gets there in the other cases.",
+    "so many times the CPU time of the fastest route (all transitions in s where there are several, else the final "
+    "pose in m). Reached: no finer setting and no doubt contradicts it. A line that ends low does not get there in the "
+    "other cases.",
 )
 # The accuracies of the summary: what a game, a robot and a numerical analyst would ask for.
 _PANELS = (1e-2, 1e-4, 1e-6, 1e-8)
@@ -49,9 +51,9 @@ _TITLES = {
 def draw(experiment: Experiment, measured: Measured, folder: Path) -> Iterator[Drawn]:
     """Write a figure for each timed case and one for all; yields what was written."""
     looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measured)
-    rows = work_precision.time_to_accuracy_rows(points)
+    rows = [row for row in time_to_accuracy.rows(points) if row["lead"]]
     with matplotlib.rc_context(STYLE):
-        if conclusions.conclusions(rows):
+        if any(row["solver"] != REFERENCE and isfinite(row["ratio"]) for row in rows):
             yield save(summary(rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
         for label in measured.cases:
             own = [p for p in points if p["case"] == label and isfinite(p["cpu_s"])]
@@ -95,7 +97,7 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: Looks) -> None:
         ladder = [p for p in group if not p["setting"].is_default]
         look = looks.line(solver, route)
         # A setting inside the band interrupts the line: where it lies is not known.
-        sizes = [nan if p["below_floor"] else p["error"] for p in ladder]
+        sizes = [nan if p["below_floor"] else p["absolute_error"] for p in ladder]
         ax.plot([p["cpu_s"] for p in ladder], sizes, **look, label=f"{solver}, {route}")
         for p in group:
             if not p["below_floor"]:
@@ -118,15 +120,14 @@ def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
     face = "white" if p["setting"].is_default else colour
     bar = [[p["cpu_s"] - p["cpu_low_s"]], [p["cpu_high_s"] - p["cpu_s"]]] if isfinite(p["cpu_low_s"]) else None
     ax.errorbar(
-        p["cpu_s"], p["error"], xerr=bar, fmt=marker, markersize=5, color=colour, markerfacecolor=face,
+        p["cpu_s"], p["absolute_error"], xerr=bar, fmt=marker, markersize=5, color=colour, markerfacecolor=face,
         elinewidth=0.8, alpha=0.35 if p["disturbed"] else 1.0,
     )  # fmt: skip
 
 
 def summary(rows: Sequence[dict[str, Any]], looks: Looks) -> Figure:
-    """Performance profiles at several accuracies."""
-    quantity = conclusions.main_quantity(rows)
-    rows = [row for row in rows if quantity[row["case"]] == row["quantity"]]
+    """Performance profiles at several accuracies, from rows of the quantities that lead the cases."""
+    count = len({row["case"] for row in rows})
     known = [a for a in _PANELS if any(isfinite(row["ratio"]) for row in rows if row["accuracy"] == a)]
     figure, axes = plt.subplots(
         1, len(known), figsize=(2.5 * len(known) + 0.6, 3.4), sharey=True, sharex=True, layout="constrained",
@@ -136,12 +137,12 @@ def summary(rows: Sequence[dict[str, Any]], looks: Looks) -> Figure:
     for ax, accuracy in zip(axes[0], known, strict=True):
         for (solver, route), group in work_precision.groups(rows, "solver", "route").items():
             ratios = sorted(r["ratio"] for r in group if r["accuracy"] == accuracy and isfinite(r["ratio"]))
-            shares = [i / len(quantity) for i in range(len(ratios) + 1)]
+            shares = [i / count for i in range(len(ratios) + 1)]
             # Drawn also where it never leaves zero, so that the legend is the same everywhere.
             ax.step([1.0, *ratios, widest], [0.0, *shares[1:], shares[-1]], where="post", **looks.line(solver, route),
                     label=f"{solver}, {route}")  # fmt: skip
         logarithmic(ax, "x")
-        ax.set_title(f"accuracy {accuracy:g}", loc="left")
+        ax.set_title(f"accuracy {level(accuracy)}", loc="left")
         ax.set_xlabel("CPU time / fastest")
     axes[0][0].set_ylabel("share of cases")
     axes[0][0].set_ylim(-0.03, 1.03)

@@ -22,7 +22,7 @@ class Distance(NamedTuple):
     angle_rms: float
     slip_max: float
     slip_rms: float
-    pose_final: float = nan
+    final_pose: float = nan
     normal_force_mean: float = nan
     energy_mean: float = nan
 

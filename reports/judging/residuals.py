@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.ndimage import median_filter
 
+from adapters.common.exported import LOOSE
 from cases import (
     Case,
     CoulombFriction,
@@ -34,9 +35,6 @@ _LOOKS = 200
 # Gauss points between two samples of a dense motion: its steps carry polynomials of up to degree 25, their product with
 # the slip's is integrated to rounding by 26, and between two of a DOP853's steps by far less.
 _GAUSS = np.polynomial.legendre.leggauss(26)
-# Relative to the plate's size: what a solver's penalty or facets may miss the track by, and what a printed start may
-# be rounded to. Beyond, it is another scene.
-LOOSE = 1e-2
 # Velocities good to one percent give energies good to two.
 ENERGY = 2e-2
 # Relative; forces that a file holds with six digits, summed by their writer.

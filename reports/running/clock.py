@@ -38,6 +38,8 @@ _QUANTILES_FROM = 6
 # of thirty repeats deviate by 1.3 to 2.9 % from process to process (24 settings of three solvers, ten processes; one of
 # them by 12 %). With intervals no narrower than this, 99.9 % of the ratios of two processes agree; without, 98 %.
 _PROCESS = 0.03
+# Reading ranks nobody: so many repeats tell it well enough, where it takes longer than the run.
+_MOST_READS = 6
 # The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
 _FIRST_SECONDS = 0.03
 # Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.
@@ -85,22 +87,25 @@ class Timing:
     setup_s: float
     compile_s: float
     read_s: float
+    call_s: float
     repeats: int
     disturbed_repeats: int
     disturbed: bool
 
 
-UNTIMED = Timing(*7 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
+UNTIMED = Timing(*8 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
 
 
 class Repeat(NamedTuple):
     """One repeat: CPU and wall seconds of a `run` (the mean of those in a row); the slower of the calibration loops
-    before and after it, s; whether other processes were seen to run."""
+    before and after it, s; whether other processes were seen to run; CPU seconds of reading back, NaN where that was
+    known already."""
 
     cpu: float
     wall: float
     loop: float
     beside_others: bool
+    read: float = nan
 
 
 @dataclass
@@ -113,7 +118,6 @@ class Entry:
     read: Callable[[Any], Any] = lambda model: None
     repeats: list[Repeat] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
-    read_s: float = nan  # CPU seconds of reading back, once: it is as good as always the same work
     run_s: float = 0.0  # wall seconds of a build and a run, the last time
     failure: str = ""
 
@@ -152,7 +156,12 @@ class Entry:
 def disturbed(repeat: Repeat, loop: float) -> bool:
     """Whether something else had a part in a repeat; an undisturbed calibration loop takes `loop` seconds."""
     waited = repeat.wall > _DISTURBED * repeat.cpu + _SWITCH_SECONDS
-    return waited or repeat.beside_others or repeat.loop > _DISTURBED * loop
+    return waited or repeat.beside_others or disturbed_by(repeat.loop, loop)
+
+
+def disturbed_by(seen: float, loop: float) -> bool:
+    """Whether a calibration loop of `seen` seconds was disturbed, if it takes `loop` seconds undisturbed."""
+    return seen > _DISTURBED * loop
 
 
 def time_all(contestants: Sequence[Contestant], budget: float) -> list[tuple[Timing | None, str]]:
@@ -253,15 +262,19 @@ def timing(entry: Entry, loop: float) -> Timing:
     few = len(quiet) < LEAST_REPEATS
     used = entry.repeats if few else quiet
     setup = statistics.median(entry.setup[1:] or entry.setup)
+    # Beside what runs, reading is disturbed like running: the same repeats count, if it was read in one of them.
+    reads = [r.read for r in used if not isnan(r.read)] or [r.read for r in entry.repeats if not isnan(r.read)]
+    cpu, read = statistics.median(r.cpu for r in used), statistics.median(reads) if reads else nan
     low, high = interval([r.cpu for r in used])
     return Timing(
-        cpu_s=statistics.median(r.cpu for r in used),
+        cpu_s=cpu,
         cpu_low_s=low,
         cpu_high_s=high,
         wall_s=statistics.median(r.wall for r in used),
         setup_s=setup,
         compile_s=max(0.0, entry.setup[0] - setup) if len(entry.setup) > 1 else nan,
-        read_s=entry.read_s,
+        read_s=read,
+        call_s=setup + cpu + read,
         repeats=len(used),
         disturbed_repeats=len(entry.repeats) - len(quiet),
         disturbed=few and len(quiet) < len(entry.repeats),
@@ -269,7 +282,7 @@ def timing(entry: Entry, loop: float) -> Timing:
 
 
 def _repeat(entry: Entry, loops: list[float]) -> None:
-    """Build, run and (the first time) read back; the calibration loops' times go into `loops`."""
+    """Build, run and (until it is known) read back; the calibration loops' times go into `loops`."""
     try:
         began, warm_ups = time.perf_counter(), entry.warm_ups
         models = [entry.built() for _ in range(warm_ups + entry.row)]
@@ -287,15 +300,23 @@ def _repeat(entry: Entry, loops: list[float]) -> None:
             gc.enable()
         others, after = others or neighbours(), calibrate()
         entry.run_s = (time.perf_counter() - began) / len(models)
-        if isnan(entry.read_s):
-            spent = time.process_time()
-            entry.read(row[-1])
-            entry.read_s = time.process_time() - spent
+        read = _read(entry, row[-1])
     except Exception as problem:  # an engine that fails now and then loses its row, not everyone's
         entry.failure = f"{type(problem).__name__}: {problem}"
         return
     loops += [before, after]
-    entry.repeats.append(Repeat(cpu / len(row), wall / len(row), max(before, after), others))
+    entry.repeats.append(Repeat(cpu / len(row), wall / len(row), max(before, after), others, read))
+
+
+def _read(entry: Entry, model: Any) -> float:
+    """CPU seconds of reading a model back; NaN once that is known well enough."""
+    reads = [r.read for r in entry.repeats if not isnan(r.read)]
+    if known(reads) or len(reads) >= _MOST_READS:
+        return nan
+    spent = time.process_time()
+    # The samples are asked for: the reference makes them when they are.
+    getattr(entry.read(model), "t", None)
+    return time.process_time() - spent
 
 
 def calibrate() -> float:

@@ -14,14 +14,16 @@ from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from adapters.interface import GROUP, NO_ADAPTERS
+from adapters.interface import GROUP, NO_ADAPTERS, executables
 
 # The suite's rooms: their modules and those of a module's own package are followed, no others.
 SUITE = ("adapters", "cases", "reference", "reports")
 
 
 def of_adapter(engine: str) -> str:
-    """The name of an engine's adapter module."""
+    """The name of an engine's adapter module. An executable's version is a digest of its file."""
+    if engine in executables():
+        return "adapters.by_process"
     foreign = [_module(point) for point in entry_points(group=GROUP, name=engine)]
     return foreign[-1] if foreign else f"adapters.{engine}"
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from adapters import Setting
+from adapters.common import exported
 from cases import BadValue, Case, CaseError, Cost, DoesNotFit, Trajectory
 from cases.errors import unknown
 
-from ..judging import exported
 from .records import Experiment, Run, Truth
 from .tasks import judge, true_motion
 

@@ -14,6 +14,8 @@ from reference import solve
 from reference.minimal.modes import start_state
 
 NAME = "reference"
+# The compiled package behind the Taylor method; the other routes are Python's own.
+ENGINE = "heyoka"
 routes = solve.ROUTES
 
 # From what a hurried user asks for to the last digit double precision holds.

@@ -16,7 +16,7 @@ import numpy as np
 
 import cases
 import reference
-from adapters import EngineFailure, Setting
+from adapters import EngineFailure, Setting, other_laws
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
@@ -130,7 +130,14 @@ def perform(case: Case, name: str, route: str, setting: Setting, rung: int, trut
     Raises what is the machine's fault and may be mended (ImportError, MemoryError, OSError): it is no result to keep.
     """
     row = Run(case.label, name, route, setting, rung, outcome="", when=now())
-    return attempt(row, case, lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth))
+    try:
+        laws = other_laws(solver(name), case, route)
+    except ImportError:
+        raise
+    except Exception as problem:
+        return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {sentence(problem)}")
+    verdict = lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth, laws)  # noqa: E731
+    return attempt(row, case, verdict)
 
 
 def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> Run:
@@ -166,16 +173,24 @@ def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Traje
     trajectory = module.read(model)
     setup += time.perf_counter() - began
     steps = trajectory.cost.steps or len(trajectory.t) - 1
+    if getattr(module, "TELLS_COST", False):
+        cpu = trajectory.cost.cpu_s
     return replace(trajectory, cost=replace(trajectory.cost, cpu_s=cpu, wall_s=wall, setup_s=setup, steps=steps))
 
 
-def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth) -> Run:
-    """Compare a sound trajectory with the truth: ledger, distances, right or wrong."""
+def judge(
+    row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth, laws: tuple[str, ...] = ()
+) -> Run:
+    """Compare a sound trajectory with the truth: ledger, distances, right or wrong. `laws`: what the solver says it
+    models by another law than the case's; such a run is wrong, and its row tells by which law and by how much."""
     told = reading_of(case, trajectory)
     gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t)))
     matched = ledger.match(truth.transitions, told.transitions, gap)
     off = distances.differences(trajectory, motion, case)
     wrong = _faults(told, matched, trajectory, truth)
+    away = distances.distance(off)
+    if laws:
+        wrong = [*laws, f"its centre is off by {away.centre_max:.2g} m at most", *wrong]
     return replace(
         row,
         outcome="wrong" if wrong else "right",
@@ -183,7 +198,7 @@ def judge(row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, trut
         first_mode=str(told.first_mode),
         ledger=matched,
         spreads=told.spreads,
-        distance=distances.distance(off),
+        distance=away,
         samples=_shown(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )

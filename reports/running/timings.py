@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from adapters import Setting
+from adapters.interface import executables
 from cases import Case
 
-from . import clock
+from . import clock, cold, parts
 from .calls import Calls, Keep
 from .clock import Contestant, Timing
+from .cold import Cold
+from .parts import Parts
 from .records import Experiment, routes
 
 # A curve of fewer settings tells no order and no saturation.
 LEAST_SETTINGS = 6
 # Wall seconds for all timings of a default report, and how many cases share them: once through the full ladder of every
 # route takes some five seconds on a dear case, and an interval needs three times.
-BUDGET, MOST_CASES = 54.0, 5
+BUDGET, MOST_CASES = 54.0, 7
 # A full report times every case, each for about so long.
 FULL_BUDGET_A_CASE = 60.0
+# Wall seconds a case may take for calls from cold, and for the parts of runs.
+COLD_BUDGET, PARTS_BUDGET = 4.0, 3.0
 # Beyond its budget a case may take as long as one run more and its compilations.
 PATIENCE = 60.0
 
@@ -33,6 +38,13 @@ class Timed(NamedTuple):
     cases: tuple[Case, ...] = ()
     timings: Mapping[Key, Timing] = {}
     failures: Mapping[str, str] = {}
+
+
+class Beside(NamedTuple):
+    """What is measured of some settings only, beside the timings: a call from cold, and the parts of a run."""
+
+    cold: Mapping[Key, Cold] = {}
+    parts: Mapping[Key, Parts] = {}
 
 
 def chosen(experiment: Experiment, full: bool) -> list[Case]:
@@ -59,7 +71,10 @@ def _whole_ladders(experiment: Experiment, label: str) -> int:
 
 def contestants(experiment: Experiment, case: Case) -> list[Contestant]:
     """Every setting that gave a right motion of the case."""
-    runs = [run for run in experiment.runs if run.case == case.label and run.outcome == "right"]
+    # An executable's time is its own word, and its process none of those that the clock can see.
+    told = executables()
+    mine = [run for run in experiment.runs if run.case == case.label and run.solver not in told]
+    runs = [run for run in mine if run.outcome == "right"]
     return [Contestant(case, r.solver, r.route, r.setting, r.cost.wall_s + r.cost.setup_s) for r in runs]
 
 
@@ -89,6 +104,47 @@ def measure(experiment: Experiment, full: bool, calls: Calls) -> Timed:
     return Timed(tuple(cases), timings, failures)
 
 
+def beside(experiment: Experiment, wanted: Collection[Key], full: bool, calls: Calls) -> Beside:
+    """Calls from cold, and the parts of runs, of the settings that are wanted; each case in processes of its own."""
+    colds: dict[Key, Cold] = {}
+    shares: dict[Key, Parts] = {}
+    more = FULL_BUDGET_A_CASE / COLD_BUDGET if full else 1.0
+
+    def one_by_one() -> Iterator[None]:
+        for case in experiment.cases:
+            who = [one for one in contestants(experiment, case) if (case.label, *one[1:4]) in wanted]
+            if not who:
+                continue
+            for function, budget, found in (
+                (cold.first_calls, COLD_BUDGET, colds),
+                (parts.parts_of_all, PARTS_BUDGET, shares),
+            ):
+                # Nothing may have been compiled in a process that is to begin cold.
+                with calls.alone() as alone:
+                    found.update(_beside(function, who, budget * more, alone))
+            yield
+
+    for _ in calls.progress("cold starts and parts", len({key[0] for key in wanted}), one_by_one()):
+        pass
+    return Beside(colds, shares)
+
+
+def _beside(function: Callable, who: Sequence[Contestant], budget: float, alone: Calls) -> dict[Key, Any]:
+    keep = Keep(
+        "timing",
+        of=_content,
+        worth=lambda value: not any(getattr(told, "disturbed", False) for told, _ in value if told),
+    )
+    (answer,) = alone.all("cold starts and parts", function, [(who, budget)], limit=budget + PATIENCE, keep=keep)
+    told = answer.value if answer.outcome == "done" else []
+    return {(one.case.label, *one[1:4]): value for one, (value, _) in zip(who, told, strict=False) if value}
+
+
+def _content(who: Sequence[Contestant], budget: float) -> tuple:
+    """What decides a timing: cases, solvers, routes and settings, and the time there was for it."""
+    return *dict.fromkeys(one.case for one in who), sorted((*one[1:3], str(one[3])) for one in who), budget
+
+
 def time_together(
     who: Sequence[Contestant], budget: float, share: float, alone: Calls
 ) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
@@ -99,11 +155,7 @@ def time_together(
     """
     keep = Keep(
         "timing",
-        of=lambda who, _: (
-            *dict.fromkeys(one.case for one in who),
-            sorted((*one[1:3], str(one[3])) for one in who),
-            share,
-        ),
+        of=lambda who, _: _content(who, share),
         worth=lambda value: not any(timing.disturbed for timing, _ in value if timing),
     )
     (answer,) = alone.all("timings", clock.time_all, [(who, budget)], limit=budget + PATIENCE, keep=keep)

@@ -26,7 +26,7 @@ from cases.errors import unknown
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..analysis.tables import Table
+    from ..analysis.columns import Table
     from ..drawing.files import Drawn
     from ..running.calls import Calls
 
@@ -86,10 +86,15 @@ def run(name: str, request: Request, calls: Calls, command: str) -> Result:
     """Make a study. What fails is said in its result; it takes nothing else with it."""
     import pandas as pd
 
+    from ..analysis.columns import infinite
+
     made = study(name)
     try:
         found = made.run(request, calls)
         frames = {table: pd.DataFrame(rows) for table, rows in made.rows(found).items()}
+        for table, frame in frames.items():
+            if infinite(frame):
+                raise ValueError(f"the table {table} has an infinite result in {', '.join(infinite(frame))}")
         return Result(name, made, command, frames, found)
     except Exception as problem:  # whatever it is, the report goes on without this study and says so
         return Result(name, made, command, failure=f"{type(problem).__name__}: {problem}")

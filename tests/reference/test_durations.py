@@ -202,7 +202,7 @@ def test_a_polynomial_is_extrapolated_exactly(coefficients, ratio):
 
 
 @METHODS
-@pytest.mark.parametrize("law", ["poisson", "newton"])
+@pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
 @pytest.mark.parametrize("e", [0.5, 0.9, 1.0])
 @pytest.mark.parametrize("speed", [1e-6, 300.0])
 def test_a_start_that_begins_with_an_impact_rebounds(method, law, e, speed):

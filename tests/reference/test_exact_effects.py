@@ -330,8 +330,8 @@ def test_bouncing_on_a_slope_comes_to_rest_in_a_slide_with_its_exact_speed():
     assert along == pytest.approx(G * (sin(slope) - mu * cos(slope)) * 3.0, rel=1e-11)
 
 
-def _law(arm_t, arm_n, gyration, mu, e, poisson=True):
-    return Law(arm_t, arm_n, gyration, mu, mu, 0.0, e, poisson)
+def _law(arm_t, arm_n, gyration, mu, e, name="poisson"):
+    return Law(arm_t, arm_n, gyration, mu, mu, 0.0, e, name)
 
 
 class Routh:
@@ -359,7 +359,7 @@ def test_impact_that_slips_throughout_has_rouths_velocities():
 
 @pytest.mark.parametrize("law_name", ["poisson", "newton"])
 def test_impact_whose_slip_ends_sticks_to_the_end(law_name):
-    law = _law(0.05, -0.5, 0.125, 0.5, 0.7, law_name == "poisson")
+    law = _law(0.05, -0.5, 0.125, 0.5, 0.7, law_name)
     slip, lift = 0.5, -2.0
     routh = Routh(law, slip, lift)
     until_stick = slip / (0.5 * routh.A - routh.C)
@@ -402,7 +402,7 @@ def test_impact_without_slip_sticks_from_the_start():
 def test_newtons_law_would_create_energy_where_friction_reverses_the_slip_and_is_told():
     # An observation ascribed to Kane & Levinson (known to us, not looked up): e as a ratio of velocities, with
     # friction.
-    law = _law(-1.0, -0.8, 0.12, 1.0, 0.9, poisson=False)
+    law = _law(-1.0, -0.8, 0.12, 1.0, 0.9, "newton")
     worst = max(
         energy(law, collide(law, Touch(slip, -1.0, omega))) / energy(law, Touch(slip, -1.0, omega))
         for slip in np.linspace(-3, 3, 61)
@@ -422,7 +422,7 @@ numbers = st.floats(-2.0, 2.0, allow_subnormal=False)
 def test_energy_never_grows_through_an_impact_and_the_contact_opens(
     arm_t, arm_n, gyration, mu, more, arm, e, slip, lift, omega
 ):
-    law = Law(arm_t, arm_n, gyration, mu, more * mu, arm, e, True)
+    law = Law(arm_t, arm_n, gyration, mu, more * mu, arm, e, "poisson")
     before = Touch(slip, lift, omega)
     after = collide(law, before)
     assert energy(law, after) <= energy(law, before) * (1 + 1e-12)

@@ -158,14 +158,14 @@ def test_a_perfectly_rough_impact_leaves_no_slip(law):
 
 
 @pytest.mark.parametrize("slip", [-3.0, -1.6, 1.0])
-@pytest.mark.parametrize("law", ["poisson", "newton"])
+@pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
 def test_both_formulations_agree_on_a_rough_impact_whose_friction_alone_opens_the_contact(law, slip):
-    """By Newton's law a normal impulse is still due where what ends the slip lifts the contact more slowly than −e
-    times its closing speed; by Poisson's none is, without compression."""
+    """By Newton's law and Moreau's a normal impulse is still due where what ends the slip lifts the contact more
+    slowly than −e times its closing speed; by Poisson's none is, without compression."""
     before, e, (a, b), J = Velocities(slip, -0.1, 3.0), 0.6, arms(PLATE, -1.2), PLATE.inertia
     stopped = before.lift + a * b / J / (1 + b * b / J) * slip
     assert (stopped < 0.0) == (slip > 0.0)  # else the case is none
-    law_of_it = Law(a, b, J / PLATE.mass, inf, inf, 0.0, e, law == "poisson")
+    law_of_it = Law(a, b, J / PLATE.mass, inf, inf, 0.0, e, law)
     ours = collide(law_of_it, Touch(slip, before.lift, before.spin))
     theirs = hit(PLATE, -1.2, before, PerfectlyRough(), Impact(e, law))
     assert (ours.slip, ours.lift, ours.omega) == pytest.approx(tuple(theirs), abs=ROUNDING)

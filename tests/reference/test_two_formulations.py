@@ -76,7 +76,7 @@ def bouncing(case: Case, gap: float, restitution: float, law: str) -> Case:
 
 
 # Newton's law rather often ends a scene with an energy that grows, so that most scenes have Poisson's.
-LAWS = st.sampled_from(["poisson", "poisson", "newton"])
+LAWS = st.sampled_from(["poisson", "poisson", "newton", "moreau"])
 
 
 @given(elliptic_scenes.filter(lambda case: case.effects[1:]), numbers(0.01, 0.1), numbers(0.0, 0.85), LAWS)

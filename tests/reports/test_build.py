@@ -150,6 +150,7 @@ def test_report_has_every_promised_file_and_no_other(report):
     assert files == set(manifest["files"])
     promised = {"index.html", "manifest.json", "figures/headline.png"}
     promised |= {f"tables/{name}.{kind}" for name in tables.TABLES for kind in ("csv", "md")}
+    promised |= {"tables/columns.md", "tables/datapackage.json"}
     assert promised <= files
     assert [p.name for p in report.parent.iterdir()] == ["report"]  # no partial report is left beside it
 
@@ -166,7 +167,7 @@ def test_tables_have_the_promised_columns(report):
         "transitions": "case,solver,route,setting,event,before,after,time,reference_time,error,truth_error_bar,verdict,"
         "reading_doubt",
         "trajectories": "case,solver,route,setting,outcome,reason,status,first_mode,transitions_true,matched,missed,"
-        "spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,pose_final,normal_force_mean,"
+        "spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
         "energy_mean,cpu_s,setup_s,steps,run_at",
         "convergence": "case,solver,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
         "saturation,saturated_from",
@@ -198,7 +199,7 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
 
 def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
     figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
-    assert len(figures) == 7 and len(texts) == len(tables.TABLES)
+    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "columns"}
     for figure in figures:
         assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
     for file in texts:

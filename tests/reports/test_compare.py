@@ -6,9 +6,10 @@ import pytest
 
 import cases
 import reference
+from adapters.common import exported
 from cases import registry
 from reports import compare
-from reports.judging import exported, residuals
+from reports.judging import residuals
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)

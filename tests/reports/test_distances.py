@@ -37,7 +37,7 @@ def test_distance_measures_a_known_displacement(exact):
     # Two whole turns are a matter of where rotation is counted from, 2e-3 rad are not.
     assert (far.angle_max, far.slip_max) == pytest.approx((2e-3, 0.0), abs=1e-12)
     # A disc's radius of gyration is r/√2; r is 0.1 m.
-    assert far.pose_final == pytest.approx(np.hypot(5e-3, 2e-3 * 0.1 / np.sqrt(2)))
+    assert far.final_pose == pytest.approx(np.hypot(5e-3, 2e-3 * 0.1 / np.sqrt(2)))
 
 
 def test_force_and_energy_are_measured_in_the_true_motion_s_own(exact):

@@ -1,11 +1,13 @@
 """Every study says what its tables hold: a table or column without words is refused here, not after a report's runs."""
 
 from math import nan
+from pathlib import Path
 
 import pytest
 
 import cases
 from adapters import Setting
+from adapters.interface import engines
 from reference.paper.closed_form import sliding_disc_in_circle
 from reports import studies
 from reports.judging.residuals import Residuals
@@ -16,6 +18,7 @@ from reports.running.serving import Answer
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
+from reports.studies.meanings import study as meanings
 from reports.studies.paper import measure as paper
 from reports.studies.published import study as published
 from reports.studies.reference_cost import growth, in_c
@@ -34,6 +37,7 @@ FOUND = {
     "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.Probe("refused")}, {})],
     "error_parts": [error_parts.Cell(CASE.label, "engine", "native", Setting.of(), "refused", "No such curve.")],
     "formulations": [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations._nothing("crashed", "")],
+    "meanings": [dict.fromkeys(meanings.COLUMNS, "")],
     "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
     "published": published.of_one(0)[:1],
     "reference_cost": reference_cost.Found(
@@ -122,3 +126,12 @@ def test_what_the_reference_costs():
     missed = {row["what"]: row for row in told if row["measured"] > 2.0 * row["limit"]}
     # What is known to miss its bar, and why, stands in the study's own words.
     assert not missed.keys() - reference_cost.KNOWN.keys()
+
+
+@pytest.mark.parametrize("name", engines())
+def test_the_page_of_parameters_is_what_the_adapters_tell(name):
+    pytest.importorskip(f"adapters.{name}")
+    page = (Path(__file__).parents[2] / "docs" / "engine_parameters.md").read_text(encoding="utf-8").splitlines()
+    kept = [line for line in page if line.startswith(f"| {name} |")]
+    again = "python -m reports.studies.meanings > docs/engine_parameters.md"
+    assert kept == meanings.as_lines(meanings.of_one(name)), again

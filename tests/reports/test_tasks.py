@@ -159,7 +159,9 @@ def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, li
 
 
 def test_no_more_is_claimed_than_the_truth_allows():
-    row = dict(is_truth=False, finest_error=3e-15, finest_outcome="right", transitions=1, truth_error_bar=1e-12)
-    assert error_text(row, "finest_error") == "< 1.0e-12"
-    assert error_text({**row, "finest_error": -3e-5}, "finest_error") == "-3.0e-05"
-    assert error_text({**row, "finest_error": float("nan")}, "finest_error") == "missed"
+    row = dict(
+        is_truth=False, finest_first_error=3e-15, finest_outcome="right", transitions_true=1, truth_error_bar=1e-12
+    )
+    assert error_text(row, "finest") == "< 1.0e-12"
+    assert error_text({**row, "finest_first_error": -3e-5}, "finest") == "-3.0e-05"
+    assert error_text({**row, "finest_first_error": float("nan")}, "finest") == "missed"

@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 import cases
 from adapters import Setting
 from cases import Cost, Mode, Transition
-from reports.analysis import baselines, conclusions, quantities, tables, work_precision
+from reports.analysis import (
+    baselines,
+    conclusions,
+    quantities,
+    tables,
+    time_to_accuracy,
+    which_engine,
+    work_precision,
+)
 from reports.analysis.work_precision import Measured
 from reports.drawing import files
 from reports.drawing.style import looks_of
@@ -21,13 +29,15 @@ from reports.judging.ledger import LedgerRow
 from reports.running import solvers, tasks, timings
 from reports.running.calls import Calls
 from reports.running.clock import Timing
+from reports.running.cold import Cold
+from reports.running.parts import Parts
 from reports.running.records import Experiment, Run, Truth
 
 BAR = 1e-14
 
 
 def timing(cpu: float, disturbed=False) -> Timing:
-    return Timing(cpu, 0.9 * cpu, 1.1 * cpu, cpu, 0.0, 0.0, 0.0, 5, 0, disturbed)
+    return Timing(cpu, 0.9 * cpu, 1.1 * cpu, cpu, 0.0, 0.0, 0.0, cpu, 5, 0, disturbed)
 
 
 def rung(name: str) -> Setting:
@@ -63,9 +73,7 @@ def first(rows, accuracy: float) -> dict[str, dict]:
 
 def accuracy_rows(*points, disturbed: tuple[str, ...] = ()):
     experiment, measured = made(*points)
-    return work_precision.time_to_accuracy_rows(
-        work_precision.work_precision_rows(experiment, disturb(measured, *disturbed))
-    )
+    return time_to_accuracy.rows(work_precision.work_precision_rows(experiment, disturb(measured, *disturbed)))
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
@@ -77,7 +85,7 @@ def test_cheapest_setting_that_is_accurate_enough_counts():
     assert first(rows, 1e-4)["a"]["ratio"] == 2.0 and first(rows, 1e-4)["b"]["ratio"] == 1.0
     told = first(rows, 1e-4)["a"]
     assert told["ratio_low"] < told["ratio"] < told["ratio_high"]
-    assert first(rows, 1e-6)["b"]["cpu_s"] == work_precision.NEVER
+    assert first(rows, 1e-6)["b"]["award"] == time_to_accuracy.NEVER
 
 
 def test_accuracies_of_the_table_are_the_promised_ones():
@@ -87,15 +95,15 @@ def test_accuracies_of_the_table_are_the_promised_ones():
 
 def test_an_accurate_setting_without_a_timing_is_not_called_never():
     rows = accuracy_rows(("a", "fine", 1e-9, None), ("b", "only", 1e-5, 2.0))
-    assert first(rows, 1e-8)["a"]["cpu_s"] == work_precision.NOT_TIMED
+    assert first(rows, 1e-8)["a"]["award"] == time_to_accuracy.NOT_TIMED
 
 
 def test_times_taken_beside_other_runs_rank_nothing():
     experiment, measured = made(("a", "s", 1e-9, None), ("b", "s", 1e-9, 2.0))
     hasty = replace(experiment.runs[0], cost=Cost(cpu_s=1e-6, wall_s=1e-6, setup_s=0.0, steps=10))
     points = work_precision.work_precision_rows(replace(experiment, runs=(hasty, *experiment.runs[1:])), measured)
-    rows = first(work_precision.time_to_accuracy_rows(points), 1e-2)
-    assert rows["a"]["cpu_s"] == work_precision.NOT_TIMED and rows["b"]["ratio"] == 1.0
+    rows = first(time_to_accuracy.rows(points), 1e-2)
+    assert rows["a"]["award"] == time_to_accuracy.NOT_TIMED and rows["b"]["ratio"] == 1.0
 
 
 def test_no_accuracy_is_told_below_ten_bars_of_the_truth():
@@ -104,16 +112,14 @@ def test_no_accuracy_is_told_below_ten_bars_of_the_truth():
     assert all(row["below_floor"] for row in rows if row["quantity"] == "first_transition_time")
     label = experiment.cases[0].label
     unsure = {label: replace(experiment.truths[label], error_bars=(1e-6,))}
-    rows = work_precision.time_to_accuracy_rows(
-        work_precision.work_precision_rows(replace(experiment, truths=unsure), measured)
-    )
-    assert first(rows, 1e-4)["a"]["cpu_s"] == 1.0 and first(rows, 1e-6)["a"]["cpu_s"] == work_precision.NOT_KNOWN
+    rows = time_to_accuracy.rows(work_precision.work_precision_rows(replace(experiment, truths=unsure), measured))
+    assert first(rows, 1e-4)["a"]["cpu_s"] == 1.0 and first(rows, 1e-6)["a"]["award"] == time_to_accuracy.NOT_KNOWN
 
 
 def test_disturbed_timings_rank_nothing():
     points = ("a", "s", 1e-9, 1.0), ("b", "s", 1e-9, 2.0), ("c", "s", 1e-9, 3.0)
     rows = first(accuracy_rows(*points, disturbed=("b",)), 1e-2)
-    assert rows["b"]["cpu_s"] == work_precision.DISTURBED and isnan(rows["b"]["rank"]) and isnan(rows["b"]["ratio"])
+    assert rows["b"]["award"] == time_to_accuracy.DISTURBED and isnan(rows["b"]["rank"]) and isnan(rows["b"]["ratio"])
     # The other two are compared with each other alone.
     assert (rows["a"]["rank"], rows["c"]["rank"], rows["c"]["ratio"]) == (1.0, 2.0, 3.0)
 
@@ -127,8 +133,8 @@ def test_a_route_is_not_judged_by_a_dearer_setting_because_the_cheaper_was_distu
     experiment, measured = made(("a", "cheap", 1e-5, 1.0), ("a", "dear", 1e-9, 5.0))
     who = (experiment.cases[0].label, "a", "r", rung("cheap"))
     measured = measured._replace(timings={**measured.timings, who: timing(1.0, disturbed=True)})
-    rows = work_precision.time_to_accuracy_rows(work_precision.work_precision_rows(experiment, measured))
-    assert first(rows, 1e-4)["a"]["cpu_s"] == work_precision.DISTURBED and first(rows, 1e-6)["a"]["cpu_s"] == 5.0
+    rows = time_to_accuracy.rows(work_precision.work_precision_rows(experiment, measured))
+    assert first(rows, 1e-4)["a"]["award"] == time_to_accuracy.DISTURBED and first(rows, 1e-6)["a"]["cpu_s"] == 5.0
 
 
 def test_routes_whose_intervals_meet_share_a_rank():
@@ -156,7 +162,7 @@ def test_null_score_stands_beside_each_error_and_marks_accuracies_it_reaches():
     experiment, measured = made(("a", "s", 1e-3, 1.0))
     rows = work_precision.work_precision_rows(experiment, measured)
     assert {(row["null_error"], row["null_motion"]) for row in rows} == {(3e-3, "never moves")}
-    rows = work_precision.time_to_accuracy_rows(rows)
+    rows = time_to_accuracy.rows(rows)
     assert first(rows, 1e-2)["a"]["null_reaches"] and not first(rows, 1e-4)["a"]["null_reaches"]
 
 
@@ -271,35 +277,92 @@ def test_second_method_witnesses_what_is_not_certified():
 # --- in words and pictures --------------------------------------------------------------------------------------------
 
 
-def test_sentence_says_plainly_where_the_reference_is_dearer():
-    cheap = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0)))
-    assert "3e+02 times r's" in cheap and "at 3 of the 3 levels" in cheap and "not on" not in cheap
-    dear = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 2.0), ("a", "s", 1e-7, 0.5)))
-    assert "at 0 of the 3 levels" in dear and "not on disc_on_line[mu=0.1] at 0.01 to 1e-06 s (a r: 0.25)" in dear
+def answered(*points, disturbed: tuple[str, ...] = (), cold: dict[str, float] | None = None, share: float = 0.25):
+    """The first sentence and the rest, and the rows behind them; `cold`: seconds of a first call, by solver."""
+    experiment, measured = made(*points)
+    measured = disturb(measured, *disturbed)
+    firsts = {key: Cold((cold or {}).get(key[1], 1.0), 0.0, 0.0, 3, False) for key in measured.timings}
+    parts = {key: Parts(share, 0.0, 1.0 - share, 0.0) for key in measured.timings}
+    told = time_to_accuracy.rows(
+        work_precision.work_precision_rows(experiment, measured._replace(cold=firsts, parts=parts))
+    )
+    answers = which_engine.rows(told)
+    return conclusions.headline(answers, told), answers, told
 
 
-def test_sentence_says_where_the_reference_is_cheaper_by_little():
-    told = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 1.0), ("a", "s", 1e-7, 3.0)))
-    assert "less than 100 times r's on disc_on_line[mu=0.1] at 1e-06 s (a r: 3)" in told
+REFERENCE, ENGINE = ("reference", "s", 1e-13, 0.001), ("a", "s", 1e-7, 0.1)
 
 
-def test_sentence_does_not_decide_what_intervals_leave_open():
-    told = conclusions.headline(accuracy_rows(("reference", "s", 1e-13, 1.05), ("a", "s", 1e-7, 1.0)))
-    assert "(a r: 0.95, not for sure)" in told
+def test_first_sentence_says_who_is_cheaper_by_what_once_and_a_thousand_times():
+    # From cold the engine 0.05 s and the reference 0.4; a thousand: 0.05 + 999 · 0.1 s and 0.4 + 0.999 s.
+    said, answers, _ = answered(REFERENCE, ENGINE, cold={"reference": 0.4, "a": 0.05})
+    assert said.first == (
+        "As used from Python, to reach 1e-4 m in the final pose of disc_on_line[mu=0.1], one simulation from cold "
+        "takes 50 ms with a r and 400 ms with reference r: a r is cheaper, by 8 ×; 1,000 take 1.4 s with reference r "
+        "and 100 s with a r: reference r is cheaper, by 71 ×."
+    )
+    # 0.35 s more from cold, 0.099 s less a run: after 3.5 further runs.
+    assert "From 5 runs on the reference is cheaper there." in said.rest
+    assert {row["break_even_runs"] for row in answers} == {5.0}
+    assert "run once, an engine is cheaper in 1: disc_on_line[mu=0.1] (a r, 8 ×)." in said.rest
+    assert "run 1,000 times, an engine is cheaper in none." in said.rest
+
+
+def test_first_sentence_changes_sides_where_an_engine_is_cheaper():
+    said, answers, _ = answered(
+        ("reference", "s", 1e-13, 0.1), ("a", "s", 1e-7, 0.001), cold={"reference": 0.4, "a": 0.05}
+    )
+    assert "1,000 take 1 s with a r and 100 s with reference r: a r is cheaper, by 96 ×." in said.first
+    assert "However often it is run, an engine stays cheaper there." in said.rest
+    assert all(isnan(row["break_even_runs"]) and row["cheaper"] == "a r" for row in answers)
+
+
+def test_sentence_does_not_decide_what_is_alike():
+    said, answers, _ = answered(("reference", "s", 1e-13, 0.104), ENGINE)
+    assert said.first.count("they are alike") == 2
+    assert {row["cheaper"] for row in answers if row["accuracy"] == 1e-4} == {"alike"}
+
+
+def test_what_the_engine_alone_takes_stands_beside_what_it_takes_from_python():
+    said, answers, _ = answered(("reference", "s", 1e-13, 0.001), ("a", "s", 1e-7, 0.0032), share=0.25)
+    assert "of a warm run of a r, 3.2 ms, the engine alone takes 800 µs, 1.2 × less than the reference" in said.rest
+    once, often = (row for row in answers if row["accuracy"] == 1e-4)
+    assert (once["engine_alone_s"], often["engine_alone_s"]) == pytest.approx((0.0008, 0.8))
+
+
+def test_an_accuracy_that_no_engine_reaches_is_answered_so():
+    _, answers, _ = answered(REFERENCE, ("a", "s", 1e-3, 0.1))
+    (row,) = (r for r in answers if r["accuracy"] == 1e-4 and r["runs"] == 1)
+    assert row["engine"] == row["cheaper"] == "" and row["reason"] == which_engine.NOBODY
+    assert row["reference"] == "reference r" and row["reference_total_s"] == 1.0
 
 
 def test_sentence_tells_of_a_disturbed_machine_and_ranks_nothing_by_it():
-    told = conclusions.headline(
-        accuracy_rows(("reference", "s", 1e-13, 0.01), ("a", "s", 1e-7, 3.0), disturbed=("a", "reference"))
-    )
-    assert "No case has timings" in told and "disturbed during 100%" in told and "times" not in told
+    said, _, _ = answered(REFERENCE, ENGINE, disturbed=("a", "reference"))
+    assert "No case has timings" in said.first and "disturbed during 100%" in said.rest and "cheaper" not in said.rest
+
+
+@given(st.floats(1e-3, 10.0), st.floats(1e-3, 10.0), st.floats(1e-4, 1.0), st.floats(1e-4, 1.0))
+def test_break_even_is_the_first_count_from_which_the_reference_is_cheaper(cold_a, cold_r, call_a, call_r):
+    engine, own = ({"first_call_s": f, "call_s": c} for f, c in ((cold_a, call_a), (cold_r, call_r)))
+    runs = time_to_accuracy.break_even([engine], [own])
+
+    def saved(n: float) -> float:
+        return time_to_accuracy.cost(engine, int(n)) - time_to_accuracy.cost(own, int(n))
+
+    rounding = 1e-9 * (cold_a + cold_r)
+    if isnan(runs):
+        assert call_r >= call_a
+    else:
+        assert saved(runs) > -rounding and saved(10 * runs) > -10 * runs * rounding
+        assert runs == 1.0 or saved(runs - 1.0) < rounding * runs
 
 
 def test_set_up_and_compilation_are_told_beside_the_times():
     experiment, measured = made(("reference", "s", 1e-13, 0.01), ("reference", "t", 1e-13, 0.01), ("a", "s", 1e-7, 3.0))
     slow = {who: replace(t, setup_s=0.1, compile_s=0.4) for who, t in measured.timings.items() if who[1] == "reference"}
     points = work_precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
-    assert "reference 1 s, a 0 s." in conclusions.set_up(points)
+    assert "reference 1 s, a 0 µs." in conclusions.set_up(points)
     assert conclusions.set_up([]) == ""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...running.calls import Calls
 from .. import Request
 from . import measure

@@ -6,7 +6,7 @@ from typing import Any
 
 import cases
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...running.calls import Calls
 from ...running.records import REFERENCE
 from .. import Request

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...running.calls import Calls, Keep
 from .. import Request
 from .figure import draw as draw

@@ -33,6 +33,11 @@ def at(time: float, quantity: str) -> Reading:
     return lambda motion: float(getattr(motion(time), quantity))
 
 
+def moved(time: float) -> Reading:
+    """How far the centre has moved along X at a time."""
+    return lambda motion: float(motion(time).x - motion(0.0).x)
+
+
 def impact_times(motion: Trajectory) -> list[float]:
     """The instants of our motion's impacts."""
     return [t.time for t in motion.transitions if t.cause == "impact"]

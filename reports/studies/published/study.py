@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...drawing.files import Drawn
 from ...running.calls import Calls, Keep
 from .. import Request

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import cases
 from adapters import Setting
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...running.calls import Answer, Calls
 from ...running.clock import UNTIMED, Contestant, Entry, Timing, take_turns, timing
 from ...running.records import REFERENCE

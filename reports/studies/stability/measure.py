@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import nan
+from math import isfinite, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -314,12 +314,18 @@ def rows(found: Stability) -> list[dict[str, Any]]:
                 "gap": own.gap,
                 "gap_drift": own.gap_drift,
                 "tangency": own.tangency,
-                "condition": scene.conditioning.scaled,
-                "condition_si": scene.conditioning.largest,
+                "condition": _number(scene.conditioning.scaled),
+                "condition_si": _number(scene.conditioning.largest),
                 "condition_time": scene.conditioning.when,
-                "spread": scene.spread.centre,
-                "spread_time": scene.spread.time,
+                "spread": _number(scene.spread.centre),
+                "spread_time": _number(scene.spread.time),
+                "last_bit": scene.spread.sequence,
                 "witnesses": len(scene.truth.witnesses),
             }
         )
     return told
+
+
+def _number(value: float) -> float:
+    """What is beyond all numbers has a word in another column, and none here."""
+    return value if isfinite(value) else nan

@@ -8,7 +8,7 @@ from typing import Any
 
 from adapters import Setting
 
-from ...analysis.tables import Table
+from ...analysis.columns import Table
 from ...running.calls import Calls
 from ...running.records import REFERENCE, TRUTH_RTOL
 from .. import Request
@@ -40,11 +40,12 @@ TABLES = {
             "gap": "largest distance of the two contact points (5) over the plate's size",
             "gap_drift": "its slope, m/s",
             "tangency": "largest sine between the tangents at the contact point (6)",
-            "condition": "largest condition number of the matrix of (27), in the plate's own units",
+            "condition": "largest condition number of the matrix of (27), in the plate's own units; empty: singular",
             "condition_si": "the same as it stands, in SI units",
             "condition_time": "when the former is met, s",
-            "spread": "what one unit in the last place of the inputs does to the centre, over its path",
+            "spread": "what one unit in the last place of the inputs does to the centre over its path; or `last_bit`",
             "spread_time": "and to the time of a transition, s",
+            "last_bit": "what that unit makes of the sequence of modes; empty: it stays",
             "witnesses": "how many ways of solving the truth rests on",
         },
     ),

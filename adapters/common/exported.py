@@ -14,17 +14,21 @@ from __future__ import annotations
 
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
-import pandas as pd
 
 from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory
 from cases.contact import Contact, find, slip_velocity, start_motion
 from cases.errors import UnknownName
 from cases.nearest import nearest
 
-from .residuals import LOOSE
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Relative to the plate's size: what a solver's penalty or facets may miss the track by, and what a printed start may
+# be rounded to. Beyond, it is another scene.
+LOOSE = 1e-2
 
 NEEDED = ("t", "x", "y", "theta")
 OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
@@ -47,16 +51,23 @@ def read_table(path: str | Path) -> pd.DataFrame:
     path = Path(path)
     if not path.is_file():
         raise UnknownName(f"there is no file {str(path)!r}")
+    return parsed(path, path.name)
+
+
+def parsed(source: Path | TextIO, called: str) -> pd.DataFrame:
+    """The same of a file or of text; lines that begin with # are comments."""
+    import pandas as pd  # it takes half a second, and most who are here read no file
+
     try:
-        table = pd.read_csv(path, skipinitialspace=True)
+        table = pd.read_csv(source, skipinitialspace=True, comment="#")
     except (ValueError, OSError) as problem:
-        raise BadValue(f"{path} cannot be read as comma-separated values: {problem}") from problem
+        raise BadValue(f"{called} cannot be read as comma-separated values: {problem}") from problem
     table = table.rename(columns=lambda name: str(name).strip())
     missing = [name for name in NEEDED if name not in table]
     if missing:
         first = ",".join(str(name) for name in table.columns)
         raise BadValue(
-            f"{path.name} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
+            f"{called} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
             "t, x, y, theta, separated by commas"
         )
     table = table[[name for name in (*NEEDED, *OPTIONAL) if name in table]]
@@ -64,13 +75,13 @@ def read_table(path: str | Path) -> pd.DataFrame:
         numbers = pd.to_numeric(table[name], errors="coerce")
         bad = np.flatnonzero(~np.isfinite(numbers))
         if len(bad):
-            raise BadValue(f"{name} in line {bad[0] + 2} of {path.name} is not a finite number")
+            raise BadValue(f"{name} in line {bad[0] + 2} of {called} is not a finite number")
         table = table.assign(**{str(name): numbers.astype(float)})
     backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
     if len(backwards):
-        raise BadValue(f"the time in line {backwards[0] + 3} of {path.name} does not grow; sort the lines by t")
+        raise BadValue(f"the time in line {backwards[0] + 3} of {called} does not grow; sort the lines by t")
     if len(table) < LEAST_SAMPLES:
-        raise BadValue(f"{path.name} has {len(table)} samples, too coarse to judge; give at least {LEAST_SAMPLES}")
+        raise BadValue(f"{called} has {len(table)} samples, too coarse to judge; give at least {LEAST_SAMPLES}")
     return table
 
 

@@ -1,0 +1,166 @@
+"""An executable as an adapter: a process to a run, its output bounded, read as numbers and never run.
+
+What it says of its own cost is told as its own: nobody timed it, and it is ranked nowhere by time.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+from pathlib import Path
+
+from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
+
+from ..common import exported
+from ..interface import EngineFailure, Setting
+from .scene import as_json, scene
+
+# Steps (s) for a case of a few seconds, the first a game's; a longer case has as many steps.
+STEPS, USUAL_DURATION = (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
+# A motion of 100,000 samples with ten columns is some twenty megabytes.
+MOST_BYTES = 30 * 2**20
+# Wall seconds of a run, where nobody has set a shorter limit.
+MOST_SECONDS = 600.0
+# The exit status by which an executable refuses a scene; the sentence stands on standard error.
+REFUSED = 3
+# How often its output is measured while it runs, s.
+_LOOKS = 0.01
+_COST = re.compile(r"^#\s*cost\b(.*)$", re.MULTILINE)
+
+
+@dataclass
+class Model:
+    """One run: what goes in, and what came out."""
+
+    case: Case
+    asked: str
+    output: str = ""
+    cpu_s: float = nan
+
+
+class Engine:
+    """The adapter of an executable; raises BadValue if the file cannot be run."""
+
+    routes = ("process",)
+    TELLS_COST = True
+
+    def __init__(self, path: Path):
+        if not path.is_file() or not os.access(path, os.X_OK):
+            raise BadValue(f"the engine {path} is no executable file; give one (chmod +x {path})")
+        self.path = path.resolve()
+        self.NAME = path.stem
+
+    def version(self) -> str:
+        """A digest of the file; of what it loads nothing is known."""
+        return f"executable, sha256 {hashlib.sha256(self.path.read_bytes()).hexdigest()[:12]}"
+
+    def refuses(self, case: Case, route: str) -> str | None:
+        """Nothing before it was asked: an executable refuses a scene when it sees it."""
+        return None
+
+    def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
+        """Steps from coarse to fine, none so long that too few samples come of it."""
+        stretched, longest = max(1.0, case.duration / USUAL_DURATION), case.duration / (exported.LEAST_SAMPLES + 10)
+        first, *others = STEPS
+        steps = dict.fromkeys(min(h * stretched, longest) for h in others)
+        return Setting.of(rung="defaults", h=min(first, longest)), *(Setting.of(h=h) for h in steps)
+
+    def build(self, case: Case, route: str, setting: Setting) -> Model:
+        """The scene and the setting as text."""
+        return Model(case, as_json({**scene(case), "setting": dict(setting)}) + "\n")
+
+    def run(self, model: Model) -> None:
+        """One process; raises NotSupported if it refuses, EngineFailure if it fails, or writes or takes too much."""
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            given = Path(folder) / "scene.json"
+            given.write_text(model.asked, encoding="utf-8")
+            with given.open("rb") as asked:
+                process = subprocess.Popen(
+                    [str(self.path)], stdin=asked, stdout=out, stderr=err, cwd=folder, preexec_fn=_bound
+                )
+                try:
+                    status = _waited(process, out.fileno(), err.fileno())
+                finally:
+                    process.kill()
+                    process.wait()
+            _check_size(out.fileno(), err.fileno())
+            said = _read(err, 2000)
+            if status == REFUSED:
+                raise NotSupported(said.partition("\n")[0] or "it gave no reason")
+            if status < 0:
+                raise EngineFailure(f"its process was ended by signal {_signal(-status)}")
+            if status:
+                raise EngineFailure(f"its process ended with exit status {status}{said and f': {said[-200:]}'}")
+            model.output = _read(out, MOST_BYTES)
+
+    def read(self, model: Model) -> Trajectory:
+        """The motion; raises EngineFailure for output that is no motion of the case."""
+        try:
+            table = exported.parsed(io.StringIO(model.output), self.NAME)
+            motion = exported.trajectory_of(model.case, table)
+        except CaseError as problem:
+            raise EngineFailure(f"its output is no motion: {problem}") from problem
+        return replace(motion, cost=_cost(model.output))
+
+
+def _waited(process: subprocess.Popen, *files: int) -> int:
+    """The exit status; raises EngineFailure if it writes or takes too much."""
+    end = time.monotonic() + MOST_SECONDS
+    while True:
+        try:
+            return process.wait(_LOOKS)
+        except subprocess.TimeoutExpired:
+            pass
+        _check_size(*files)
+        if time.monotonic() > end:
+            raise EngineFailure(f"it was still running after {MOST_SECONDS:g} s")
+
+
+def _check_size(*files: int) -> None:
+    if max(os.fstat(file).st_size for file in files) >= MOST_BYTES:
+        raise EngineFailure(f"it wrote more than {MOST_BYTES // 2**20} MB")
+
+
+def _read(file, most: int) -> str:
+    file.seek(0)
+    return file.read(most).decode("utf-8", errors="replace").strip()
+
+
+def _cost(output: str) -> Cost:
+    """What the line `# cost cpu_s=0.01 steps=1000` says; raises EngineFailure for a cost that is none."""
+    line = _COST.search(output)
+    told = dict(part.split("=", 1) for part in (line[1].split() if line else ()) if "=" in part)
+    try:
+        cpu, steps = float(told.get("cpu_s", "nan")), float(told.get("steps", "0"))
+    except ValueError as problem:
+        raise EngineFailure(f"its cost is no number: {line and line[0][:80]!r}") from problem
+    if cpu < 0.0 or not 0.0 <= steps < 1e15 or not (isfinite(cpu) or "cpu_s" not in told):
+        raise EngineFailure(f"its cost makes no sense: {line and line[0][:80]!r}")
+    return Cost(cpu_s=cpu, steps=int(steps))
+
+
+def _signal(number: int) -> str:
+    return signal.Signals(number).name if number in set(signal.Signals) else str(number)
+
+
+def _bound() -> None:
+    """In the new process: no file of it grows beyond the limit, and it ends when whoever asked it ends (Linux), so that
+    a hung one is left nowhere."""
+    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+    most = MOST_BYTES if hard == resource.RLIM_INFINITY else min(MOST_BYTES, hard)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
+    if sys.platform == "linux":
+        import ctypes
+
+        PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

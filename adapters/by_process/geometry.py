@@ -1,0 +1,108 @@
+"""The curves as geometry of MJCF (MuJoCo) and SDF (Gazebo, Drake), as text: a plane scene, thin in Z.
+
+The track is boxes behind its chords; the plate a cylinder where it is a disc, else the prism over its outline: of MJCF
+a mesh, whose hull MuJoCo takes, of SDF a polyline. Contact parameters are the reader's: no two of them mean the same.
+"""
+
+from __future__ import annotations
+
+from math import atan2
+from xml.etree import ElementTree as xml
+
+import numpy as np
+
+from cases import Case
+from cases.contact import start_motion
+from cases.mechanics import gravity
+
+# Chords of the track, corners of the outline; and of boxes and prisms half the thickness in Z, in plate sizes.
+CHORDS, CORNERS, THIN = 400, 200, 0.25
+
+
+def mjcf(case: Case) -> str:
+    """A model with the plate free in the plane, at its start."""
+    start, depth, (gx, gy) = start_motion(case), THIN * case.plate.reach, gravity(case)
+    root = xml.Element("mujoco", model=case.name)
+    xml.SubElement(root, "compiler", angle="radian")
+    xml.SubElement(root, "option", gravity=_text(gx, gy, 0))
+    assets, world = xml.SubElement(root, "asset"), xml.SubElement(root, "worldbody")
+    for x, y, angle, half_length, half_height in _boxes(case, depth):
+        size, euler = _text(half_length, half_height, 2 * depth), _text(0, 0, angle)
+        xml.SubElement(world, "geom", type="box", pos=_text(x, y, 0), euler=euler, size=size)
+    plate = xml.SubElement(world, "body", name="plate", pos=_text(start.x, start.y, 0), euler=_text(0, 0, start.theta))
+    for name, kind, axis in (("x", "slide", (1, 0, 0)), ("y", "slide", (0, 1, 0)), ("theta", "hinge", (0, 0, 1))):
+        # A body's joints count in its own frame, which is turned by theta.
+        turned = _turned(axis, -start.theta)
+        xml.SubElement(plate, "joint", name=name, type=kind, axis=_text(*turned))
+    inertia = _text(case.plate.inertia, case.plate.inertia, case.plate.inertia)
+    xml.SubElement(plate, "inertial", pos=_text(0, 0, 0), mass=repr(case.plate.mass), diaginertia=inertia)
+    if case.plate.radius:
+        xml.SubElement(plate, "geom", type="cylinder", size=_text(case.plate.radius, depth))
+    else:
+        corners = [(x, y, z) for z in (-depth, depth) for x, y in _corners(case)]
+        xml.SubElement(assets, "mesh", name="plate", vertex=_text(*np.ravel(corners)))
+        xml.SubElement(plate, "geom", type="mesh", mesh="plate")
+    return xml.tostring(root, encoding="unicode")
+
+
+def sdf(case: Case) -> str:
+    """A world with the track as a static model and the plate as another."""
+    start, depth, (gx, gy) = start_motion(case), THIN * case.plate.reach, gravity(case)
+    root = xml.Element("sdf", version="1.9")
+    world = xml.SubElement(root, "world", name=case.name)
+    xml.SubElement(world, "gravity").text = _text(gx, gy, 0)
+    track = xml.SubElement(world, "model", name="track")
+    xml.SubElement(track, "static").text = "true"
+    link = xml.SubElement(track, "link", name="track")
+    for number, (x, y, angle, half_length, half_height) in enumerate(_boxes(case, depth)):
+        box = _collision(link, f"chord_{number}", (x, y, 0, 0, 0, angle), "box")
+        xml.SubElement(box, "size").text = _text(2 * half_length, 2 * half_height, 4 * depth)
+    plate = xml.SubElement(world, "model", name="plate")
+    xml.SubElement(plate, "pose").text = _text(start.x, start.y, 0, 0, 0, start.theta)
+    link = xml.SubElement(plate, "link", name="plate")
+    inertial = xml.SubElement(link, "inertial")
+    xml.SubElement(inertial, "mass").text = repr(case.plate.mass)
+    inertia = xml.SubElement(inertial, "inertia")
+    for name in ("ixx", "iyy", "izz"):
+        xml.SubElement(inertia, name).text = repr(case.plate.inertia)
+    if case.plate.radius:
+        cylinder = _collision(link, "plate", (0,) * 6, "cylinder")
+        xml.SubElement(cylinder, "radius").text = repr(case.plate.radius)
+        xml.SubElement(cylinder, "length").text = repr(2 * depth)
+    else:
+        prism = _collision(link, "plate", (0, 0, -depth, 0, 0, 0), "polyline")
+        xml.SubElement(prism, "height").text = repr(2 * depth)
+        for corner in _corners(case):
+            xml.SubElement(prism, "point").text = _text(*corner)
+    return xml.tostring(root, encoding="unicode")
+
+
+def _collision(link: xml.Element, name: str, pose, kind: str) -> xml.Element:
+    made = xml.SubElement(link, "collision", name=name)
+    xml.SubElement(made, "pose").text = _text(*pose)
+    return xml.SubElement(xml.SubElement(made, "geometry"), kind)
+
+
+def _boxes(case: Case, depth: float):
+    """(x, y, angle, half length, half height) of boxes whose left faces are the track's chords."""
+    corners = np.array(case.track.point(np.linspace(*case.track.span, CHORDS + 1))).T
+    for (ax, ay), (bx, by) in zip(corners[:-1], corners[1:], strict=True):
+        along = np.array([bx - ax, by - ay])
+        length = float(np.hypot(*along))
+        normal = np.array([-along[1], along[0]]) / length
+        x, y = 0.5 * np.array([ax + bx, ay + by]) - 0.5 * depth * normal
+        yield float(x), float(y), atan2(along[1], along[0]), 0.5 * length, 0.5 * depth
+
+
+def _corners(case: Case) -> np.ndarray:
+    outline = case.plate.outline
+    return np.array(outline.point(np.linspace(*outline.span, CORNERS, endpoint=not outline.period))).T
+
+
+def _turned(axis, angle: float):
+    c, s = np.cos(angle), np.sin(angle)
+    return c * axis[0] - s * axis[1], s * axis[0] + c * axis[1], axis[2]
+
+
+def _text(*numbers) -> str:
+    return " ".join(repr(float(number)) for number in numbers)

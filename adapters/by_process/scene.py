@@ -1,0 +1,79 @@
+"""A case as plain data for a program in any language: what `python -m cases export` writes and an executable reads.
+
+The form is published in `scene.schema.json`, with its version. Nothing here knows the truth.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from cases import Case, Curve
+from cases.contact import start_motion
+
+from . import geometry
+
+SCHEMA, VERSION = "slip-to-roll/scene", 1
+SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
+
+# Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
+SAMPLES = 1001
+UNITS = "SI, radians; the plate lies on the left of the track; components along its tangent and left normal"
+
+
+def scene(case: Case) -> dict[str, Any]:
+    """All that is needed to build the case, in SI units; null for what a start in flight does not have."""
+    return finite(
+        {
+            "schema": SCHEMA,
+            "version": VERSION,
+            "case": case.label,
+            "units": UNITS,
+            "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},
+            "track": [str(part) for part in case.track.expression],
+            "outline": [str(part) for part in case.plate.outline.expression],
+            "effects": {type(effect).__name__: asdict(effect) for effect in case.effects},
+            "start": start_motion(case)._asdict(),
+            "duration": case.duration,
+            "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
+            "points": {"track": points(case.track), "outline": points(case.plate.outline)},
+            "mjcf": geometry.mjcf(case),
+            "sdf": geometry.sdf(case),
+        }
+    )
+
+
+def points(curve: Curve) -> dict[str, list[float]]:
+    """The sampled curve by columns."""
+    names = ("s", "x", "y", "normal_x", "normal_y", "curvature")
+    return {name: column.tolist() for name, column in zip(names, sampled(curve).T, strict=True)}
+
+
+def sampled(curve: Curve) -> np.ndarray:
+    """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6)."""
+    s = np.linspace(*curve.span, SAMPLES)
+    return np.column_stack([s, *curve.point(s), *curve.normal(s), curve.curvature(s)])
+
+
+def finite(value: Any) -> Any:
+    """The same with null for every number that is not finite, and formulas as text: JSON has neither."""
+    if isinstance(value, dict):
+        return {str(name): finite(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(part) for part in value]
+    if isinstance(value, sp.Basic):
+        return str(value)
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def as_json(told: dict[str, Any], indent: int | None = None) -> str:
+    """As text; raises ValueError for a number that JSON does not have."""
+    return json.dumps(finite(told), indent=indent, ensure_ascii=False, allow_nan=False)

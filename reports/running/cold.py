@@ -1,0 +1,157 @@
+"""One call from cold: building, running and reading a case for the first time in a process, imports apart.
+
+Each repeat is a process of its own, split off one that has imported all that the call needs and has compiled nothing. A
+first, thrown-away repeat says what that is: engines import late, and what they import is no part of a simulation.
+Nothing compiled is taken from disk.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pickle
+import select
+import signal
+import statistics
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+from cases import kept
+
+from .clock import LEAST_REPEATS, Contestant, calibrate, disturbed_by
+from .solvers import solver
+
+# A call from cold derives and compiles; the worst of the catalogue, a measured outline, takes some thirty seconds.
+_LIMIT = 60.0
+
+
+class Cold(NamedTuple):
+    """CPU seconds of a first call: building, running, reading; medians of so many repeats, and whether each of them was
+    disturbed."""
+
+    build_s: float
+    run_s: float
+    read_s: float
+    repeats: int
+    disturbed: bool
+
+    @property
+    def call_s(self) -> float:
+        """The whole call."""
+        return self.build_s + self.run_s + self.read_s
+
+
+class _Repeat(NamedTuple):
+    """CPU seconds of a first build, run and read, the slower calibration loop beside them, what modules it imported."""
+
+    build: float
+    run: float
+    read: float
+    loop: float
+    modules: tuple[str, ...]
+
+
+def first_calls(who: Sequence[Contestant], budget: float) -> list[tuple[Cold | None, str]]:
+    """Of each contestant a first call, or None and why there is none, in a sentence.
+
+    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond imports.
+    Of those that do not fit in it even once the first setting of a route has the call that was made for its imports,
+    which weigh nothing beside what takes so long; the others have neither.
+    """
+    firsts, spent = _import_all(who)
+    failures = [answer if isinstance(answer, str) else "" for answer in firsts]
+    deadline = time.perf_counter() + budget
+    repeats: dict[int, list[_Repeat]] = {place: [] for place in range(len(who))}
+    for _ in range(LEAST_REPEATS):
+        for place, one in sorted(enumerate(who), key=lambda pair: spent[pair[0]]):
+            if failures[place] or time.perf_counter() + spent[place] > deadline:
+                continue
+            began = time.perf_counter()
+            answer = _apart(_call, one)
+            spent[place] = time.perf_counter() - began
+            if isinstance(answer, str):
+                failures[place] = answer
+            else:
+                repeats[place].append(answer)
+    for place, answer in enumerate(firsts):
+        if not repeats[place] and isinstance(answer, _Repeat):
+            repeats[place].append(answer)
+    quiet = min((r.loop for done in repeats.values() for r in done), default=0.0)
+    return [(_median(repeats[place], quiet), failures[place]) for place in range(len(who))]
+
+
+def _median(repeats: Sequence[_Repeat], loop: float) -> Cold | None:
+    calm = [r for r in repeats if not disturbed_by(r.loop, loop)]
+    used = calm or repeats
+    if not used:
+        return None
+    build, run = statistics.median(r.build for r in used), statistics.median(r.run for r in used)
+    return Cold(build, run, statistics.median(r.read for r in used), len(used), not calm)
+
+
+def _import_all(who: Sequence[Contestant]) -> tuple[list[_Repeat | str | None], list[float]]:
+    """Import, in this process, what the calls import, by making one call of each route. Of each contestant that call,
+    the reason why its route fails, or None if another of its route made it; and about how long it takes (wall s)."""
+    told: list[_Repeat | str | None] = []
+    took: dict[tuple[str, str], float] = {}
+    failed: dict[tuple[str, str], str] = {}
+    for one in who:
+        route = one[1:3]
+        if route not in took:
+            began = time.perf_counter()
+            answer = _apart(_call, one)
+            took[route] = time.perf_counter() - began
+            told.append(answer)
+            if isinstance(answer, str):
+                failed[route] = answer
+            for name in () if isinstance(answer, str) else answer.modules:
+                with suppress(ImportError):  # some compiled modules have a name that only their package knows
+                    importlib.import_module(name)
+        else:
+            told.append(failed.get(route))
+    return told, [max(took[one[1:3]], one.expected_s) for one in who]
+
+
+def _call(one: Contestant) -> _Repeat:
+    before, loop, module = set(sys.modules), calibrate(), solver(one.solver)
+    with kept.off():
+        marks = [time.process_time()]
+        model = module.build(one.case, one.route, one.setting)
+        marks.append(time.process_time())
+        module.run(model)
+        marks.append(time.process_time())
+        # The samples are asked for: the reference makes them when they are.
+        _ = module.read(model).t
+        marks.append(time.process_time())
+    build, run, read = (after - before for before, after in zip(marks, marks[1:], strict=False))
+    # What cannot be found by its name in another process was made, not imported.
+    imported = (m for m in sorted(set(sys.modules) - before) if getattr(sys.modules[m], "__spec__", None))
+    return _Repeat(build, run, read, max(loop, calibrate()), tuple(imported))
+
+
+def _apart(function: Callable[[Any], Any], argument: Any) -> Any:
+    """What the function returns in a process split off this one; a sentence if it fails there."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reading)
+        try:
+            signal.alarm(int(_LIMIT) + 1)
+            told = pickle.dumps(function(argument))
+        except BaseException as problem:  # whatever it is, this process ends here and says so
+            told = pickle.dumps(f"{type(problem).__name__}: {problem}")
+        with os.fdopen(writing, "wb") as pipe:
+            pipe.write(told)
+        os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as pipe:
+        told = pipe.read() if select.select([pipe], [], [], _LIMIT)[0] else b""
+    if not told:
+        os.kill(child, signal.SIGKILL)
+    _, status = os.waitpid(child, 0)
+    return (
+        pickle.loads(told) if told else f"its first call ended its process, or took more than {_LIMIT:g} s ({status})"
+    )

@@ -1,0 +1,1 @@
+"""What the engines' parameters mean; `study` has it as a table, `__main__` as a page."""

@@ -1,0 +1,227 @@
+"""Engines by the process protocol: the scene they are given, the motion they give, and every way to fail as a row."""
+
+import io
+import json
+import os
+import shutil
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from adapters import by_process, interface
+from adapters.by_process import engine as process
+from adapters.by_process.scene import SCHEMA_FILE
+from adapters.common import exported
+from adapters.laws.apart import Apart
+from cases import BadValue
+from cases.contact import start_motion
+from reports import build, export, options
+from reports.running.tasks import find_truth, perform
+
+PAGE = Path(__file__).parents[2] / "docs" / "process_protocol.md"
+LINE = "disc_on_line[mu=0.1]"
+node = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+
+
+@pytest.fixture
+def registered(tmp_path, monkeypatch):
+    """Makes a text an executable and an engine; its name."""
+    monkeypatch.setenv(interface.EXECUTABLES, "")
+
+    def make(name: str, text: str) -> str:
+        file = tmp_path / name
+        file.write_text(text)
+        file.chmod(0o755)
+        return interface.register(file)
+
+    return make
+
+
+def example() -> str:
+    """The engine on the page."""
+    return PAGE.read_text(encoding="utf-8").split("```js\n")[1].split("```")[0]
+
+
+def row(name: str, label: str = LINE, rung: int = 4):
+    case = cases.load(label)
+    setting = interface.engine(name).ladder(case, "process")[rung]
+    return perform(case, name, "process", setting, rung, find_truth(case))
+
+
+# --- the scene --------------------------------------------------------------------------------------------------------
+
+
+def strict(text: str):
+    """JSON as the standard has it: without NaN and Infinity."""
+
+    def refuse(word):
+        raise ValueError(word)
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def broken(value, form) -> str:
+    """Where a value is not of its form: the few words of JSON Schema that the published form uses. "" if nowhere."""
+    kinds = {"object": dict, "array": list, "string": str, "number": (int, float), "boolean": bool, "null": type(None)}
+    allowed = form.get("type", list(kinds))
+    allowed = [allowed] if isinstance(allowed, str) else allowed
+    if not any(isinstance(value, kinds[kind]) and not (kind == "number" and value is True) for kind in allowed):
+        return f"{value!r:.40} is no {allowed}"
+    if ("const" in form and value != form["const"]) or ("enum" in form and value not in form["enum"]):
+        return f"{value!r:.40} is not allowed"
+    if isinstance(value, dict):
+        missing = set(form.get("required", ())) - value.keys()
+        strange = value.keys() - form.get("properties", {}).keys() if form.get("additionalProperties") is False else ()
+        parts = [broken(part, form.get("properties", {}).get(name, {})) for name, part in value.items()]
+        return ", ".join(filter(None, [*missing, *strange, *parts]))
+    if isinstance(value, list):
+        return ", ".join(filter(None, [broken(part, form.get("items", {})) for part in value]))
+    return ""
+
+
+@pytest.mark.parametrize("name", ["disc_in_circle", "bouncing_disc", "tumbling_ellipse", "disc_off_ramp"])
+def test_a_scene_is_of_its_published_form_and_valid_json(name):
+    case = cases.load(name)
+    form = strict(SCHEMA_FILE.read_text(encoding="utf-8"))
+    told = strict(by_process.as_json({**by_process.scene(case), "setting": {"h": 0.1}}))
+    assert not broken(told, form)
+    assert (told["schema"], told["version"]) == (by_process.SCHEMA, by_process.VERSION)
+    assert told["effects"].keys() == {type(effect).__name__ for effect in case.effects}
+    assert "transitions" not in told and "status" not in told  # the truth is not handed to an engine
+    assert broken({**told, "version": 2}, form) and broken({**told, "effects": {"Magnet": {}}}, form)
+
+
+def test_the_start_in_flight_is_null_where_it_has_no_value():
+    told = strict(by_process.as_json(by_process.scene(cases.load("bouncing_disc"))))
+    bare = start_motion(cases.load("bouncing_disc"))._asdict()
+    lost = {name for name, value in bare.items() if not np.isfinite(value)}
+    assert {name for name, value in told["start"].items() if value is None} == lost
+
+
+@pytest.mark.parametrize("name", ["disc_in_circle", "tumbling_ellipse"])
+def test_geometry_for_other_programs_is_where_the_curves_are(name):
+    case = cases.load(name)
+    told = by_process.scene(case)
+    start = start_motion(case)
+    mjcf = ElementTree.fromstring(told["mjcf"])
+    body = mjcf.find("worldbody/body")
+    assert [float(v) for v in body.get("pos").split()] == pytest.approx([start.x, start.y, 0.0])
+    assert float(body.find("inertial").get("mass")) == case.plate.mass
+    # The front face of each box is a chord of the track, within its sagitta.
+    for box in mjcf.findall("worldbody/geom")[::50]:
+        x, y, _ = map(float, box.get("pos").split())
+        angle, half = float(box.get("euler").split()[2]), float(box.get("size").split()[1])
+        front = np.array([x - half * np.sin(angle), y + half * np.cos(angle)])
+        samples = np.array(case.track.point(np.linspace(*case.track.span, 20001))).T
+        assert np.hypot(*(samples - front).T).min() < 1e-3
+    sdf = ElementTree.fromstring(told["sdf"])
+    assert len(sdf.findall("world/model")) == 2
+    assert bool(sdf.findall(".//cylinder")) is (case.plate.radius is not None)
+
+
+def test_export_writes_the_same_scene_and_a_true_motion_that_is_judged_right(tmp_path):
+    case = cases.load(LINE)
+    files = {path.name: path for path in export.export(case, tmp_path)}
+    told = strict(files["scene.json"].read_text(encoding="utf-8"))
+    assert told.items() >= strict(by_process.as_json(by_process.scene(case))).items()
+    assert told["transitions"][0]["time"]["value"] == pytest.approx(1 / (3 * 0.1 * 9.81))
+    motion = exported.trajectory_of(case, exported.read_table(files["motion.csv"]))
+    exact = reference.simulate(case)(motion.t)
+    assert np.abs(motion.x - exact.x).max() < 1e-12
+
+
+def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
+    case = cases.load("bouncing_disc")
+    names, rows = export.motion(case)
+    assert np.isfinite(rows).all()
+    text = io.StringIO(",".join(names) + "\n" + "\n".join(",".join(map(repr, r)) for r in rows.tolist()))
+    assert exported.trajectory_of(case, exported.parsed(text, "motion")).status == "completed"
+
+
+# --- an engine in another language ------------------------------------------------------------------------------------
+
+
+@node
+def test_the_engine_on_the_page_is_right_and_its_cost_is_what_it_says(registered):
+    found = row(registered("my_engine", example()))
+    assert (found.outcome, found.reason) == ("right", "")
+    assert abs(found.ledger[0].error) < 2e-3  # its step is 1e-3 s
+    assert found.cost.cpu_s > 0.0 and found.cost.steps == round(cases.load(LINE).duration / found.setting["h"])
+
+
+@node
+def test_the_engine_on_the_page_refuses_what_it_does_not_know(registered):
+    found = row(registered("my_engine", example()), "disc_in_circle[mu=0.2]")
+    assert (found.outcome, found.reason) == ("refused", "It knows discs on level lines alone.")
+
+
+@node
+def test_the_laws_are_held_on_it(registered, tmp_path):
+    registered("my_engine", example())
+    with Apart(str(tmp_path / "my_engine")) as apart:
+        assert apart.face == ("my_engine", ("process",))
+        told = {law: outcome for law, outcome, _ in apart.tried("process", ["rolling_transition", "lift_off"])}
+    assert told["lift_off"] == "refused"
+
+
+# --- every way to fail ------------------------------------------------------------------------------------------------
+
+HEAD = "#!/bin/sh\n"
+LIE = HEAD + (
+    'cat > /dev/null; awk \'BEGIN { print "t,x,y,theta"; for (k = 0; k <= 1000; k++)'
+    ' print k * 0.001 ",", k * 0.001 ", 0.1,", 0 }\'\n'
+)
+
+
+@pytest.mark.parametrize(("text", "outcome", "word"), [
+    (HEAD + "kill -9 $$\n", "crashed", "SIGKILL"),
+    (HEAD + "echo no licence >&2; exit 1\n", "crashed", "exit status 1: no licence"),
+    (HEAD + "echo Not a disc. >&2; exit 3\n", "refused", "Not a disc."),
+    (HEAD + "exit 0\n", "crashed", "no motion"),
+    (HEAD + "echo 't,x,y,theta'; echo '__import__(\"os\"),0,0,0'\n", "crashed", "not a finite number"),
+    (HEAD + "echo hello\n", "crashed", "no column t, x, y, theta"),
+    (LIE, "wrong", "missed"),
+    (LIE + "echo '# cost cpu_s=-1'\n", "crashed", "cost makes no sense"),
+    (LIE + "echo '# cost cpu_s=fast'\n", "crashed", "cost is no number"),
+    (HEAD + "yes 0,0,0,0\n", "crashed", "wrote more than"),
+])  # fmt: skip
+def test_every_way_to_fail_is_a_row(registered, text, outcome, word, monkeypatch):
+    monkeypatch.setattr(process, "MOST_BYTES", 2**20)
+    found = row(registered("failing", text))
+    assert found.outcome == outcome, found.reason
+    assert word in found.reason
+
+
+def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    left = tmp_path / "left.txt"
+    hung = HEAD + f"echo $$ >> {left}; while true; do sleep 1; done\n"
+    for name, text in (("hung", hung), ("killed", HEAD + "kill -9 $$\n"), ("lying", LIE)):
+        file = tmp_path / name
+        file.write_text(text)
+        file.chmod(0o755)
+    monkeypatch.setitem(options._LIMITS, "quick", 2.0)
+    words = ["--quick", "--case", LINE, "--solver", "reference", "--engine", "./hung", "./killed", "./lying"]
+    assert build.main([*words, "--out", "judged", "--store", "kept"]) == 0
+    table = (tmp_path / "judged" / "tables" / "trajectories.csv").read_text().splitlines()
+    outcomes = {line.split(",")[1]: line for line in table if line.split(",")[1] in ("hung", "killed", "lying")}
+    assert "timed_out" in outcomes["hung"] and "crashed" in outcomes["killed"] and "wrong" in outcomes["lying"]
+    # Nothing of it is left running.
+    for number in map(int, left.read_text().split()):
+        with pytest.raises(ProcessLookupError):
+            os.kill(number, 0)
+
+
+def test_what_is_no_executable_or_takes_another_engines_name_is_refused(registered, tmp_path):
+    plain = tmp_path / "plain"
+    plain.write_text("text")
+    with pytest.raises(BadValue, match="chmod"):
+        interface.register(plain)
+    with pytest.raises(BadValue, match="of its own"):
+        registered("pymunk", HEAD)
+    with pytest.raises(BadValue, match="of its own"):
+        registered("two words", HEAD)

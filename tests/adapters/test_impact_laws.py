@@ -1,0 +1,121 @@
+"""Which law of impact each engine has: single impacts, measured, and what the rows of the report say of it."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from adapters import engine, other_laws
+from adapters.interface import Meaning, engines
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Plate, RollingResistance, Start, Unilateral, disc
+from cases.effects import IMPACT_LAWS
+from cases.library import ellipse, line
+from reports.running.tasks import find_truth, perform
+
+DISC, PLATE = disc(0.1, 1.0), Plate(ellipse(0.2, 0.1), 1.0, 0.0125)
+
+
+def thrown(plate: Plate, xi2: float, slip: float, omega: float, e: float, law: str) -> Case:
+    """One impact on a level line, at about 0.04 s; nothing meets the line again before 0.06 s."""
+    effects = (Gravity(9.81), CoulombFriction(0.3), Unilateral(), Flight(), Impact(e, law))
+    return Case(line(), plate, effects, Start(0.0, xi2, gap=0.05, gap_rate=-1.0, slip=slip, omega=omega), 0.08)
+
+
+def after(motion) -> np.ndarray:
+    """(vx, vy, ω) of an engine's motion at its first sample from 0.06 s on."""
+    place = int(np.searchsorted(motion.t, 0.06))
+    return np.array([motion.vx[place], motion.vy[place], motion.omega[place]])
+
+
+def true(case: Case) -> np.ndarray:
+    """(vx, vy, ω) at 0.06 s."""
+    state = reference.simulate(case)(0.06)
+    return np.array([state.vx, state.vy, state.omega])
+
+
+def played(name: str, route: str, case: Case) -> np.ndarray:
+    pytest.importorskip(f"adapters.{name}")
+    adapter = engine(name)
+    assert adapter.refuses(case, route) is None
+    model = adapter.build(case, route, adapter.ladder(case, route)[-1])
+    adapter.run(model)
+    return after(adapter.read(model))
+
+
+def test_pymunks_law_is_moreaus():
+    # An ellipse whose slip reverses by Routh's construction: the three laws are 0.05 m/s and 0.2 rad/s apart.
+    truths = {law: true(thrown(PLATE, -1.9, 0.3, 3.0, 0.5, law)) for law in IMPACT_LAWS}
+    found = played("pymunk", "native", thrown(PLATE, -1.9, 0.3, 3.0, 0.5, "poisson"))
+    # Its polygon of 800 corners meets the line up to 1e-3 m beside the ellipse's point; the arm is 0.1 m.
+    assert np.abs(found - truths["moreau"]).max() < 0.01
+    for law in ("poisson", "newton"):
+        assert np.abs(found - truths[law]).max() > 0.1
+
+
+def test_the_contact_that_pymunk_is_told_closes_by_moreaus_law_without_restitution():
+    case = thrown(PLATE, -1.2, 0.3, 3.0, 0.0, "moreau")
+    assert played("pymunk", "assisted", case) == pytest.approx(true(case), abs=1e-3)
+
+
+def test_box2d_adds_the_restitution_without_its_friction():
+    case = thrown(DISC, -pi / 2, 2.0, 0.0, 0.5, "poisson")
+    fall = np.sqrt(1.0 + 2 * 9.81 * 0.05)
+    found, exact = played("box2d", "native", case), true(case)
+    assert found[0] == pytest.approx(2.0 - 0.3 * fall, abs=1e-3)
+    assert exact[0] == pytest.approx(2.0 - 0.3 * 1.5 * fall, abs=1e-9)
+
+
+def test_exudyns_spring_gives_a_disc_the_same_impact():
+    case = thrown(DISC, -pi / 2, 2.0, 0.0, 0.5, "poisson")
+    # Restitution comes out to a thousandth, and the impact takes some periods of the spring.
+    assert played("exudyn", "native", case) == pytest.approx(true(case), rel=5e-3)
+
+
+@pytest.mark.parametrize(("name", "plate", "e", "law", "differs"), [
+    ("pymunk", PLATE, 0.5, "poisson", True), ("pymunk", PLATE, 0.0, "newton", True),
+    ("pymunk", PLATE, 0.5, "moreau", False), ("pymunk", DISC, 0.5, "poisson", False),
+    ("box2d", DISC, 0.5, "moreau", True), ("box2d", DISC, 0.0, "poisson", False),
+    ("box2d", PLATE, 0.0, "moreau", False), ("box2d", PLATE, 0.0, "poisson", True),
+    ("exudyn", DISC, 0.5, "poisson", False),
+])  # fmt: skip
+def test_an_adapter_says_for_which_cases_its_law_is_another(name, plate, e, law, differs):
+    pytest.importorskip(f"adapters.{name}")
+    told = other_laws(engine(name), thrown(plate, -pi / 2, 0.5, 0.0, e, law), "native")
+    assert bool(told) is differs
+    assert all(phrase.startswith("Impact by another law: ") for phrase in told)
+
+
+@pytest.mark.parametrize("name", engines())
+def test_every_engine_tells_what_its_parameters_mean(name):
+    pytest.importorskip(f"adapters.{name}")
+    meanings = engine(name).MEANINGS
+    assert all(isinstance(meaning, Meaning) and meaning.parameter and meaning.law for meaning in meanings)
+    assert {CoulombFriction, Impact, RollingResistance} <= {meaning.effect for meaning in meanings}
+
+
+def run(name: str, route: str, label: str, rung: int = 3):
+    pytest.importorskip(f"adapters.{name}")
+    case, adapter = cases.load(label), engine(name)
+    return perform(case, name, route, adapter.ladder(case, route)[rung], rung, find_truth(case))
+
+
+def test_the_ellipse_that_tumbles_has_a_contestant_that_is_wrong_by_another_law():
+    row = run("pymunk", "native", "tumbling_ellipse")
+    assert row.outcome == "wrong"
+    assert row.reason.startswith("Impact by another law: Moreau's")
+    assert f"off by {row.distance.centre_max:.2g} m" in row.reason
+
+
+def test_where_its_law_is_asked_for_it_is_judged_as_any_other():
+    row = run("pymunk", "native", "tumbling_ellipse_moreau")
+    assert "another law" not in row.reason
+    # What is left is its polygon's: with twice the corners, and half the step, nearer.
+    assert run("pymunk", "native", "tumbling_ellipse_moreau", 5).distance.centre_max < 0.6 * row.distance.centre_max
+
+
+def test_the_disc_off_the_ramp_has_contestants():
+    assert run("pymunk", "native", "disc_off_ramp").outcome in ("right", "wrong")
+    row = run("box2d", "native", "disc_off_ramp")
+    assert row.outcome == "wrong" and "compression" in row.reason

@@ -1,0 +1,123 @@
+"""Two reports compared: what changed is told, what only the day decides is not."""
+
+import shutil
+
+import pandas as pd
+import pytest
+
+from reports import build, compare_builds
+
+
+def changed(report, tmp_path, table, column, value, where=lambda frame: frame.index == 0):
+    """A copy of the report with one column of some rows changed."""
+    other = tmp_path / "other"
+    shutil.copytree(report, other)
+    file = other / "tables" / f"{table}.csv"
+    frame = pd.read_csv(file, dtype=str, keep_default_na=False)
+    frame.loc[where(frame), column] = value
+    frame.to_csv(file, index=False)
+    return other
+
+
+CASE = "disc_on_line[mu=0.1]"
+WHO = {"case": CASE, "solver": "reference", "route": "taylor"}
+RUN = WHO | {"setting": "rtol=1e-13"}
+TABLES = {
+    "headline": [WHO | {"reached": 1e-12}],
+    "trajectories": [RUN | {"outcome": "right", "centre_max": 1e-15, "cpu_s": 1e-3, "run_at": "now"}],
+    "transitions": [
+        RUN | {"event": 1, "before": "slip_forward", "after": "roll", "verdict": "matched", "error": e}
+        for e in (0.0, 1.0)
+    ],
+    "truth": [{"case": CASE, "event": 1, "time": 0.34}],
+}
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """The tables of a small report, and those of times as a longer one has them."""
+    out = tmp_path_factory.mktemp("builds") / "one"
+    (out / "tables").mkdir(parents=True)
+    (out / "manifest.json").write_text("{}")
+    times = WHO | {"quantity": "final_pose", "accuracy": 1e-4, "award": "reached"}
+    a = times | {"solver": "a", "ratio": 1.0, "ratio_low": 1.0, "ratio_high": 1.0, "rank": 1.0}
+    b = times | {"solver": "b", "ratio": 3.0, "ratio_low": 2.5, "ratio_high": 3.5, "rank": 2.0}
+    for name, rows in {**TABLES, "time_to_accuracy": [a, b]}.items():
+        pd.DataFrame(rows).to_csv(out / "tables" / f"{name}.csv", index=False)
+    return out
+
+
+def test_a_report_does_not_differ_from_itself(report, capsys):
+    assert compare_builds.main([str(report), str(report)]) == 0
+    assert "accuracies that changed: none" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "table, column", [("transitions", "error"), ("trajectories", "outcome"), ("truth", "time"), ("headline", "reached")]
+)
+def test_an_accuracy_that_changed_is_told_with_its_row(table, column, report, tmp_path, capsys):
+    other = changed(report, tmp_path, table, column, "0.125")
+    assert compare_builds.main([str(report), str(other)]) == 3
+    (difference,) = compare_builds.compare(report, other).accuracies
+    assert (difference.table, difference.column, difference.other) == (table, column, "0.125")
+    assert CASE in difference.row and difference.row in capsys.readouterr().out
+
+
+def test_times_of_another_day_are_no_difference(report, tmp_path):
+    other = changed(report, tmp_path, "trajectories", "cpu_s", "17.0", lambda frame: frame.index >= 0)
+    assert compare_builds.compare(report, other).same
+
+
+def test_a_row_that_is_missing_is_told(report, tmp_path):
+    other = tmp_path / "other"
+    shutil.copytree(report, other)
+    file = other / "tables" / "trajectories.csv"
+    pd.read_csv(file).iloc[1:].to_csv(file, index=False)
+    (difference,) = compare_builds.compare(report, other).accuracies
+    assert (difference.one, difference.other) == ("there", "missing")
+
+
+def test_ratios_differ_only_outside_both_intervals(report, tmp_path):
+    def of_b(frame):
+        return frame.solver == "b"
+
+    near = changed(report, tmp_path, "time_to_accuracy", ["ratio_low", "ratio", "ratio_high"], ["3.4", "4", "5"], of_b)
+    told = compare_builds.compare(report, near)
+    assert told.same and told.compared == 2
+    shutil.rmtree(near)
+    far = changed(report, tmp_path, "time_to_accuracy", ["ratio_low", "ratio", "ratio_high"], ["3.6", "4", "5"], of_b)
+    ((_, row, _, one, other),) = compare_builds.compare(report, far).ratios
+    assert (row, one, other) == (f"{CASE}, final_pose, 0.0001, b, taylor", 3.0, 4.0)
+
+
+@pytest.mark.parametrize("award, counts", [("by chance", 1), ("not timed", 0), ("disturbed", 0)])
+def test_an_award_changes_where_the_accuracy_does(award, counts, report, tmp_path):
+    other = changed(report, tmp_path, "time_to_accuracy", "award", award)
+    assert len(compare_builds.compare(report, other).awards) == counts
+
+
+def test_ranks_that_changed_are_told(report, tmp_path):
+    other = changed(report, tmp_path, "time_to_accuracy", "rank", "1.0", lambda frame: frame.solver == "b")
+    ((table, _, column, one, two),) = compare_builds.compare(report, other).ranks
+    assert (table, column, one, two) == ("time_to_accuracy", "rank", 2.0, 1.0)
+
+
+def test_a_folder_without_a_report_is_told_in_one_line(report, tmp_path, capsys):
+    assert compare_builds.main([str(report), str(tmp_path)]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and "holds no report" in told
+
+
+@pytest.mark.slow
+def test_two_builds_of_the_same_commit_give_the_same_accuracies_and_alike_times(tmp_path):
+    """Nothing is taken from a store. A test of the machine as well: it must be quiet for its times."""
+    for name in ("one", "two"):
+        argv = ["--case", CASE, "--solver", "reference", "pymunk", "--fresh"]
+        argv += ["--out", str(tmp_path / name), "--store", str(tmp_path / f"store of {name}")]
+        assert build.main(argv) == 0
+    told = compare_builds.compare(tmp_path / "one", tmp_path / "two")
+    assert told.accuracies == [] and told.awards == []
+    if told.compared < 10:
+        pytest.skip("the machine was disturbed")
+    # Of two processes 99.9 % of the ratios agree on a quiet machine, in the worst two 97 %.
+    assert len(told.ratios) <= 0.05 * told.compared
