@@ -8,10 +8,14 @@ KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
 .PHONY: report quick test test-all check clean
 
-report: $(VENV)/installed
+# Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
+EXTRAS ?=
+WANTED := $(addprefix $(VENV)/extra-,$(EXTRAS))
+
+report: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build
 
-quick: $(VENV)/installed
+quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
 test: $(VENV)/installed check
@@ -33,6 +37,10 @@ $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[taylor,test]" \
 		|| $(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[test]"
+	touch $@
+
+$(VENV)/extra-%: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[$*]"
 	touch $@
 
 clean:

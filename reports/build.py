@@ -191,6 +191,7 @@ def _write(
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
     from .running import external
+    from .running.solvers import missing_words
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
     told = manifest(ran.versions) | {
@@ -204,6 +205,7 @@ def _write(
         "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
     }
+    told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
     frames = cost_tables.frames(ran, measured) | tables.frames(shown)
     holds = cost_tables.HOLDS | tables.HOLDS
@@ -240,6 +242,7 @@ def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
 
     from .analysis import tables
     from .page.text import error_text, lead_text, reached_text
+    from .running.solvers import missing_words
 
     lines = [f"report: {plan.out / 'index.html'} ({shown.seconds:.0f} s of runs)", ""]
     counts = tables.outcome_counts(shown)
@@ -259,6 +262,7 @@ def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
     headers = ["case", "solver", "route", "reached", "finest", "first transition as it comes / s", "finest / s"]
     lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
+    lines += ["", *missing] if (missing := missing_words(shown.versions)) else []
     lines += ["", f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
     return "\n".join(lines)

@@ -78,6 +78,13 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         default=[],
         help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
     ),
+    "creep": dict(
+        metavar="SPEED",
+        type=float,
+        default=0.0,
+        help="how fast the solver creeps while it sticks, m/s; the file may say so itself, in a column creep or in a "
+        "first line such as '# creep = 5e-3'",
+    ),
     "quick": dict(action="store_true", help="three cases, one variant each, fewer settings"),
     "full": dict(action="store_true", help="every setting of every case, with ten times the patience"),
     "jobs": dict(metavar="N", default="2", help="runs beside each other (default: 2)"),

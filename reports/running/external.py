@@ -13,11 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from adapters import Setting
 from adapters.common import exported
 from cases import BadValue, Case, CaseError, Cost, DoesNotFit, Trajectory
 from cases.errors import unknown
 
+from ..judging import noticed
 from .records import Experiment, Run, Truth
 from .tasks import judge, true_motion
 
@@ -36,6 +39,7 @@ class External:
     file: str
     digest: str
     motion: Trajectory
+    columns: dict[str, np.ndarray]  # as the file has them
 
 
 def from_options(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[External, ...]:
@@ -52,10 +56,15 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
         raise BadValue(f"--trajectory {text!r} takes the name of the solver {name}; give another name")
     case = _case(text, parts["case"], cases)
     try:
-        motion = exported.trajectory_of(case, exported.read_table(file))
+        table = exported.read_table(file)
+        motion = exported.trajectory_of(case, table)
     except CaseError as problem:
         raise type(problem)(f"--trajectory {text!r}: {problem}") from problem
-    return External(name, case, file.name, hashlib.sha256(file.read_bytes()).hexdigest()[:12], motion)
+    return External(name, case, file.name, _digest(file), motion, exported.columns_of(table))
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()[:12]
 
 
 def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:
@@ -90,16 +99,20 @@ def judged(given: External, rung: int, truth: Truth) -> Run:
     row = Run(given.case.label, given.name, ROUTE, Setting.of(file=given.file), rung, outcome="")
     row = replace(row, cost=Cost(steps=len(given.motion.t) - 1), status=given.motion.status)
     try:
-        return judge_external(row, given.case, given.motion, truth)
+        return judge_external(row, given.case, given.motion, truth, given.columns)
     except DoesNotFit as problem:
         return replace(row, outcome="refused", reason=str(problem))
 
 
-def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth) -> Run:
-    """The row with its verdict, ledger and errors; raises DoesNotFit if there is no truth to judge it by."""
+def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, columns: noticed.Columns) -> Run:
+    """The row with its verdict, ledger and errors, and what is noticed about its columns; raises DoesNotFit if there is
+    no truth to judge it by."""
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
-    return judge(row, case, motion, true_motion(case, truth.method), truth)
+    true = true_motion(case, truth.method)
+    run = judge(row, case, motion, true, truth)
+    said = [run.reason, noticed.half_step(columns), noticed.mirrored_axis(columns, true)]
+    return replace(run, reason="; ".join(text for text in said if text))
 
 
 def sources(trajectories: Sequence[External]) -> dict[str, str]:

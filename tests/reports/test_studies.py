@@ -23,6 +23,7 @@ from reports.studies.paper import measure as paper
 from reports.studies.published import study as published
 from reports.studies.reference_cost import growth, in_c
 from reports.studies.reference_cost import study as reference_cost
+from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 from reports.studies.stability.sensitivity import Conditioning, Spread
 from reports.studies.stability.step_limit import Bracket
@@ -45,6 +46,7 @@ FOUND = {
         reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [HUNG]),
         [reference_cost._cold_row("disc_on_line", HUNG)],
     ),
+    "settings": [settings.Cell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)
     ),
