@@ -190,6 +190,8 @@ def _trim(folder: Path) -> None:
             found = entry.stat(follow_symlinks=False)
         except FileNotFoundError:  # another process was quicker
             continue
+        if stat.S_ISDIR(found.st_mode):  # environments of engines, which are no part of what is counted
+            continue
         files.append((found.st_mtime_ns, found.st_size, entry.path))
     size = sum(length for _, length, _ in files)
     if size <= LARGEST_BYTES:

@@ -95,7 +95,7 @@ def listing(files: Sequence[str]) -> str:
 def _build(plan: Plan) -> int:
     """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
     from .page import folder
-    from .running import experiment, external
+    from .running import experiment, external, versions
     from .running.calls import Calls
     from .running.progress import bar
     from .running.store import Store
@@ -104,6 +104,7 @@ def _build(plan: Plan) -> int:
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
+    versions.make(plan.solvers, _say)
     try:
         with Calls(plan.jobs, plan.limit, store, bar) as calls:
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
@@ -186,7 +187,7 @@ def _write(
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
     from .analysis import cost_tables, tables
-    from .analysis.columns import described
+    from .analysis.columns import described, with_version
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
@@ -208,6 +209,7 @@ def _write(
     told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
     frames = cost_tables.frames(ran, measured) | tables.frames(shown)
+    frames = {name: with_version(frame, ran.versions) for name, frame in frames.items()}
     holds = cost_tables.HOLDS | tables.HOLDS
     words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
     text.write(frames, words, place / "tables", command)

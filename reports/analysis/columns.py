@@ -34,6 +34,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     # who and what
     "case": ("the case, with its parameters", ""),
     "solver": ("the reference, an engine, or who a trajectory came from", ""),
+    "version": ("what the solver says of its version; empty: nothing", ""),
     "route": ("how the solver is used: native, assisted, a method of the reference, a file", ""),
     "setting": ("the knobs of one rung of the ladder; rung=defaults is the engine as it comes", ""),
     "motion": ("a motion that knows nothing of friction's law", ""),
@@ -155,6 +156,16 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "finding": ("what is wrong with it", ""),
     "claim": ("what the paper says of it", ""),
 }  # fmt: skip
+
+
+def with_version(frame: pd.DataFrame, versions: Mapping[str, str]) -> pd.DataFrame:
+    """A table with a column `version` beside that of the solver, if it has one; empty for what told none."""
+    if "solver" not in frame.columns or "version" in frame.columns:
+        return frame
+    told = frame.copy()
+    column = [versions.get(name, "") for name in frame["solver"]]
+    told.insert(list(frame.columns).index("solver") + 1, "version", column)
+    return told
 
 
 def described(holds: str, names: Iterable[str]) -> Table:

@@ -7,7 +7,7 @@ adapter brings is called in this process: what a solver is asked, it is asked in
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from types import ModuleType
@@ -22,6 +22,7 @@ from .records import now
 from .serving import Answer
 from .solvers import is_missing, names, version
 from .store import Store
+from .versions import parted
 
 # Wall time (s) a call may take. A whole default report takes minutes, so one run that takes longer has lost its way.
 LIMIT_SECONDS = 60.0
@@ -92,10 +93,10 @@ class Calls:
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
 
     def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
-        """Those of the solvers that are installed here."""
+        """Those of the solvers that are installed here; and those with a version, which have a row to say why not."""
         solvers = tuple(solvers)
         self.ask_versions(solvers)
-        return tuple(name for name in solvers if not is_missing(self.versions[name]))
+        return tuple(name for name in solvers if parted(name)[1] or not is_missing(self.versions[name]))
 
     def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[Answer]:
         """The answers of `each`, in the order of the arguments."""
@@ -132,9 +133,7 @@ class Calls:
             return
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
-        engines = dict.fromkeys(names()[1:], "")
-        # What an engine leaves in its process reaches no digit of the reference.
-        groups = ["engines" if _solvers(call, engines) else "" for call in calls]
+        groups = [_group(call, names()[1:]) for call in calls]
         with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
                 if answer.outcome == "timed_out":
@@ -169,7 +168,7 @@ class Calls:
         case has something that cannot be compared."""
         said = keep.of(*call)
         cases = [argument for argument in said if isinstance(argument, Case)]
-        engines = made_with(self.versions, sorted(_solvers(said, self.versions)))
+        engines = made_with(self.versions, sorted(_solvers(said, self.versions.__contains__)))
         if engines is None or any(content(case) is None for case in cases):
             return None
         return {
@@ -196,11 +195,20 @@ def _plain(argument: Any) -> Any:
         return record_digest(argument)  # what holds arrays
 
 
-def _solvers(arguments: Iterable, known: Mapping[str, str]) -> set[str]:
+def _group(call: tuple, engines: Sequence[str]) -> str:
+    """Whose workers make a call: what an engine leaves in its process reaches no digit of the reference, and two
+    versions of one do not fit into one process."""
+    named = _solvers(call, lambda text: parted(text)[0] in engines)
+    versioned = [name for name in named if parted(name)[1]]
+    # What names several loads none of them: it draws what they did.
+    return versioned[0] if len(versioned) == 1 else "engines" if named else ""
+
+
+def _solvers(arguments: Iterable, known: Callable[[str], bool]) -> set[str]:
     """The solvers that arguments name, within tuples and lists as well."""
     found: set[str] = set()
     for argument in arguments:
-        if isinstance(argument, str) and argument in known:
+        if isinstance(argument, str) and known(argument):
             found.add(argument)
         elif isinstance(argument, tuple | list):
             found |= _solvers(argument, known)

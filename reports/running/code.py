@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from typing import Any
 
 from adapters.interface import GROUP, NO_ADAPTERS, executables
 
@@ -46,18 +47,33 @@ def routes_of(engine: str) -> tuple[str, ...]:
 
     Raises ImportError if a package that the adapter imports first of all is not installed.
     """
-    module = of_adapter(engine)
-    own = [path for name, path in reached(module, SUITE[1:]).items() if f"{name}.".startswith(f"{module}.")]
-    lines = [line for path in own if (tree := tree_of(path)) for line in tree.body]
-    for line in lines:
+    for line in _lines(engine):
         for package in _packages(line):
             if importlib.util.find_spec(package) is None:
                 raise ImportError(f"No module named {package!r}")
-    named = [line.value for line in lines if isinstance(line, ast.Assign) and _name(line) == "routes"]
     try:
-        return tuple(map(str, ast.literal_eval(named[0]))) if named else ()
-    except (ValueError, TypeError):
+        return tuple(map(str, literal_of(engine, "routes") or ()))
+    except TypeError:
         return ()
+
+
+def literal_of(engine: str, name: str) -> Any:
+    """What an engine's adapter gives a name at the top of its code, in plain words; None if it does not.
+
+    Raises LookupError if the adapter has no code to read.
+    """
+    named = [line.value for line in _lines(engine) if isinstance(line, ast.Assign) and _name(line) == name]
+    try:
+        return ast.literal_eval(named[0]) if named else None
+    except (ValueError, TypeError):
+        return None
+
+
+def _lines(engine: str) -> list[ast.stmt]:
+    """What stands at the top of an adapter's modules."""
+    module = of_adapter(engine)
+    own = [path for name, path in reached(module, SUITE[1:]).items() if f"{name}.".startswith(f"{module}.")]
+    return [line for path in own if (tree := tree_of(path)) for line in tree.body]
 
 
 def _packages(line: ast.stmt) -> list[str]:

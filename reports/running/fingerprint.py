@@ -24,7 +24,7 @@ import sympy as sp
 from cases import Case, Curve
 from reference import certification
 
-from . import code, reference_adapter
+from . import code, reference_adapter, versions
 from .packing import pack
 from .records import REFERENCE
 
@@ -136,7 +136,7 @@ def adapter_sources(solver: str) -> str:
     """
     if solver == REFERENCE:
         return sources(reference_adapter)
-    return _digest_of(code.of_adapter(solver), ())
+    return _digest_of(code.of_adapter(versions.parted(solver)[0]), ())
 
 
 @lru_cache(maxsize=1)

@@ -10,7 +10,7 @@ from types import ModuleType
 
 import adapters
 
-from . import code
+from . import code, versions
 from .records import REFERENCE, legible
 
 _LONGEST_VERSION = 100
@@ -22,12 +22,14 @@ def names() -> tuple[str, ...]:
 
 
 def solver(name: str) -> ModuleType:
-    """A solver by name, an engine or the reference; raises ImportError if it is not installed."""
+    """A solver by name, an engine or the reference; raises ImportError if it, or the version that its name asks for, is
+    not installed."""
     if name == REFERENCE:
         from . import reference_adapter
 
         return reference_adapter
-    return adapters.engine(name)
+    versions.demand(name)
+    return adapters.engine(versions.parted(name)[0])
 
 
 # The outcome of an engine that is not there: it refuses nothing, and is counted nowhere.
@@ -39,7 +41,7 @@ def version(name: str) -> str:
     try:
         return legible(solver(name).version(), _LONGEST_VERSION)
     except ImportError as problem:
-        return f"{NOT_INSTALLED}: {legible(problem.name or problem, _LONGEST_VERSION)}"
+        return f"{NOT_INSTALLED}: {legible(problem.name or problem)}"
 
 
 def is_missing(version: str) -> bool:
@@ -73,4 +75,4 @@ def routes(name: str) -> tuple[str, ...]:
 
     Raises ImportError if what the adapter imports is not installed, LookupError if it has no code to read.
     """
-    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(name)
+    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(versions.parted(name)[0])

@@ -16,6 +16,7 @@ from .clock import Contestant, Timing
 from .cold import Cold
 from .parts import Parts
 from .records import Experiment, routes
+from .versions import parted
 
 # A curve of fewer settings tells no order and no saturation.
 LEAST_SETTINGS = 6
@@ -135,9 +136,21 @@ def _beside(function: Callable, who: Sequence[Contestant], budget: float, alone:
         of=_content,
         worth=lambda value: not any(getattr(told, "disturbed", False) for told, _ in value if told),
     )
-    (answer,) = alone.all("cold starts and parts", function, [(who, budget)], limit=budget + PATIENCE, keep=keep)
-    told = answer.value if answer.outcome == "done" else []
-    return {(one.case.label, *one[1:4]): value for one, (value, _) in zip(who, told, strict=False) if value}
+    found: dict[Key, Any] = {}
+    for some in _by_version(who):
+        share = budget * len(some) / len(who)
+        (answer,) = alone.all("cold starts and parts", function, [(some, share)], limit=share + PATIENCE, keep=keep)
+        told = answer.value if answer.outcome == "done" else []
+        found |= {(one.case.label, *one[1:4]): value for one, (value, _) in zip(some, told, strict=False) if value}
+    return found
+
+
+def _by_version(who: Sequence[Contestant]) -> list[list[Contestant]]:
+    """Those that fit into one process: a solver that was asked for with a version has one of its own."""
+    found: dict[str, list[Contestant]] = {}
+    for one in who:
+        found.setdefault(one.solver if parted(one.solver)[1] else "", []).append(one)
+    return list(found.values())
 
 
 def _content(who: Sequence[Contestant], budget: float) -> tuple:
@@ -150,9 +163,14 @@ def time_together(
 ) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
     """The timings of contestants that take their turns in one process, kept or new, and the failures.
 
-    They are kept if none is disturbed, under the `share` of the budget that was theirs. A solver that ends the process
-    is found by running each alone; the others take their turns again.
+    Versions of an engine have processes of their own, one after the other. Timings are kept if none is disturbed, under
+    the `share` of the budget that was theirs. A solver that ends the process is found by running each alone; the others
+    take their turns again.
     """
+    if len(apart := _by_version(who)) > 1:
+        parts = [len(some) / len(who) for some in apart]
+        told = [time_together(w, budget * p, share * p, alone) for w, p in zip(apart, parts, strict=True)]
+        return [pair for found, _ in told for pair in found], [pair for _, failed in told for pair in failed]
     keep = Keep(
         "timing",
         of=lambda who, _: _content(who, share),

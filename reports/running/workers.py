@@ -25,7 +25,7 @@ from typing import Any
 
 from cases import kept
 
-from . import scratch
+from . import scratch, versions
 from .code import is_adapters
 from .records import legible
 from .serving import BEGUN, Answer, serve
@@ -70,7 +70,8 @@ class Pool:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
         Calls with the same first argument begin in order, by one worker where that leaves nobody idle: what it
-        compiled for a case serves all of the case's runs. Calls of unlike `groups` never share a worker. Yields
+        compiled for a case serves all of the case's runs. Calls of unlike `groups` never share a worker; one
+        that is called as a solver with a version is run with that version. Yields
         (i, answer) as they end; `skip(i)`, called just before call i would begin, may give an answer in its place. The
         function and its arguments travel by pickle, so the function lives at the top of a module. Calls that are still
         running when the iterator ends are killed.
@@ -135,7 +136,7 @@ class _Worker:
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self.pipe, far_end = context.Pipe()
         self.process = context.Process(target=serve, args=(far_end, str(folder), os.getpid()), daemon=True)
-        with _as_started():
+        with _as_started(versions.paths(group)):
             self.process.start()
         far_end.close()
         self.group = group
@@ -228,11 +229,12 @@ class _Worker:
 
 
 @contextmanager
-def _as_started() -> Iterator[None]:
+def _as_started(first: list[str]) -> Iterator[None]:
     """What a process that is started in the block inherits: one thread for each library, no program to run again, and
-    no Ctrl-C, which is for the process that asks."""
-    before, main = dict(os.environ), sys.modules["__main__"]
+    no Ctrl-C, which is for the process that asks. It looks for packages in the folders `first`."""
+    before, main, path = dict(os.environ), sys.modules["__main__"], sys.path
     os.environ.update(_ONE_THREAD)
+    sys.path = [*first, *path]  # multiprocessing hands it on
     # A fresh process would run the program's file again, to know what is defined there: a script that makes a
     # report would begin to make another one. Nothing that is called lives there.
     sys.modules["__main__"] = ModuleType("__main__")
@@ -240,7 +242,7 @@ def _as_started() -> Iterator[None]:
     try:
         yield
     finally:
-        sys.modules["__main__"] = main
+        sys.modules["__main__"], sys.path = main, path
         os.environ.clear()
         os.environ.update(before)
         signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
