@@ -187,6 +187,8 @@ def _failures(frame: pd.DataFrame) -> str:
     parts = []
     words = {"refused": "Refused", "crashed": "Crashed", "timed_out": "Timed out", "wrong": "Wrong"}
     columns = {"case": "case", "solver": "solver", "route": "route", "setting": "setting", "reason": "reason"}
+    # Only of versions that were asked for by their number; the other solvers that are not there have a line above.
+    words |= {"not_installed": "Not installed"} if len(frame) and "not_installed" in set(frame["outcome"]) else {}
     for outcome, title in words.items():
         rows = frame[frame["outcome"] == outcome] if len(frame) else frame
         body = table_of(rows, columns) if len(rows) else "<p>None.</p>"

@@ -93,10 +93,10 @@ class Calls:
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
 
     def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
-        """Those of the solvers that are installed here; and those with a version, which have a row to say why not."""
+        """Those of the solvers that are installed here."""
         solvers = tuple(solvers)
         self.ask_versions(solvers)
-        return tuple(name for name in solvers if parted(name)[1] or not is_missing(self.versions[name]))
+        return tuple(name for name in solvers if not is_missing(self.versions[name]))
 
     def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[Answer]:
         """The answers of `each`, in the order of the arguments."""

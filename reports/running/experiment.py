@@ -23,6 +23,7 @@ from .fingerprint import kept_truth
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
 from .serving import Answer
 from .tasks import find_truth, perform, survey
+from .versions import parted
 
 # A solver that did not answer for so many cases is not asked about the others: each would take as long.
 _MOST_SILENCES = 3
@@ -46,9 +47,11 @@ def run(
     thin: Thin = lambda case, solver, route, settings: settings,
 ) -> Experiment:
     """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, route,
-    ladder)` leaves. A solver that is not installed has no runs; `versions` say so."""
+    ladder)` leaves. A solver that is not installed has no runs, and `versions` say so; but one that was asked for with
+    a version has a row for each case that says why."""
     began = time.perf_counter()
-    solvers = calls.present(solvers)
+    present = calls.present(solvers)
+    solvers = [name for name in solvers if name in present or parted(name)[1]]
     truths = find_truths(cases, calls)
     runs, tasks = _planned(cases, offers(cases, solvers, calls), truths, thin)
     _fill(runs, _made(tasks, calls))

@@ -27,7 +27,7 @@ _LONGEST_TEXT = 2000
 class Offer:
     """What one route of a solver offers for a case: a ladder of settings, or the reason why not.
 
-    `outcome` is "" for an offer, else "refused" or "crashed"."""
+    `outcome` is "" for an offer, else "refused", "crashed" or "not_installed"."""
 
     route: str
     settings: tuple[Setting, ...] = ()

@@ -23,7 +23,7 @@ from reference.certification import Certificate, NotCertified, kept_or_new
 from ..judging import distances, ledger, transitions
 from ..judging.slip_phases import Reading
 from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
-from .solvers import solver
+from .solvers import NOT_INSTALLED, solver
 
 # What a figure can show; samples beyond are left out at even distances.
 _SHOWN_SAMPLES = 1500
@@ -39,7 +39,7 @@ def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
     try:
         module = solver(name)
     except ImportError as problem:
-        return (Offer("", (), "refused", f"{name} is not installed here ({problem})"),)
+        return (Offer("", (), NOT_INSTALLED, f"{name} is not installed here ({problem})"),)
     if not hasattr(module, knobs):
         return ()
     return tuple(_offer(module, case, legible(route), knobs) for route in islice(module.routes, _MOST_ROUTES))

@@ -104,7 +104,7 @@ def demand(name: str) -> None:
     if parted(name)[1] and not _is_here(needs(name)):
         folder = _folder(name)
         told = _failed(folder).read_text(encoding="utf-8") if folder and _failed(folder).is_file() else ""
-        raise ImportError(f"{needs(name)}, {told or 'which has no environment'}")
+        raise ImportError(f"{needs(name)}; {told or 'it has no environment'}")
 
 
 # --- an environment ---------------------------------------------------------------------------------------------------
@@ -162,9 +162,9 @@ def _make(package: Requirement, folder: Path) -> str:
                 made.rename(folder)
             return ""
     except subprocess.TimeoutExpired:
-        return f"which pip had not installed after {_PATIENCE:g} s"
+        return f"pip had not installed it after {_PATIENCE:g} s"
     except (OSError, subprocess.SubprocessError) as problem:
-        return f"for which no environment could be made: {legible(problem)}"
+        return f"no environment could be made: {legible(problem)}"
 
 
 def _why(package: Requirement, said: str) -> str:
@@ -178,9 +178,9 @@ def _why(package: Requirement, said: str) -> str:
             f"the package index has no {package} for this Python; it has {', '.join(sorted(near, key=Version))}, …"
         )
     if re.search(r"Retrying \(|NewConnection|Connection(Reset|Refused)?Error|Max retries|getaddrinfo", said):
-        return "and the package index cannot be reached: connect, or set pip's index-url"
+        return "the package index cannot be reached; connect, or set pip's index-url"
     lines = [line for line in said.splitlines() if line.startswith("ERROR")]
-    return f"which pip cannot install: {legible((lines or said.splitlines() or ['it said nothing'])[-1])}"
+    return f"pip cannot install it: {legible((lines or said.splitlines() or ['it said nothing'])[-1])}"
 
 
 def _apart(one: Version, other: Version) -> tuple[int, ...]:
