@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from math import isinf
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..running.solvers import is_missing
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -163,9 +165,16 @@ def with_version(frame: pd.DataFrame, versions: Mapping[str, str]) -> pd.DataFra
     if "solver" not in frame.columns or "version" in frame.columns:
         return frame
     told = frame.copy()
-    column = [versions.get(name, "") for name in frame["solver"]]
+    column = ["" if is_missing(said := versions.get(name, "")) else said for name in frame["solver"]]
     told.insert(list(frame.columns).index("solver") + 1, "version", column)
     return told
+
+
+def with_version_words(table: Table, frame: pd.DataFrame) -> Table:
+    """What is said of a table, and of the column that `with_version` gave it."""
+    if "version" not in frame.columns or "version" in table.columns:
+        return table
+    return table._replace(columns={**table.columns, "version": told("version")})
 
 
 def described(holds: str, names: Iterable[str]) -> Table:
