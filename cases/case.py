@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from numbers import Real
 from types import MappingProxyType
 from typing import Any
 
@@ -17,6 +18,9 @@ from .effects import E, Effect
 from .errors import BadValue, positive
 from .plate import Plate
 from .start import Start
+
+# Of a case's name, which file names hold.
+LONGEST_NAME = 100
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,8 @@ class Case:
                 raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
         object.__setattr__(self, "effects", effects.checked(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
-        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        object.__setattr__(self, "parameters", _checked_parameters(self.parameters))
+        _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             self.start.check(self.track, self.plate.outline, self.effects)
@@ -79,6 +84,24 @@ class Case:
         """`name[parameter=value,…]`: the one text that `cases.load` turns back into this case."""
         inside = ",".join(f"{key}={_written(value)}" for key, value in self.parameters.items())
         return f"{self.name}[{inside}]" if inside else self.name
+
+
+def _check_name(name: object) -> None:
+    """Raises BadValue for a name that cannot stand in file names, tables and `--case`."""
+    if not isinstance(name, str) or not name or len(name) > LONGEST_NAME:
+        raise BadValue(f"the name of a case is {name!r}; give a text of up to {LONGEST_NAME} characters")
+    if not name.isprintable() or name.startswith(".") or set(name) & set("/\\[]<>$\"'`"):
+        raise BadValue(f"the name of a case is {name!r}; give one of letters, digits, spaces and hyphens")
+
+
+def _checked_parameters(parameters: object) -> Mapping[str, float]:
+    """The parameters as they are kept; raises BadValue unless they are numbers by name."""
+    if not isinstance(parameters, Mapping):
+        raise BadValue(f"the parameters of a case are {parameters!r}; give a dict of numbers")
+    for key, value in parameters.items():
+        if not isinstance(key, str) or not isinstance(value, Real):
+            raise BadValue(f"parameter {key!r} of a case is {value!r}; give numbers by name")
+    return MappingProxyType(dict(parameters))
 
 
 def _unchecked(values: dict[str, Any]) -> Case:

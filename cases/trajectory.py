@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .errors import BadValue
+
 
 class Mode(StrEnum):
     """What the contact does."""
@@ -130,10 +132,16 @@ class Trajectory:
                 raise ValueError(f"{name} has shape {np.shape(getattr(self, name))}, t has ({length},)")
 
     def __call__(self, t) -> State:
-        """The state at a time, or at each of an array of times; raises ValueError outside the motion's time span."""
-        times = np.asarray(t, dtype=float)
+        """The state at a time, or at each of an array (n,) of times; raises BadValue outside the motion's span and for
+        what is no time."""
+        try:
+            times = np.asarray(t, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            raise BadValue(f"the time is {t!r}; give a number of seconds, or an array of them") from None
+        if times.ndim > 1:
+            raise BadValue(f"the times have shape {times.shape}; give a number, or an array of shape (n,)")
         if times.size and not (self.t[0] <= times.min() and times.max() <= self.t[-1]):
-            raise ValueError(f"time {t} is outside the motion, which lasts from {self.t[0]:g} s to {self.t[-1]:g} s")
+            raise BadValue(f"time {t} is outside the motion, which lasts from {self.t[0]:g} s to {self.t[-1]:g} s")
         state = (self.dense or self._interpolate)(np.atleast_1d(times))
         return State(*(float(np.asarray(v)[0]) for v in state)) if times.ndim == 0 else state
 

@@ -38,7 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
-        "case", "case_file", "solver", "engine", "trajectory", "quick", "full", "jobs", "store", "fresh", "list",
+        "case", "case_file", "solver", "engine", "trajectory", "submissions",
+        "quick", "full", "jobs", "store", "fresh", "list",
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip

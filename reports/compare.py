@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import cases
 from cases import Case
+from cases.files import existing
 
 from . import options
 
@@ -99,7 +100,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", "creep", words=positional)
         given = parser.parse_args(words)
         options.load_files(given.case_file)
-        print(compare(cases.load(given.CASE), given.FILE, given.creep))
+        case = options.guarded(f"the case {given.CASE}", lambda: cases.load(given.CASE))
+        print(compare(case, existing("file", given.FILE), options.creep_of(given.creep)))
 
     return options.status(COMMAND, work, argv)
 

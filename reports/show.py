@@ -9,34 +9,65 @@ import inspect
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import cases
-from cases import Case, Gravity, Trajectory
+from cases import BadValue, Case, Gravity, Trajectory
+from cases.files import place
 
 from . import options
+
+# Stands in every file that a command writes, so that the next one knows it for its own.
+MADE_BY = "slip-to-roll"
+KINDS = (".png", ".svg", ".pdf")
+
+
+class Asked(NamedTuple):
+    """What a command line asks for."""
+
+    case: Case
+    out: Path | None
+    force: bool
 
 
 def run(words: Sequence[str]) -> None:
     """Draw and print; raises CaseError if what was asked for makes no sense."""
-    case, out = case_of("show", words)
+    case, out, force = case_of("show", words)
+    picture = out or Path(f"{case.name}.png")
+    if picture.suffix not in KINDS:
+        raise BadValue(f"--out is {str(picture)!r}; give a file that ends in {', '.join(KINDS)}")
+    check_ours(picture, force)
     import reference
 
     motion = reference.simulate(case)
-    picture = out or Path(f"{case.name}.png")
+    picture.parent.mkdir(parents=True, exist_ok=True)
     draw(case, motion, picture)
     print(facts(case, motion))
     print(f"picture: {picture}")
 
 
-def case_of(command: str, words: Sequence[str]) -> tuple[Case, Path | None]:
-    """The case that a command line names, and where its output goes."""
+def case_of(command: str, words: Sequence[str]) -> Asked:
+    """The case that a command line names, where its output goes, and whether it may write over what is there."""
     positional = {"NAME": 'a case: name or "name[parameter=value,…]"', "parameter=value*": "what differs from its own"}
-    parser = options.parser(f"cases {command}", f"{command.capitalize()} a case.", "case_file", "out", words=positional)
+    parser = options.parser(
+        f"cases {command}", f"{command.capitalize()} a case.", "case_file", "out", "force", words=positional
+    )
     given = parser.parse_args(list(words))
+    out = given.out and place("folder or file of --out", given.out)
     options.load_files(given.case_file)
     inside = ",".join(getattr(given, "parameter=value"))
-    case = cases.load(f"{given.NAME}[{inside}]" if inside else given.NAME)
-    return case, given.out and Path(given.out)
+    text = f"{given.NAME}[{inside}]" if inside else given.NAME
+    return Asked(options.guarded(f"the case {text}", lambda: cases.load(text)), out, given.force)
+
+
+def check_ours(path: Path, force: bool) -> None:
+    """Raises BadValue for a file that no command of the suite wrote, unless it may be written over, and for what cannot
+    be written."""
+    if path.is_dir():
+        raise BadValue(f"{path} is a folder; give another name with --out")
+    if path.exists() and not force and MADE_BY.encode() not in path.read_bytes():
+        raise BadValue(f"{path} is there and none of ours; give another name with --out, or --force to write over it")
+    options.check_writable("--out", path, path.parent)
 
 
 def facts(case: Case, motion: Trajectory) -> str:
@@ -95,7 +126,7 @@ def draw(case: Case, motion: Trajectory, path: Path) -> None:
         ax.set(ylabel=label, xlabel="time / s")
         for t in motion.transitions:
             ax.axvline(t.time, color="#8a8a8a", linewidth=0.7)
-    figure.savefig(path)
+    figure.savefig(path, metadata={"Software" if path.suffix == ".png" else "Creator": MADE_BY})
     plt.close(figure)
 
 

@@ -34,11 +34,15 @@ def _work(words: list[str]) -> None:
     texts = given.case or own
     if own and "case" not in study.TAKES:
         raise BadValue(f"{given.NAME} has its own cases; leave out --case-file")
-    chosen = tuple({c.label: c for text in texts for c in cases.select(text, long=given.full)}.values())
-    request = studies.Request(chosen, options.chosen_solvers(given.solver), given.full)
-    out = options.checked_out(Path(given.out or given.NAME))
+    solvers, jobs = options.chosen_solvers(given.solver), options.whole_jobs(given.jobs)
+    made = [
+        options.guarded(f"the case {text}", lambda text=text: cases.select(text, long=given.full)) for text in texts
+    ]
+    chosen = tuple({case.label: case for some in made for case in some}.values())
+    request = studies.Request(chosen, solvers, given.full)
+    out = options.checked_out(given.out or given.NAME)
     store = options.checked_store(given.store, out)
-    _make(given.NAME, request, out, store, given.fresh, options.whole_jobs(given.jobs), options.command(COMMAND, words))
+    _make(given.NAME, request, out, store, given.fresh, jobs, options.command(COMMAND, words))
 
 
 def _make(

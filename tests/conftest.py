@@ -84,19 +84,31 @@ def accuracy(request) -> Callable[..., None]:
 
 
 def pytest_terminal_summary(terminalreporter):
-    """Print every accuracy row of the session as one table."""
-    rows = [
+    """Print every accuracy row of the session as one table, and what the fuzz tried."""
+    rows = sorted(_noted(terminalreporter, _PROPERTY), key=lambda row: row[:4])
+    _print_table(terminalreporter, "accuracy", _COLUMNS, [(*row[:4], f"{row[4]:.1e}", f"{row[5]:.0e}") for row in rows])
+    rows = sorted(_noted(terminalreporter, "fuzz"))
+    if rows:  # what did neither is a failure, and told as one
+        rows.append(("all", *(sum(row[i] for row in rows) for i in (1, 2, 3, 4))))
+    texts = [(row[0], *map(str, row[1:])) for row in rows]
+    _print_table(terminalreporter, "fuzz", ("kind", "tried", "ran", "refused", "else"), texts)
+
+
+def _noted(terminalreporter, wanted: str) -> list[tuple]:
+    return [
         tuple(value)
         for outcome in ("passed", "failed")
         for report in terminalreporter.stats.get(outcome, ())
         if getattr(report, "when", None) == "call"
         for name, value in report.user_properties
-        if name == _PROPERTY
+        if name == wanted
     ]
+
+
+def _print_table(terminalreporter, title: str, heading: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
     if not rows:
         return
-    texts = [_COLUMNS] + [(*row[:4], f"{row[4]:.1e}", f"{row[5]:.0e}") for row in sorted(rows, key=lambda row: row[:4])]
-    widths = [max(len(text[i]) for text in texts) for i in range(len(_COLUMNS))]
-    terminalreporter.section("accuracy")
-    for text in texts:
+    widths = [max(len(text[i]) for text in (heading, *rows)) for i in range(len(heading))]
+    terminalreporter.section(title)
+    for text in (heading, *rows):
         terminalreporter.write_line("  ".join(cell.ljust(width) for cell, width in zip(text, widths, strict=True)))

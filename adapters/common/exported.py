@@ -24,9 +24,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, files
 from cases.contact import Contact, Motion, find, slip_velocity, start_motion
-from cases.errors import UnknownName
 from cases.nearest import nearest
 
 if TYPE_CHECKING:
@@ -41,6 +40,8 @@ OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
 RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
 CREEP = "creep"
 
+# A file's size in bytes, and its samples: each is looked at by itself, a tenth of a millisecond.
+LARGEST_FILE, MOST_SAMPLES = 100 * 2**20, 200_000
 # A slope to second order takes so many samples. (Our own adapters ask for no more.)
 LEAST_SAMPLES = 3
 # By so much (rad) the plate or the track may turn between samples: from a quarter of a turn on, the contact is not
@@ -56,10 +57,8 @@ OFF = 0.05
 
 def read_table(path: str | Path) -> pd.DataFrame:
     """The known columns of the file as finite floats with growing times. Raises CaseError, in one sentence."""
-    path = Path(path)
-    if not path.is_file():
-        raise UnknownName(f"there is no file {str(path)!r}")
-    return parsed(path.read_text(errors="replace"), path.name)
+    path = files.existing("file", path)
+    return parsed(files.text("file", path, LARGEST_FILE), path.name)
 
 
 def parsed(text: str, called: str) -> pd.DataFrame:
@@ -68,10 +67,14 @@ def parsed(text: str, called: str) -> pd.DataFrame:
 
     head = list(takewhile(lambda line: line.startswith("#"), text.splitlines()))
     try:
-        table = pd.read_csv(StringIO(text), skipinitialspace=True, comment="#")
-    except (ValueError, OSError) as problem:
+        # Every cell as text: what pandas takes for a number, a date or an index is decided below.
+        table = pd.read_csv(StringIO(text), skipinitialspace=True, comment="#", header=None, dtype=str, index_col=False)
+    except (ValueError, OverflowError, RecursionError) as problem:
         raise BadValue(f"{called} cannot be read as comma-separated values: {problem}") from problem
-    table = table.rename(columns=lambda name: str(name).strip())
+    heading = ["" if cell is None else str(cell).strip() for cell in table.iloc[0].where(table.iloc[0].notna(), None)]
+    table = table.iloc[1:].reset_index(drop=True)
+    table.columns = pd.Index(heading)
+    _check_heading(called, heading)
     missing = [name for name in NEEDED if name not in table]
     if missing:
         first = ",".join(str(name) for name in table.columns)
@@ -79,6 +82,12 @@ def parsed(text: str, called: str) -> pd.DataFrame:
             f"{called} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
             "t, x, y, theta, separated by commas"
         )
+    if len(table) > MOST_SAMPLES:
+        raise BadValue(f"{called} has {len(table)} samples; give at most {MOST_SAMPLES}")
+    again = table.duplicated().to_numpy()
+    if again.any():
+        line = int(np.argmax(again)) + 2
+        raise BadValue(f"line {line} of {called} stands there before; leave duplicated lines out")
     table = table[[name for name in (*NEEDED, *OPTIONAL, CREEP) if name in table]]
     declared = _declared(head)
     if declared is not None:
@@ -96,6 +105,23 @@ def parsed(text: str, called: str) -> pd.DataFrame:
     if len(table) < LEAST_SAMPLES:
         raise BadValue(f"{called} has {len(table)} samples, and no slope; give at least {LEAST_SAMPLES}")
     return table
+
+
+_UNITS = "(ms|us|min|h|mm|cm|km|deg|in|ft)"
+
+
+def _check_heading(file: str, heading: list[str]) -> None:
+    """Raises BadValue for a first line that leaves open what a column holds."""
+    if "" in heading:
+        number = heading.index("") + 1
+        raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
+    for name in (*NEEDED, *OPTIONAL):
+        if heading.count(name) > 1:
+            raise BadValue(f"{file} has {heading.count(name)} columns {name}; leave one")
+        # t_ms, x [mm], time (min): a unit beside a name that is known says that it is not metres or seconds.
+        other = [given for given in heading if re.fullmatch(rf"{name}[\s_(\[/]+{_UNITS}.*", given)]
+        if other and name not in heading:
+            raise BadValue(f"{file} has a column {other[0]!r}; give {name} in SI units and radians, and call it {name}")
 
 
 # A comment that declares it, such as `# creep = 5e-3` or `# creep: 0.005 m/s`.

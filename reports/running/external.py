@@ -25,6 +25,7 @@ from .records import Experiment, Run, Truth
 from .tasks import judge, true_motion
 
 ROUTE = "file"
+LONGEST_NAME = 60
 FORM = "--trajectory NAME=FILE.csv, or NAME@CASE=FILE.csv in a report of several cases"
 # NAME, then perhaps @CASE, whose brackets may hold the equals signs of its parameters, then =FILE.
 _FORM = re.compile(r"(?P<name>[^@=]+)(@(?P<case>[^=\[]+(\[[^\]]*\])?))?=(?P<file>.+)", re.DOTALL)
@@ -40,6 +41,7 @@ class External:
     digest: str
     motion: Trajectory
     columns: dict[str, np.ndarray]  # as the file has them
+    route: str = ROUTE
 
 
 def from_options(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[External, ...]:
@@ -52,6 +54,8 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
     if not parts:
         raise BadValue(f"--trajectory is {text!r}; give {FORM}")
     name, file = parts["name"].strip(), Path(parts["file"].strip()).expanduser()
+    if not name.isprintable() or len(name) > LONGEST_NAME or set(name) & set("$<>/\\"):
+        raise BadValue(f"--trajectory names {name!r}; give up to {LONGEST_NAME} letters, digits, spaces and hyphens")
     if name in solvers:
         raise BadValue(f"--trajectory {text!r} takes the name of the solver {name}; give another name")
     case = _case(text, parts["case"], cases)
@@ -60,10 +64,13 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
         motion = exported.trajectory_of(case, table)
     except CaseError as problem:
         raise type(problem)(f"--trajectory {text!r}: {problem}") from problem
-    return External(name, case, file.name, _digest(file), motion, exported.columns_of(table))
+    # A dollar sign begins a formula in a figure.
+    shown = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
+    return External(name, case, shown, digest(file), motion, exported.columns_of(table))
 
 
-def _digest(file: Path) -> str:
+def digest(file: Path) -> str:
+    """What tells one file's content from another's."""
     return hashlib.sha256(file.read_bytes()).hexdigest()[:12]
 
 
@@ -96,7 +103,7 @@ def joined(experiment: Experiment, trajectories: Sequence[External]) -> Experime
 
 def judged(given: External, rung: int, truth: Truth) -> Run:
     """The trajectory's row, judged like any solver's."""
-    row = Run(given.case.label, given.name, ROUTE, Setting.of(file=given.file), rung, outcome="")
+    row = Run(given.case.label, given.name, given.route, Setting.of(file=given.file), rung, outcome="")
     row = replace(row, cost=Cost(steps=len(given.motion.t) - 1), status=given.motion.status)
     try:
         return judge_external(row, given.case, given.motion, truth, given.columns)
