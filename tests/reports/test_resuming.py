@@ -122,7 +122,7 @@ def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
 
 @pytest.mark.parametrize("disturbed, times", [(False, 1), (True, 2)])
 def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp_path):
-    timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 5, 0, disturbed)
+    timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 0.7, 5, 0, disturbed)
     who = contestants("a", "b")
     made = []
 
