@@ -52,7 +52,7 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
         if len(offered) > _MOST_SETTINGS:
             raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
         return Offer(route, tuple(map(_plain, offered)))
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}")
 
 
@@ -151,7 +151,7 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
         return replace(row, outcome="crashed", reason=legible(failure))
     except (ImportError, MemoryError, OSError):
         raise
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         return replace(row, outcome="crashed", reason=sentence(problem))
     row = replace(row, status=legible(motion.status), cost=motion.cost)
     if not soundness.sound(motion):
