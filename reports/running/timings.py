@@ -171,8 +171,8 @@ def time_together(
     itself. Versions of an engine have processes of their own, one after the other.
     """
     if len(processes := _by_version(who)) > 1:
-        parts = [(some, len(some) / len(who)) for some in processes]
-        told = [time_together(some, budget * part, share * part, alone, again) for some, part in parts]
+        portions = [(some, len(some) / len(who)) for some in processes]
+        told = [time_together(some, budget * part, share * part, alone, again) for some, part in portions]
         return [pair for found, _ in told for pair in found], [pair for _, failed in told for pair in failed]
     keep = Keep(
         "timing",
