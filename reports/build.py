@@ -97,7 +97,7 @@ def _build(plan: Plan) -> int:
     """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
     from .drawing.files import for_print
     from .page import folder
-    from .running import experiment, external
+    from .running import experiment, external, versions
     from .running.calls import Calls
     from .running.progress import Display, usual
     from .running.store import Store
@@ -106,6 +106,7 @@ def _build(plan: Plan) -> int:
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
+    versions.make(plan.solvers, _say)
     try:
         shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
         with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
@@ -196,7 +197,7 @@ def _write(
     import pandas as pd
 
     from .analysis import advice, cost_tables, tables
-    from .analysis.columns import described
+    from .analysis.columns import described, with_version
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
@@ -218,6 +219,7 @@ def _write(
     told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
     frames = cost_tables.frames(ran, measured) | tables.frames(shown)
+    frames = {name: with_version(frame, ran.versions) for name, frame in frames.items()}
     holds = cost_tables.HOLDS | tables.HOLDS
     words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
     text.write(frames, words, place / "tables", command, plan.paper)

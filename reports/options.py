@@ -69,7 +69,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         default=[],
         help="Python files with cases of your own, marked with @case",
     ),
-    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all)"),
+    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all); ENGINE@VERSION for one"),
     "engine": dict(
         metavar="FILE",
         nargs="+",
@@ -297,11 +297,16 @@ def plan_by_hand(
 
 
 def chosen_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
-    """Each named solver once, or all; raises UnknownName."""
+    """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be asked for."""
     chosen = tuple(dict.fromkeys(names or solvers()))
     for name in chosen:
-        if name not in solvers():
-            raise unknown("solver", name, solvers())
+        engine, mark, _ = name.partition("@")
+        if engine not in solvers():
+            raise unknown("solver", engine, solvers())
+        if mark:
+            from .running import versions
+
+            versions.check(name)
     return chosen
 
 

@@ -52,7 +52,7 @@ def _no_error(row: Mapping[str, Any], which: str) -> str | None:
     if which == "finest" and row["is_truth"]:
         return "is the truth"
     outcome = row[f"{which}_outcome"]
-    return outcome if outcome in ("", "refused", "crashed", "timed_out") else None
+    return outcome if outcome in ("", "refused", "crashed", "timed_out", "not_installed") else None
 
 
 def _unsure(row: Mapping[str, Any], which: str) -> str:
