@@ -52,6 +52,7 @@ def _make(
     from .running.store import Store
 
     store = Store(store_folder, fresh)
+    folder.rehearse(out)
     try:
         with Calls(jobs, store=store, progress=bar) as calls:
             calls.ask_versions(request.solvers)

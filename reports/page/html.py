@@ -18,7 +18,7 @@ from ..running.records import TRUTH_RTOL, Experiment, finest, routes
 from . import cost
 from .pieces import command_of as command_of
 from .pieces import figure_of, records, remake, table_of
-from .text import error_text, lead_text, reached_text
+from .text import error_text, lead_text, lost_words, reached_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,7 +49,7 @@ def render(
         "style": (_PAGE / "style.css").read_text(encoding="utf-8"),
         "summary": escape(_summary(experiment)),
         "contents": _contents(experiment, studied),
-        "warnings": _warnings(experiment),
+        "warnings": _warnings(experiment, manifest["lost"]),
         "headline": _headline(frames["headline"], drawn, figures, command),
         "precision": cost.section(measured, frames, drawn, figures, command),
         "cases": "\n".join(_case(experiment, case, frames, drawn, figures, manifest) for case in experiment.cases),
@@ -90,8 +90,8 @@ def _anchor(label: str) -> str:
     return "case-" + "".join(c if c.isalnum() else "-" for c in label).strip("-")
 
 
-def _warnings(experiment: Experiment) -> str:
-    told = []
+def _warnings(experiment: Experiment, lost: Sequence[str]) -> str:
+    told = [f"{escape(lost_words(lost))}."] if lost else []
     for label, truth in experiment.truths.items():
         if truth.failure:
             told.append(f"<strong>{escape(label)}</strong> has no truth, and was not run: {escape(truth.failure)}.")
