@@ -21,6 +21,7 @@ from .plate import Plate, disc
 from .registry import case, entry, load, load_file, names, select
 from .start import Start
 from .trajectory import Cost, Mode, State, Trajectory, Transition
+from .version import __version__
 
 __all__ = [
     "BadCurve",
@@ -47,6 +48,7 @@ __all__ = [
     "Transition",
     "Unilateral",
     "UnknownName",
+    "__version__",
     "case",
     "disc",
     "entry",

@@ -27,7 +27,7 @@ from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import Drive
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version"]
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version", "wide_grid"]
 
 NAME = "pymunk"
 routes = ("native", "assisted")
@@ -58,9 +58,6 @@ def refuses(case: Case, route: str) -> str | None:
 def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
-    outline = case.plate.outline
-    if not facets.is_convex(outline):
-        return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
     endless = not case.track.period and not case.track.domain
     if case.effect(Load) and endless and facets.track_kind(case) == "chain":
         return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
@@ -109,6 +106,16 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
     if route == "assisted":
         return tuple(Setting.of(h=h, iterations=n) for h in GRID_STEPS for n in (1, 2, 5, 10))
     return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
+
+
+def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Every step of the ladder but the finest with shapes for four times, one time and a quarter of the step."""
+    if route == "assisted":
+        return grid(case, route)
+    rungs = ladder(case, route)[1:-1]
+    return tuple(
+        rung.but(**native.shape_knobs(case, rung["h"] * share)) for rung in rungs for share in (4.0, 1.0, 0.25)
+    )
 
 
 # --- build, run, read -------------------------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     # who and what
     "case": ("the case, with its parameters", ""),
     "solver": ("the reference, an engine, or who a trajectory came from", ""),
-    "route": ("how the solver is used: native, assisted, a method of the reference, a file", ""),
+    "route": ("how the solver is used: native, assisted, a method of the reference, a file, a submission", ""),
     "setting": ("the knobs of one rung of the ladder; rung=defaults is the engine as it comes", ""),
     "motion": ("a motion that knows nothing of friction's law", ""),
     "quantity": ("what an error is of: " + ", ".join(_QUANTITIES), ""),

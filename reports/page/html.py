@@ -208,8 +208,20 @@ def _whole_table(name: str, frame: pd.DataFrame, words: Table, command: str) -> 
 def _manifest(manifest: dict[str, Any]) -> str:
     rows = [("command", f"<code>{escape(manifest['command'])}</code>"), ("when", escape(manifest["made_at"]))]
     rows.append(("took", f"{manifest['seconds']:.0f} s"))
-    for key in ("commit", "machine", "python", "solvers", "packages", "settings", "ladders", "compiled"):
+    for key in (
+        "commit",
+        "machine",
+        "python",
+        "solvers",
+        "not installed",
+        "packages",
+        "settings",
+        "ladders",
+        "compiled",
+    ):
         value = manifest[key]
+        if not value:
+            continue
         text = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
         rows.append((key, escape(text)))
     body = "".join(f"<tr><th>{key}</th><td>{text}</td></tr>" for key, text in rows)

@@ -20,7 +20,7 @@ from .fingerprint import Key, content, made_with, plain, record_digest, sources
 from .progress import Progress, silent
 from .records import now
 from .serving import Answer
-from .solvers import names, version
+from .solvers import is_missing, names, version
 from .store import Store
 
 # Wall time (s) a call may take. A whole default report takes minutes, so one run that takes longer has lost its way.
@@ -90,6 +90,12 @@ class Calls:
         limit = min(self.limit, ASKING_SECONDS)
         answers = self.all("versions", version, [(name,) for name in new], limit=limit)
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
+
+    def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
+        """Those of the solvers that are installed here."""
+        solvers = tuple(solvers)
+        self.ask_versions(solvers)
+        return tuple(name for name in solvers if not is_missing(self.versions[name]))
 
     def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[Answer]:
         """The answers of `each`, in the order of the arguments."""

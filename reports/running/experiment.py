@@ -46,9 +46,9 @@ def run(
     thin: Thin = lambda case, solver, route, settings: settings,
 ) -> Experiment:
     """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, route,
-    ladder)` leaves."""
+    ladder)` leaves. A solver that is not installed has no runs; `versions` say so."""
     began = time.perf_counter()
-    calls.ask_versions(solvers)
+    solvers = calls.present(solvers)
     truths = find_truths(cases, calls)
     runs, tasks = _planned(cases, offers(cases, solvers, calls), truths, thin)
     _fill(runs, _made(tasks, calls))

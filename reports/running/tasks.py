@@ -20,7 +20,7 @@ from adapters import EngineFailure, Setting, other_laws
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
-from ..judging import distances, ledger, transitions
+from ..judging import distances, ledger, soundness, transitions
 from ..judging.slip_phases import Reading
 from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
 from .solvers import solver
@@ -30,8 +30,6 @@ _SHOWN_SAMPLES = 1500
 # What an adapter may have of routes (no more are asked), a ladder or a grid of settings, and a setting of characters:
 # far more than would be run, or read.
 _MOST_ROUTES, _MOST_SETTINGS, _LONGEST_SETTING = 20, 1000, 500
-# A solver that stops no more than this many of its own steps before the end of the truth has ended with it.
-_LAST_STEPS = 2.5
 
 
 def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
@@ -156,9 +154,18 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     except (Exception, SystemExit) as problem:
         return replace(row, outcome="crashed", reason=sentence(problem))
     row = replace(row, status=legible(motion.status), cost=motion.cost)
-    if not sound(motion):
-        return replace(row, outcome="crashed", reason="it gave numbers that are not finite, or times that do not grow")
+    if not soundness.sound(motion):
+        return replace(
+            row,
+            outcome="crashed",
+            reason="it gave numbers that are not finite or beyond all sizes, or times that do not grow",
+        )
     return verdict(row, motion)
+
+
+def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:
+    """The motion of one setting of one route, timed and not judged; raises what the solver raises."""
+    return timed(solver(name), case, route, setting)
 
 
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
@@ -187,8 +194,8 @@ def judge(
     gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t)))
     matched = ledger.match(truth.transitions, told.transitions, gap)
     off = distances.differences(trajectory, motion, case)
-    wrong = _faults(told, matched, trajectory, truth)
     away = distances.distance(off)
+    wrong = _faults(case, told, matched, trajectory, motion, truth, away)
     if laws:
         wrong = [*laws, f"its centre is off by {away.centre_max:.2g} m at most", *wrong]
     return replace(
@@ -212,7 +219,15 @@ def reading_of(case: Case, trajectory: Trajectory) -> Reading:
     return transitions.read_motion(case, trajectory)
 
 
-def _faults(told: Reading, matched: tuple[ledger.LedgerRow, ...], trajectory: Trajectory, truth: Truth) -> list[str]:
+def _faults(
+    case: Case,
+    told: Reading,
+    matched: tuple[ledger.LedgerRow, ...],
+    trajectory: Trajectory,
+    motion: Trajectory,
+    truth: Truth,
+    off: distances.Distance,
+) -> list[str]:
     """Why a run is wrong, in phrases; an empty list means right."""
     faults = []
     if told.first_mode != truth.first_mode:
@@ -221,19 +236,9 @@ def _faults(told: Reading, matched: tuple[ledger.LedgerRow, ...], trajectory: Tr
         kinds = [f"{row.before} to {row.after}" for row in matched if row.verdict == verdict]
         if kinds:
             faults.append(f"{len(kinds)} {verdict} ({', '.join(kinds[:3])}{', …' if len(kinds) > 3 else ''})")
-    end, step = float(truth.samples["t"][-1]), float(np.max(np.diff(trajectory.t)))
-    if truth.status != "lift_off" and trajectory.t[-1] < end - _LAST_STEPS * step:
-        faults.append(f"ends at {trajectory.t[-1]:.6g} s, the truth at {end:.6g} s")
-    return faults
-
-
-def sound(trajectory: Trajectory) -> bool:
-    """Whether it is a motion: finite numbers at times that do not go back."""
-    names = ("t", "x", "y", "theta", "vx", "vy", "omega")
-    finite = all(np.all(np.isfinite(getattr(trajectory, name))) for name in names)
-    # In flight there is no slip, and then no place of contact either.
-    finite = finite and bool(np.all(np.isfinite(trajectory.slip) | np.isnan(trajectory.xi1)))
-    return finite and len(trajectory.t) > 1 and bool(np.all(np.diff(trajectory.t) >= 0))
+    begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
+    faults += soundness.untold(trajectory, begin, None if truth.status == "lift_off" else end)
+    return faults + soundness.jumps(case, trajectory, motion, off.centre_max)
 
 
 def _shown(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:

@@ -90,7 +90,9 @@ def run(name: str, request: Request, calls: Calls, command: str) -> Result:
 
     made = study(name)
     try:
-        found = made.run(request, calls)
+        # One that is not installed has no part in it.
+        present = calls.present(request.solvers) if request.solvers else ()
+        found = made.run(request._replace(solvers=present), calls)
         frames = {table: pd.DataFrame(rows) for table, rows in made.rows(found).items()}
         for table, frame in frames.items():
             if infinite(frame):

@@ -21,7 +21,7 @@ from reports import build, options
 from reports.analysis import tables
 from reports.drawing import files
 from reports.page import folder, text
-from reports.running import scratch
+from reports.running import scratch, solvers
 from reports.running.records import Experiment, Run, Truth
 
 from .. import fake_adapter
@@ -106,7 +106,7 @@ def test_what_is_listed_is_read_from_code_and_no_engine_is_imported():
         "assert not {'exudyn', 'pymunk', 'pandas', 'matplotlib'} & set(sys.modules)"
     )
     told = subprocess.run([sys.executable, "-c", listed, "--list"], capture_output=True, text=True, check=True).stdout
-    assert "  pymunk: native, assisted\n" in told and "  exudyn: native, assisted\n" in told
+    assert "  pymunk: native, assisted\n" in told and "  exudyn: native, integrator\n" in told
 
 
 def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogue():
@@ -355,18 +355,26 @@ def test_every_failure_is_a_row_told_as_what_it_was(failing):
     assert fake.keys() == FATES.keys()
     for setting, (outcome, reason) in FATES.items():
         assert fake[setting][0] == outcome and reason in fake[setting][1], fake[setting]
-    (ghost,) = rows[rows["solver"] == "ghost"].to_dict("records")
-    assert ghost["outcome"] == "refused" and "not installed" in ghost["reason"] and "no_such_engine" in ghost["reason"]
+    assert "ghost" not in set(rows["solver"])
 
 
 def test_a_report_of_failures_is_complete(failing):
     told = json.loads((failing / "manifest.json").read_text())
     assert {p.relative_to(failing).as_posix() for p in failing.rglob("*") if p.is_file()} == set(told["files"])
-    assert told["solvers"] == {"fake": "1.0", "ghost": "not installed"}
+    assert told["solvers"] == {"fake": "1.0", "ghost": "not_installed: no_such_engine"}
     page = (failing / "index.html").read_text()
     for _, reason in FATES.values():
         assert escape(reason) in page
     assert "no_such_engine" in page
+
+
+def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it():
+    versions = {"fine": "1.0", "box2d": "not_installed: pyb2d3", "ghost": "not_installed: no_such_engine"}
+    lines = solvers.missing_words(versions)
+    assert lines[:2] == ["box2d: not_installed (it needs pyb2d3)", "ghost: not_installed (it needs no_such_engine)"]
+    # Without the suite's own metadata nobody knows its extras.
+    assert lines[2:] in ([], ['make report EXTRAS="box2d" adds it'])
+    assert solvers.missing_words({"fine": "1.0"}) == []
 
 
 def test_what_came_from_outside_is_not_kept(failing):
