@@ -6,6 +6,7 @@ Everything here answers at once; what is slow to import is imported when it is n
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import shlex
 import sys
@@ -182,6 +183,9 @@ def parser(
 def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
     """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files
     cannot be read or written, 130 if it was stopped. What went wrong is said in one line."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # no work is lost by a letter that a terminal has not
     try:
         return work(list(sys.argv[1:] if argv is None else argv)) or 0
     except CaseError as problem:
@@ -383,7 +387,7 @@ def checked_out(out: str | Path) -> Path:
         raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
     if out.exists() and not out.is_dir():
         raise BadValue(f"--out is {out}, which is a file; give a folder")
-    check_writable("--out", out, out.parent)
+    check_writable("--out", out, out if out.exists() else out.parent)
     foreign = foreign_file(out)
     if foreign:
         raise BadValue(f"--out is {out}, which holds {foreign}, no part of a report; give another folder")

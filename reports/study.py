@@ -60,6 +60,7 @@ def _make(
     from .running.store import Store
 
     store = Store(store_folder, fresh)
+    folder.rehearse(out)
     versions.make(request.solvers, lambda text: print(text, file=sys.stderr, flush=True))
     try:
         with Display() as display, Calls(jobs, store=store, progress=display) as calls:

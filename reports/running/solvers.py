@@ -41,7 +41,7 @@ def version(name: str) -> str:
     try:
         return legible(solver(name).version(), _LONGEST_VERSION)
     except ImportError as problem:
-        return f"{NOT_INSTALLED}: {legible(problem.name or problem)}"
+        return f"{NOT_INSTALLED}: {legible(problem.name or problem, _LONGEST_VERSION)}"
 
 
 def is_missing(version: str) -> bool:
