@@ -34,10 +34,6 @@ def environment() -> Environment:
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
-def _macros() -> Any:
-    return environment().get_template("pieces.html").module
-
-
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
     return [{str(column): value for column, value in row.items()} for row in frame.to_dict("records")]
 
@@ -59,10 +55,6 @@ def picture(drawn: Drawn, folder: Path, inside: bool = True) -> dict[str, Any]:
     return told
 
 
-def figure_of(drawn: Drawn, folder: Path, command: str) -> Markup:
-    return _macros().figure(picture(drawn, folder), command)
-
-
 # What an address or an attribute of HTML would take for its own. Escaping no more than that keeps a picture a quarter
 # smaller than base64 would.
 _ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "'", "\n": " ", "<": "%3C", ">": "%3E"})
@@ -71,18 +63,6 @@ _ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "'", "\n": " 
 def _address(svg: str) -> str:
     """The picture itself as an address. No attribute of ours holds an apostrophe, so that quotes may become such."""
     return f"data:image/svg+xml;charset=utf-8,{svg.strip().translate(_ESCAPES)}"
-
-
-def remake(command: str) -> Markup:
-    return _macros().remake(command)
-
-
-def table_of(
-    frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None, name: str = "details"
-) -> Markup:
-    """Some columns of a table as HTML."""
-    told = table(frame, columns, words)
-    return _macros().table(told["rows"], told["heads"], name)
 
 
 def table(
@@ -132,15 +112,3 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     else:
         kind = "reason" if column in ("reason", "note", "notes") else ""
     return {"text": text, "kind": kind, "order": None}
-
-
-def in_frame(name: str, inside: str, kind: str = "short") -> str:
-    """A table whose rows are HTML already, in a frame that scrolls and that a keyboard reaches."""
-    return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="table: {name}">'
-        f'<table{class_of(kind)} data-name="{name}">{inside}</table></div>'
-    )
-
-
-def class_of(name: str) -> str:
-    return f' class="{name}"' if name else ""
