@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
-.PHONY: report quick test test-all check browser clean
+.PHONY: report quick test test-all check docs browser clean
 
 # Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
 EXTRAS ?=
@@ -35,6 +35,15 @@ check: $(VENV)/installed
 browser: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[browser]"
 
+# The site: site/index.html. It runs the gallery.
+docs: $(VENV)/documented
+	$(KEPT) NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	@echo site/index.html
+
+$(VENV)/documented: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	touch $@
+
 # heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
@@ -48,4 +57,4 @@ $(VENV)/extra-%: $(VENV)/installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) build *.egg-info
+	rm -rf $(VENV) build site .cache *.egg-info

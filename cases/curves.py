@@ -7,6 +7,7 @@ bends to its left: a plate can touch where its outline's curvature exceeds the t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -31,8 +32,11 @@ T = TypeVar("T")
 # already overflow a cosh; ten are what a drawing shows.
 UNBOUNDED_SPAN = (-10.0, 10.0)
 
+# Letters of a formula that a curve shows of itself.
+_LONGEST_FORMULA = 80
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Curve:
     """A smooth plane curve s ↦ (X(s), Y(s)), in metres.
 
@@ -49,7 +53,7 @@ class Curve:
     domain: tuple[float, float] | None = None
     # Of a curve through measured points: the largest distance of a point from it, m.
     residual: float | None = None
-    expression: tuple[sp.Expr, sp.Expr] = field(init=False, repr=False)
+    expression: tuple[sp.Expr, sp.Expr] = field(init=False)
 
     def __post_init__(self):
         object.__setattr__(self, "domain", _checked_domain(self.domain))
@@ -59,6 +63,11 @@ class Curve:
             first = _first(self)
         if first is not self:
             vars(self).update({name: fact for name, fact in vars(first).items() if name not in _AS_GIVEN})
+
+    def __repr__(self) -> str:
+        parts = [_shortened(str(part)) for part in self.expression]
+        where = "" if self.domain is None else f", {self.domain[0]:g} <= s <= {self.domain[1]:g}"
+        return f"Curve({', '.join(parts)}{where})"
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
@@ -240,6 +249,12 @@ class Curve:
         # The branch is fixed where the span begins, so that wider tables agree with narrower ones.
         anchor = np.interp(self.span[0], grid, angles)
         return grid, angles - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
+
+
+def _shortened(text: str) -> str:
+    """A formula that fits into a line; of one through measured points the beginning."""
+    text = re.sub(r"\d+\.\d{7,}", lambda number: f"{float(number[0]):.6g}", text)
+    return text if len(text) <= _LONGEST_FORMULA else f"{text[:_LONGEST_FORMULA]} …"
 
 
 def _checked_domain(domain) -> tuple[float, float] | None:

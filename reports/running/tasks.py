@@ -154,6 +154,11 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     return verdict(row, motion)
 
 
+def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:
+    """The motion of one setting of one route, timed and not judged; raises what the solver raises."""
+    return timed(solver(name), case, route, setting)
+
+
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
     """Build, run and read, with the clock around `run` alone; build and read count as set-up."""
     began = time.perf_counter()
