@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,8 +67,8 @@ def _address(svg: str) -> str:
 def table(
     frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None
 ) -> dict[str, list[dict[str, Any]]]:
-    """Heads and rows of some columns, as the template takes them: what a column means is its tip, and a number knows
-    all its digits, by which it is sorted and copied."""
+    """Heads and rows of some columns, as the template takes them: what a column means is its tip, and a number
+    that is not written as one, such as 1,700, knows by what it is sorted."""
     numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
     heads = [{"title": title, "number": c in numeric, "tip": (words or {}).get(c, "")} for c, title in columns.items()]
     rows = []
@@ -95,16 +94,20 @@ def switch(solver: str, route: str) -> str:
     return "" if solver == REFERENCE else route
 
 
+def _is_number(text: str) -> bool:
+    """Whether a program reads the text as a number, so that it can be sorted by what is shown; or it is none at all."""
+    try:
+        float(text or "0")
+    except ValueError:
+        return False
+    return True
+
+
 def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     text = shorten(value, column)
     if numeric:
-        # What is no number stands at the end of those that grow.
-        whole = isinstance(value, float | np.floating)
-        return {
-            "text": as_written(text),
-            "kind": "number",
-            "order": f"{value:.10g}" if whole and isfinite(value) else None,
-        }
+        shown = as_written(text)
+        return {"text": shown, "kind": "number", "order": None if _is_number(shown) else f"{value:.10g}"}
     if text in _VERDICTS:
         kind = text
     elif "setting" in column:
