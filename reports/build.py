@@ -244,7 +244,7 @@ def _write(
     answers = pd.DataFrame(advice.rows(shown, frames))
     words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
     frames = {"answers": answers} | frames
-    text.write({"answers": answers}, words, place / "tables", command)
+    text.write({"answers": answers}, words, place / "tables", command, plan.paper)
     dictionary.write(frames, words, place / "tables", command)
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
