@@ -7,6 +7,7 @@ bends to its left: a plate can touch where its outline's curvature exceeds the t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -27,12 +28,18 @@ __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "
 
 T = TypeVar("T")
 
+# So many times at most a curve without a domain may repeat itself within 2π.
+MOST_ROUNDS = 24
+
 # The range looked at when a curve without a domain has no period: a hundred units of its parameter either way would
 # already overflow a cosh; ten are what a drawing shows.
 UNBOUNDED_SPAN = (-10.0, 10.0)
 
+# Letters of a formula that a curve shows of itself.
+_LONGEST_FORMULA = 80
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Curve:
     """A smooth plane curve s ↦ (X(s), Y(s)), in metres.
 
@@ -49,7 +56,7 @@ class Curve:
     domain: tuple[float, float] | None = None
     # Of a curve through measured points: the largest distance of a point from it, m.
     residual: float | None = None
-    expression: tuple[sp.Expr, sp.Expr] = field(init=False, repr=False)
+    expression: tuple[sp.Expr, sp.Expr] = field(init=False)
 
     def __post_init__(self):
         object.__setattr__(self, "domain", _checked_domain(self.domain))
@@ -59,6 +66,11 @@ class Curve:
             first = _first(self)
         if first is not self:
             vars(self).update({name: fact for name, fact in vars(first).items() if name not in _AS_GIVEN})
+
+    def __repr__(self) -> str:
+        parts = [_shortened(str(part)) for part in self.expression]
+        where = "" if self.domain is None else f", {self.domain[0]:g} <= s <= {self.domain[1]:g}"
+        return f"Curve({', '.join(parts)}{where})"
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
@@ -170,7 +182,8 @@ class Curve:
         """The parameter's period of a closed curve, else None.
 
         A curve with a domain is closed if position and three derivatives agree at both ends; one without a domain if
-        they repeat after 2π (looked at in a few places, to rounding).
+        they repeat after 2π, or after a whole part of it: then that is its period (looked at in a few places, to
+        rounding).
         """
         if self.domain is not None:
             start, length = self.domain[0], self.domain[1] - self.domain[0]
@@ -182,8 +195,16 @@ class Curve:
             here, there = self.jets(probes), self.jets(probes + length)
         # A closed curve's ends agree to the rounding of its own sizes; 1e-9 of them is far above that and far below
         # any gap a person would author.
-        closed = np.all(np.abs(here - there) <= 1e-9 * np.max(np.abs(here)))
-        return float(length) if closed else None
+        near = 1e-9 * np.max(np.abs(here))
+        if not np.all(np.abs(here - there) <= near):
+            return None
+        if self.domain is None:  # (cos 3s, sin 3s) is a circle, and not one run round three times
+            parts = 2 * np.pi / np.arange(MOST_ROUNDS, 1, -1)
+            again = self.jets((probes[:, None] + parts).ravel()).reshape(8, len(probes), len(parts))
+            repeats = np.all(np.abs(again - here[:, :, None]) <= near, axis=(0, 1))
+            if repeats.any():
+                return float(parts[np.argmax(repeats)])
+        return float(length)
 
     @cached_property
     def span(self) -> tuple[float, float]:
@@ -240,6 +261,12 @@ class Curve:
         # The branch is fixed where the span begins, so that wider tables agree with narrower ones.
         anchor = np.interp(self.span[0], grid, angles)
         return grid, angles - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
+
+
+def _shortened(text: str) -> str:
+    """A formula that fits into a line; of one through measured points the beginning."""
+    text = re.sub(r"\d+\.\d{7,}", lambda number: f"{float(number[0]):.6g}", text)
+    return text if len(text) <= _LONGEST_FORMULA else f"{text[:_LONGEST_FORMULA]} …"
 
 
 def _checked_domain(domain) -> tuple[float, float] | None:

@@ -232,10 +232,10 @@ def _as_text(part: Any) -> str:
 
 @lru_cache(maxsize=8)
 def _code(folder: Path) -> str:
-    """A digest of the modules of a folder and of what lies in it, but for the catalogue's cases."""
+    """A digest of the modules of a folder and of what lies in it, but for the catalogue's cases and the pictures."""
     digest = hashlib.sha256()
     for file in sorted(folder.rglob("*.py")):
-        if "catalogue" not in file.parts:
+        if not {"catalogue", "pictures"} & {*file.relative_to(folder).parts}:
             digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
     return digest.hexdigest()
 

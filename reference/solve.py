@@ -145,7 +145,7 @@ def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
     """Samples at the integrator's steps, both sides of each transition, and a dense output over all segments."""
-    told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost)
+    told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
     if not segments:
         # Nothing moves and nothing presses: the plate leaves at once, or no force is consistent.
         now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)

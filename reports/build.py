@@ -39,7 +39,7 @@ def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
         "case", "case_file", "solver", "engine", "trajectory", "submissions",
-        "quick", "full", "jobs", "store", "fresh", "list",
+        "quick", "full", "jobs", "store", "fresh", "paper", "list",
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
@@ -95,10 +95,11 @@ def listing(files: Sequence[str]) -> str:
 
 def _build(plan: Plan) -> int:
     """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
+    from .drawing.files import for_print
     from .page import folder
     from .running import experiment, external, versions
     from .running.calls import Calls
-    from .running.progress import bar
+    from .running.progress import Display, usual
     from .running.store import Store
 
     store = Store(plan.store, plan.fresh)
@@ -107,19 +108,20 @@ def _build(plan: Plan) -> int:
         _say(f"store: {store.problem()}")
     versions.make(plan.solvers, _say)
     try:
-        with Calls(plan.jobs, plan.limit, store, bar) as calls:
+        shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
+        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
             shown = external.joined(ran, plan.trajectories)
-            with folder.written_whole(plan.out) as place:
+            with folder.written_whole(plan.out) as place, for_print(plan.paper):
                 _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, store))
+    print(_summary(plan, shown, ran, measured, studied, store))
     idle = _run_by_nobody(shown) if plan.named else []
     for sentence in idle:
         _say(f"{COMMAND}: {sentence}")
@@ -151,11 +153,16 @@ def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     return measured._replace(cold=beside.cold, parts=beside.parts)
 
 
+def _studies_wanted(plan: Plan) -> bool:
+    """A quick report has none, nor one where cases were named, unless it is a full one."""
+    return plan.effort == "full" or (plan.effort == "default" and not plan.named)
+
+
 def _studied(plan: Plan, calls: Calls) -> list[Result]:
-    """All studies of a report: none in a quick one, nor where cases were named, unless it is a full one."""
+    """All studies of a report."""
     from . import studies
 
-    if plan.effort == "quick" or (plan.named and plan.effort != "full"):
+    if not _studies_wanted(plan):
         return []
     full = plan.effort == "full"
     results = []
@@ -187,7 +194,9 @@ def _write(
     place: Path,
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
-    from .analysis import cost_tables, tables
+    import pandas as pd
+
+    from .analysis import advice, cost_tables, tables
     from .analysis.columns import described, with_version
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
@@ -213,10 +222,14 @@ def _write(
     frames = {name: with_version(frame, ran.versions) for name, frame in frames.items()}
     holds = cost_tables.HOLDS | tables.HOLDS
     words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
-    text.write(frames, words, place / "tables", command)
+    text.write(frames, words, place / "tables", command, plan.paper)
     for result in studied:
-        text.write(result.frames, result.words, place / "tables", result.command)
+        text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
+    answers = with_version(pd.DataFrame(advice.rows(shown, frames)), ran.versions)
+    words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
+    frames = {"answers": answers} | frames
+    text.write({"answers": answers}, words, place / "tables", command)
     dictionary.write(frames, words, place / "tables", command)
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
@@ -240,35 +253,34 @@ def _options(plan: Plan) -> str:
     return " ".join(words)
 
 
-def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
-    from tabulate import tabulate
+def _summary(
+    plan: Plan, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], store: Store
+) -> str:
+    """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
+    import pandas as pd
 
-    from .analysis import tables
-    from .page.text import error_text, lead_text, reached_text
+    from .analysis import answers, tables, time_to_accuracy, work_precision
+    from .page import text
     from .running.solvers import missing_words
 
-    lines = [f"report: {plan.out / 'index.html'} ({shown.seconds:.0f} s of runs)", ""]
+    frames = {name: frame for result in studied for name, frame in result.frames.items()}
+    costs = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured)) if measured.cases else []
+    told = pd.DataFrame(answers.rows(shown, frames, costs))
+    told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
+    lines = [text.plain(told), ""]
+    lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
+    if costs:
+        lines += ["costs: whole calls, s, the first from cold, the median over the timed cases that reach the accuracy"]
     counts = tables.outcome_counts(shown)
-    rows = [[name, *(count[o] for o in tables.OUTCOMES)] for name, count in counts.items()]
-    lines += [tabulate(rows, headers=["solver", *tables.OUTCOMES], tablefmt="plain"), ""]
-    rows = [
-        [
-            row["case"],
-            row["solver"],
-            row["route"],
-            reached_text(row),
-            lead_text(row, "finest"),
-            *(error_text(row, which) for which in ("default", "finest")),
-        ]
-        for row in tables.headline_rows(shown)
-    ]
-    headers = ["case", "solver", "route", "reached", "finest", "first transition as it comes / s", "finest / s"]
-    lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
+    total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
+    count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
+    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
-    lines += ["", *missing] if (missing := missing_words(shown.versions)) else []
-    lines += ["", f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
+    lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
+    lines += missing_words(shown.versions)
+    lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
-    return "\n".join(lines)
+    return "\n".join([*lines, str(plan.out / "index.html")])
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv")
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError if what was asked for makes no sense."""
-    case, out, force = case_of("export", words)
+    case, out, force = case_of("cases export", words, "A case as data, for a tool of your own.")
     folder = out or Path(case.name)
     check_ours(folder / FILES[0], force)
     for name in FILES[1:]:  # what stands beside a scene of ours is ours

@@ -101,6 +101,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         help=f"folder where finished runs are kept and taken from (default: {STORE}); delete it to forget them",
     ),
     "fresh": dict(action="store_true", help="run everything anew, whatever is kept"),
+    "paper": dict(action="store_true", help="figures also as PDF, tables also as LaTeX"),
     "force": dict(action="store_true", help="write over files that are there"),
     "list": dict(action="store_true", help="print cases and solvers, and stop"),
     "vary": dict(
@@ -214,6 +215,7 @@ class Plan:
     store: Path | None = None  # where finished runs are kept
     fresh: bool = False  # whether what is kept there is left out of account
     trajectories: tuple[External, ...] = ()
+    paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
 
     @property
     def limit(self) -> float:
@@ -264,7 +266,10 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     names = options.case or own
     found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
     external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
-    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(names), store, options.fresh, external)
+    named = bool(names)
+    return Plan(
+        out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper
+    )
 
 
 def plan_by_hand(

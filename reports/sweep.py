@@ -83,7 +83,7 @@ def _width(text: str, plan) -> float:
 def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: float | None, command: str) -> None:
     """Make the rows, the boundaries and the maps, and say where they are."""
     from .drawing.files import embed_command
-    from .running.progress import bar
+    from .running.progress import Display
     from .sweeping import cluster, maps, refine, run
     from .sweeping.folder import Folder
 
@@ -93,12 +93,13 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: flo
     ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not there
     folder = Folder.opened(out, run.asked(plan, given.certify), given.fresh)
     folder.tell({"command": command})
-    machines = run.Machines(jobs, given.dask, bar)
     try:
-        made = run.run(plan, folder, given.certify, machines)
-        engines: dict[str, str] = {}
-        for name in solvers:
-            engines |= run.run_engine(plan, folder, name, ways[name], machines)
+        with Display() as display:
+            machines = run.Machines(jobs, given.dask, display)
+            made = run.run(plan, folder, given.certify, machines)
+            engines: dict[str, str] = {}
+            for name in solvers:
+                engines |= run.run_engine(plan, folder, name, ways[name], machines)
         edges = refine.run(plan, folder, width) if width is not None else None
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"what is done is in {out}; give the same command to go on") from None

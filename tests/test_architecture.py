@@ -17,7 +17,7 @@ ALLOWED = {
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
     {"cli"},
-    {"build", "compare", "compare_builds", "submit", "study", "show", "export", "sweep"},
+    {"build", "compare", "compare_builds", "comparison", "submit", "study", "show", "export", "sweep", "animate"},
     {"options"},
     {"page"},
     {"studies"},
@@ -27,8 +27,8 @@ FLOORS = (
     {"running"},
     {"judging"},
 )
-# Two commands are entry points of `python -m cases` with the same words.
-NEIGHBOURS = {("export", "show")}
+# Commands that name one case with the same words.
+NEIGHBOURS = {("export", "show"), ("animate", "show")}
 
 
 def imported(file: Path) -> set[str]:

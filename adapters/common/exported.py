@@ -94,7 +94,9 @@ def parsed(text: str, called: str) -> pd.DataFrame:
         table = table.assign(**{CREEP: declared})
     for name in table:
         numbers = pd.to_numeric(table[name], errors="coerce")
-        bad = np.flatnonzero(~np.isfinite(numbers))
+        # In flight there is no slip: an empty cell, as `Trajectory.to_csv` writes it.
+        empty = table[name].isna() if name == "slip" else False
+        bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
         if len(bad):
             raise BadValue(f"{name} in line {bad[0] + 2 + len(head)} of {called} is not a finite number")
         table = table.assign(**{str(name): numbers.astype(float)})
@@ -212,7 +214,8 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
             "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "
             "give it so, in m/s, or leave it out"
         )
-    columns["slip"] = np.where(np.isnan(xi1), slip, columns["slip"])
+    untold = np.isnan(xi1) | np.isnan(columns["slip"])
+    columns["slip"] = np.where(untold, slip, columns["slip"])
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
     return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)

@@ -149,6 +149,22 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "engine_alone_s": ("the engine's compiled code alone, without cold start, binding, callback and notes", "s"),
     "cheaper": ("who is; alike: by less than a tenth; empty: one of the two has no time (`reason`)", ""),
     "factor": ("the dearer one's time over the cheaper one's", "1"),
+    # the answer table
+    "cases": ("how many cases it was asked", ""),
+    "right": ("in how many its finest setting is right", ""),
+    "wrong": ("in how many it is wrong", ""),
+    "refused": ("in how many it refuses the case", ""),
+    "failed": ("in how many it crashes or runs out of time", ""),
+    "middle_default_error": ("size of the first transition's error, the engine as it comes, median of the cases", "s"),
+    "middle_finest_error": ("the same at the finest setting, without motions that are the truth itself", "s"),
+    **{f"hard_{word}": (f"of the hard scenes: how many {said}", "") for word, said in (
+        ("right", "it gets right"), ("wrong", "it gets wrong"), ("refused", "it refuses"), ("failed", "it fails in"))},
+    "rolling_cases": ("how many of its cases roll", ""),
+    **{f"reached_1e_{n}": (f"in how many of these it reaches 1e-{n} in the quantity that leads the case", "")
+       for n in (2, 4)},
+    **{f"timed_1e_{n}": (f"how many of these are timed at 1e-{n}", "") for n in (2, 4)},
+    **{f"once_1e_{n}_s": (f"one whole call from cold to 1e-{n}, median of the timed cases", "s") for n in (2, 4)},
+    **{f"thousand_1e_{n}_s": (f"a thousand calls, the first from cold, to 1e-{n}, the same", "s") for n in (2, 4)},
     # errata
     "where": ("where in the paper", ""),
     "printed": ("as printed", ""),

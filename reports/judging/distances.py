@@ -37,8 +37,8 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at even ones
     if it knows its motion between them (its steps are few, and doubled where the forces jump).
 
-    Keys: t, centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (the paper's multiplier), and
-    pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
+    Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (the paper's multiplier),
+    and pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
     root-mean-square distance of the plate's points;
     force_share: the normal force's difference over the mean size of the true one at these times (not over m g, so that
     a case without gravity has one too);
@@ -49,6 +49,8 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     exact = truth(times)
     result = {"t": times, "centre": np.hypot(found.x - exact.x, found.y - exact.y)}
     for key, name in (
+        ("x", "x"),
+        ("y", "y"),
         ("angle", "theta"),
         ("slip", "slip"),
         ("xi1", "xi1"),

@@ -65,9 +65,14 @@ def reached_text(row: Mapping[str, Any]) -> str:
     return level(row["reached"]) if isfinite(row["reached"]) else ""
 
 
-def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str) -> list[Path]:
+def write(
+    tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str, paper: bool = False
+) -> list[Path]:
     """Each table as NAME.csv (all rows, all digits) and NAME.md (for reading: the top of it, with the words for its
-    columns and the command that makes it again); returns the files. Raises ValueError for an infinite result."""
+    columns and the command that makes it again), for a paper also as NAME.tex; returns the files.
+
+    Raises ValueError for an infinite result.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name, frame in tables.items():
@@ -78,6 +83,9 @@ def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{words[name].holds}.\n\n{top(name, frame)}\n" + (f"\n{meanings}" if meanings else "")
         files[-1].write_text(f"{text}\nMake it again: `{command}`\n", encoding="utf-8")
+        if paper:
+            files.append(folder / f"{name}.tex")
+            files[-1].write_text(f"% {words[name].holds}. Make it again: {command}\n{latex(frame)}\n", encoding="utf-8")
     return files
 
 
@@ -126,6 +134,15 @@ def markdown(frame: pd.DataFrame) -> str:
 
 def _clipped(text: str) -> str:
     return text if len(text) <= _CELL else f"{text[: _CELL - 1].rstrip()}…"
+
+
+def latex(frame: pd.DataFrame) -> str:
+    """The table as a LaTeX `longtable`, numbers shortened for reading."""
+    from tabulate import tabulate
+
+    columns = [str(column) for column in frame.columns]
+    rows = [[shorten(row[c], c) for c in columns] for row in frame.to_dict("records")]
+    return tabulate(rows, headers=columns, tablefmt="latex_longtable", disable_numparse=True)
 
 
 def _cell(value: Any, column: str) -> str:

@@ -106,10 +106,19 @@ def reached(module: str, apart: tuple[str, ...]) -> dict[str, Path]:
         path = file_of(name)
         if path is not None:
             found[name] = path
-            waiting += imported(name, path)
+            waiting += [other for other in imported(name, path) if not _picture(other) or not _answer(name)]
         parent = name.rpartition(".")[0]
         waiting += [parent] if parent else []
     return found
+
+
+def _picture(name: str) -> bool:
+    return f"{name}.".startswith("cases.pictures.")
+
+
+def _answer(name: str) -> bool:
+    """Whether it is the suite's question or answer: a motion can draw itself, and how it does so decides nothing."""
+    return name.startswith("cases.") and not _picture(name)
 
 
 @lru_cache(maxsize=512)

@@ -163,6 +163,11 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     return verdict(row, motion)
 
 
+def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:
+    """The motion of one setting of one route, timed and not judged; raises what the solver raises."""
+    return timed(solver(name), case, route, setting)
+
+
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
     """Build, run and read, with the clock around `run` alone; build and read count as set-up."""
     began = time.perf_counter()
@@ -237,8 +242,8 @@ def _faults(
 
 
 def _shown(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, and the centre; thinned."""
-    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force")
+    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces; thinned."""
+    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
     shown = {name: _thin(getattr(trajectory, name)) for name in names}
     with np.errstate(invalid="ignore"):
         shown["lambda"] = shown["normal_force"] / case.track.speed(shown["xi1"])

@@ -22,7 +22,7 @@ from reference.sweeping import Plan
 from reference.sweeping.table import ARROW, BAD, FAILED
 
 from ..drawing.files import Drawn, save
-from ..drawing.style import PALETTE, STYLE, logarithmic
+from ..drawing.style import AREAS, STYLE, logarithmic
 from . import boundaries
 from .folder import Folder
 from .run import ROWS
@@ -40,7 +40,7 @@ _VERBS = {
     Mode.FLIGHT: "flies",
 }
 _OTHER = "something else"
-_COLOURS = (*PALETTE, "#F0E442", "#999999")
+_COLOURS = (*AREAS, "#999999")
 # What is met most has its colour, the same in every map; the rest takes what is left.
 _USUAL = ("slips forward, then rolls", "rolls throughout", "slips forward, then slips backward")
 _SIGNS = {"mu": "μ", "xi1": "ξ₁ / rad"}
@@ -158,7 +158,7 @@ def verdicts(ax: Axes, plan: Plan, folder: Folder, rows: str) -> None:
     names = ("right", "wrong", "no motion")
     number = np.where(verdict == "right", 0, np.where(verdict == "wrong", 1, 2))
     number = np.where(outcome == BAD, -1, number)
-    colours = ("#d9d9d9", PALETTE[1], "#404040")
+    colours = ("#d9d9d9", AREAS[1], "#404040")
     _fill(ax, shown, np.where(number < 0, np.nan, number), cmap=ListedColormap(colours), vmin=-0.5, vmax=2.5)
     parts = [np.sum(number == i) / max(np.sum(number >= 0), 1) for i in range(3)]
     handles = [Patch(color=c, label=f"{n}, {p:.0%}") for c, n, p in zip(colours, names, parts, strict=True) if p > 0.0]

@@ -9,7 +9,7 @@ import matplotlib
 from matplotlib import pyplot as plt
 
 from ...drawing.files import Drawn, save
-from ...drawing.style import FAINT, PALETTE, STYLE, logarithmic
+from ...drawing.style import FAINT, STYLE, Looks, logarithmic
 from .measure import QUANTITIES, Cell, points
 
 _WORDS = (
@@ -24,6 +24,7 @@ def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
     found = {who: own for who, own in points(cells).items() if own}
     if not found:
         return
+    looks = Looks(found)
     with matplotlib.rc_context(STYLE):
         figure, axes = plt.subplots(
             len(QUANTITIES), len(found), figsize=(3.2 * len(found), 5.6), layout="constrained", squeeze=False
@@ -34,7 +35,13 @@ def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
                 rungs = [point for point in own if point.place.startswith("rung")]
                 grid = [point for point in own if not point.place.startswith("rung")]
                 ax.plot([p.cost for p in grid], [p.errors[row] for p in grid], ".", color=FAINT, markersize=4)
-                ax.plot([p.cost for p in rungs], [p.errors[row] for p in rungs], "o-", color=PALETTE[0], markersize=4)
+                ax.plot(
+                    [p.cost for p in rungs],
+                    [p.errors[row] for p in rungs],
+                    "o-",
+                    color=looks.colour(name),
+                    markersize=4,
+                )
                 logarithmic(ax, "xy")
                 ax.set_title(f"{name}, {route}" if not row else "")
                 ax.set_ylabel(f"{quantity.replace('_', ' ')}: error / s" if not column else "")
