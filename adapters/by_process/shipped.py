@@ -46,6 +46,6 @@ def told(path: Path) -> str:
     except (OSError, subprocess.TimeoutExpired) as problem:
         raise ImportError(f"{path.stem} cannot be started: {problem}", name=path.stem) from problem
     if asked.returncode:
-        first, _, _ = asked.stderr.strip().partition("\n")
-        raise ImportError(first or f"{path.stem} does not start", name=path.stem)
+        last = asked.stderr.strip().rpartition("\n")[2]
+        raise ImportError(last or f"{path.stem} does not start", name=path.stem)
     return asked.stdout.strip()

@@ -12,12 +12,11 @@ import sys
 from math import cos, sin
 from pathlib import Path
 
-import numpy as np
-
 sys.path.append(str(Path(__file__).parent / "shared"))
 import plane
 
 try:
+    import numpy as np
     from pydrake.geometry import Box, HalfSpace, Sphere
     from pydrake.math import RigidTransform, RollPitchYaw
     from pydrake.multibody import plant as drake

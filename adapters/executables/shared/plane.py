@@ -10,9 +10,16 @@ import sys
 import time
 from importlib.metadata import version
 from math import atan2, ceil, cos, hypot, pi, sin
+from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
-import numpy as np
+try:
+    import numpy as np
+except ImportError:
+    # It comes with each of the engines.
+    engine = Path(sys.argv[0]).stem
+    print(f"{engine} is not installed: pip install {engine}, for the python3 that is first on PATH", file=sys.stderr)
+    sys.exit(1)
 
 
 def refuse(why: str) -> NoReturn:
