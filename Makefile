@@ -6,12 +6,16 @@ BIN := $(VENV)/bin
 # What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
-.PHONY: report quick test test-all check clean
+.PHONY: report quick test test-all check docs browser clean
 
-report: $(VENV)/installed
+# Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
+EXTRAS ?=
+WANTED := $(addprefix $(VENV)/extra-,$(EXTRAS))
+
+report: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build
 
-quick: $(VENV)/installed
+quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
 test: $(VENV)/installed check
@@ -27,6 +31,19 @@ check: $(VENV)/installed
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# The site: site/index.html. It runs the gallery.
+docs: $(VENV)/documented
+	$(KEPT) NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	@echo site/index.html
+
+$(VENV)/documented: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	touch $@
+
+# What drives a browser in the tests of the page; the browser itself is the system's: apt-get install chromium.
+browser: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[browser]"
+
 # heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
@@ -35,5 +52,9 @@ $(VENV)/installed: pyproject.toml
 		|| $(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[test]"
 	touch $@
 
+$(VENV)/extra-%: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[$*]"
+	touch $@
+
 clean:
-	rm -rf $(VENV) build *.egg-info
+	rm -rf $(VENV) build site .cache *.egg-info

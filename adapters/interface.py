@@ -4,7 +4,8 @@ An adapter is one module, or a package, with
 
     NAME: str                                       the engine's name in every table
     routes: tuple[str, ...]                         "native" (the engine's own shapes and contact), "assisted" (our
-                                                    geometry, the engine's contact law and step)
+                                                    contact point, the engine's contact law and step), "integrator"
+                                                    (our contact point and our contact law, the engine's step alone)
     refuses(case, route) -> str | None              why this route cannot model the case, in one sentence, or None
     ladder(case, route) -> tuple[Setting, ...]      from coarse to fine, all knobs tightened together
     build(case, route, setting) -> model            untimed
@@ -26,8 +27,15 @@ and, if the parts of its time are to be told,
     ENGINE: str                                     or, without that function, the Python package whose compiled code is
                                                     the engine's, for a profile, if it is not called NAME
 
+and, if its rungs are to be compared with what else its knobs allow (`reports.study settings`),
+
+    wide_grid(case, route) -> tuple[Setting, ...]   the same as wide as the ladder is long, in one order for all cases
+
 and, where it can say so,
 
+    KNOWN: str                                      the engine's package and the versions that the adapter was tried
+                                                    with, as pip has them: "pymunk>=6.11"; each of them may then be
+                                                    asked for, as "pymunk@6.11.1". Read from the code, not imported
     MEANINGS: tuple[Meaning, ...]                   what the engine's parameters make of friction, restitution and
                                                     rolling resistance; for which cases that is another law than theirs
 

@@ -1,5 +1,8 @@
 """The question and the form of the answer: scenes of a plate on a track, and trajectories."""
 
+from . import interrupt  # the first of all: what follows takes a second  # noqa: F401
+
+# isort: split
 from .case import Case
 from .curves import Curve
 from .effects import (
@@ -18,6 +21,7 @@ from .plate import Plate, disc
 from .registry import case, entry, load, load_file, names, select
 from .start import Start
 from .trajectory import Cost, Mode, State, Trajectory, Transition
+from .version import __version__
 
 __all__ = [
     "BadCurve",
@@ -44,6 +48,7 @@ __all__ = [
     "Transition",
     "Unilateral",
     "UnknownName",
+    "__version__",
     "case",
     "disc",
     "entry",

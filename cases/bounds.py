@@ -6,10 +6,10 @@ the origin in sizes of the plate.
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, isfinite
 
 from .curves import Curve
-from .effects import CoulombFriction, Effect, Gravity, RollingResistance, one
+from .effects import CoulombFriction, Effect, Gravity, Load, RollingResistance, one
 from .errors import BadValue
 from .plate import Plate
 from .start import Start
@@ -26,6 +26,22 @@ RATIO = 1e6
 FURTHEST = 1e8
 # Speeds and accelerations enter with their squares, times and lengths with them; 1e308 is a double's end. In m, s, kg.
 TINY, ENORMOUS = 1e-60, 1e60
+
+
+def _check_load(track: Curve, plate: Plate, load: Load | None, start: Start) -> None:
+    """Raises BadValue for a load that has no value at the start, or one beyond all bounds."""
+    if load is None:
+        return
+    begun = start.motion(track, plate.outline)
+    now = (0.0, begun.x, begun.y, begun.theta, begun.vx, begun.vy, begun.omega)
+    values = [float(value) for value in load.at(*now)]
+    if not all(isfinite(value) for value in values):
+        raise BadValue("the Load has no finite value where the motion begins; give one that is finite at t = 0")
+    if max(map(abs, values)) > ENORMOUS * plate.mass:
+        raise BadValue(
+            f"the Load is {max(map(abs, values)):g} where the motion begins, {max(map(abs, values)) / plate.mass:.3g} "
+            f"times the plate's mass; give one up to {ENORMOUS:g} times"
+        )
 
 
 def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: Start, duration: float) -> None:
@@ -58,6 +74,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
             f"{RATIO:g} times"
         )
+    _check_load(track, plate, one(effects, Load), start)
     away = hypot(*track.jet(start.xi1)[:2])
     if not away <= FURTHEST * extent:
         raise BadValue(

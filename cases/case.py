@@ -5,21 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from math import sin
+from numbers import Real
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import effects
 from .bounds import check_sizes
 from .curves import Curve
-from .effects import E, Effect
+from .effects import E, Effect, Gravity
 from .errors import BadValue, positive
 from .plate import Plate
 from .start import Start
 
+if TYPE_CHECKING:
+    from .pictures.scene import Scene
 
-@dataclass(frozen=True)
+# Of a case's name, which file names hold.
+LONGEST_NAME = 100
+
+
+@dataclass(frozen=True, repr=False)
 class Case:
     """One scene. All checks are made here, before any solver runs.
 
@@ -45,7 +53,8 @@ class Case:
                 raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
         object.__setattr__(self, "effects", effects.checked(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
-        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        object.__setattr__(self, "parameters", _checked_parameters(self.parameters))
+        _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             self.start.check(self.track, self.plate.outline, self.effects)
@@ -80,12 +89,74 @@ class Case:
         inside = ",".join(f"{key}={_written(value)}" for key, value in self.parameters.items())
         return f"{self.name}[{inside}]" if inside else self.name
 
+    def __repr__(self) -> str:
+        acting, start = self.effects_text, self.start_text
+        return f"<Case {self.label}: {self.plate} on {self.track}; {acting}; {start}; {self.duration:g} s>"
+
+    def _repr_html_(self) -> str:
+        from .pictures import html
+
+        return html.of_case(self)
+
+    @property
+    def effects_text(self) -> str:
+        """The effects in a line: what of them is not as usual."""
+        return ", ".join(map(_said, self.effects))
+
+    @property
+    def start_text(self) -> str:
+        """The start in a line: what of it is not as usual."""
+        return _said(self.start)
+
+    @property
+    def scene(self) -> Scene:
+        """What a picture of it needs."""
+        from .pictures.scene import Scene
+
+        gravity = self.effect(Gravity)
+        return Scene(self.track, self.plate.outline, self.label, gravity is not None and sin(gravity.direction) > 0)
+
+    @property
+    def weight(self) -> float:
+        """The plate's weight, N; 0 without gravity."""
+        gravity = self.effect(Gravity)
+        return self.plate.mass * gravity.g if gravity else 0.0
+
+
+def _check_name(name: object) -> None:
+    """Raises BadValue for a name that cannot stand in file names, tables and `--case`."""
+    if not isinstance(name, str) or not name or len(name) > LONGEST_NAME:
+        raise BadValue(f"the name of a case is {name!r}; give a text of up to {LONGEST_NAME} characters")
+    if not name.isprintable() or name.startswith(".") or set(name) & set("/\\[]<>$\"'`"):
+        raise BadValue(f"the name of a case is {name!r}; give one of letters, digits, spaces and hyphens")
+
+
+def _checked_parameters(parameters: object) -> Mapping[str, float]:
+    """The parameters as they are kept; raises BadValue unless they are numbers by name."""
+    if not isinstance(parameters, Mapping):
+        raise BadValue(f"the parameters of a case are {parameters!r}; give a dict of numbers")
+    for key, value in parameters.items():
+        if not isinstance(key, str) or not isinstance(value, Real):
+            raise BadValue(f"parameter {key!r} of a case is {value!r}; give numbers by name")
+    return MappingProxyType(dict(parameters))
+
 
 def _unchecked(values: dict[str, Any]) -> Case:
     """A case of the values of one that was checked, here or in the process that sent it."""
     case = object.__new__(Case)
     vars(case).update(values, parameters=MappingProxyType(values["parameters"]))
     return case
+
+
+def _said(record: Any) -> str:
+    """An effect or a start in a few words: what of it is not as usual."""
+    values = {f.name: (getattr(record, f.name), f.default) for f in fields(record)}
+    told = [f"{name}={_short(value)}" for name, (value, usual) in values.items() if value != usual]
+    return f"{type(record).__name__}({', '.join(told)})"
+
+
+def _short(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _written(value) -> str:

@@ -1,7 +1,7 @@
 """The command `python -m cases`.
 
     python -m cases                            lists every case in one line, hard ones with a star
-    python -m cases new NAME                   writes NAME.py, a commented case to start from
+    python -m cases new NAME [--force]         writes NAME.py, a commented case to start from
     python -m cases check FILE                 says what is wrong in a file of cases, and where; else what happens
     python -m cases show NAME [mu=0.3 …]       a picture of scene and motion, facts, and who can run it
     python -m cases export NAME [mu=0.3 …]     the scene and its true transitions as JSON and CSV
@@ -13,6 +13,9 @@ function that runs a case and says in a line what happens (the suite's own is in
 
 from __future__ import annotations
 
+import ast
+import builtins
+import importlib.util
 import keyword
 import sys
 import traceback
@@ -20,11 +23,14 @@ from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from . import registry
+from . import files, registry
 from .errors import BadValue, CaseError, UnknownName, unknown
+from .patience import patience
 
 OWN = ("new", "check")
 BY_OTHERS = ("show", "export")
+# Of a file, with room for an ending.
+LONGEST_NAME = 100
 NO_SOLVER = "no solver is installed that could run it (pip install -e .)"
 
 TEMPLATE = '''"""One case of your own. Edit the expression, then: python -m cases check {name}.py"""
@@ -83,10 +89,12 @@ def run(command: str, words: Sequence[str]) -> None:
             )
         found(words)
         return
+    force = command == "new" and "--force" in words
+    words = [word for word in words if not (force and word == "--force")]
     if len(words) != 1:
         what = "NAME" if command == "new" else "FILE"
         raise BadValue(f"{command} takes one {what}: python -m cases {command} {what}")
-    print(new(words[0]) if command == "new" else check(words[0]))
+    print(new(words[0], force) if command == "new" else check(words[0]))
 
 
 def _of_others(command: str) -> Callable | None:
@@ -103,26 +111,49 @@ def listing() -> str:
     return "\n".join(f"{name:{width}} {'*' if case.hard else ' '} {case.summary}" for name, case in found)
 
 
-def new(name: str) -> str:
-    """Write NAME.py into the working folder; raises BadValue for a name no case can have or a file that exists."""
+def new(name: str, force: bool = False) -> str:
+    """Write NAME.py into the working folder; raises BadValue for a name no case can have, or a file that exists unless
+    `force`."""
     name = name.removesuffix(".py")
-    if not name.isidentifier() or keyword.iskeyword(name):
-        raise BadValue(f"{name!r} cannot name a case; use letters, digits and underscores, for example my_valley")
+    if not name.isidentifier() or keyword.iskeyword(name) or len(name) > LONGEST_NAME:
+        raise BadValue(
+            f"{name!r} cannot name a case; use up to {LONGEST_NAME} letters, digits and underscores, for example "
+            "my_valley"
+        )
     if name in registry.names():
         raise BadValue(f"there is already a case {name!r}; give another name")
     path = Path(f"{name}.py")
-    if path.exists():
-        raise BadValue(f"{path} exists already; give another name, or remove it")
-    path.write_text(TEMPLATE.format(name=name), encoding="utf-8")
+    if path.is_symlink() or path.exists() and not (force and path.is_file()):
+        raise BadValue(f"{path} exists already; give another name, or --force to write over it")
+    if not path.exists() and _shadows(name):
+        raise BadValue(f"{name!r} is the name of a Python module, or of what a case uses; {name}.py would stand in its "
+                       "place: give another name")  # fmt: skip
+    with path.open("w" if force else "x", encoding="utf-8") as stream:
+        stream.write(TEMPLATE.format(name=name))
     return f"written: {path}; edit its curve, then python -m cases check {path}"
+
+
+def _shadows(name: str) -> bool:
+    """Whether a file NAME.py, or a function of that name in it, would stand in the way of something else."""
+    used = {node.id for node in ast.walk(ast.parse(TEMPLATE.format(name="_"))) if isinstance(node, ast.Name)}
+    if name in used or hasattr(builtins, name) or name in sys.stdlib_module_names:
+        return True
+    try:
+        return importlib.util.find_spec(name) is not None
+    except (ImportError, ValueError):  # a module without a specification is one all the same
+        return True
 
 
 def check(file: str) -> str:
     """Load a file, make every variant of its cases and run it, where there is a solver; raises CaseError with file and
     line of what is wrong."""
     path = Path(file)
+    if not path.suffix and path.with_suffix(".py").is_file():
+        file = str(path.with_suffix(".py"))
+    path = files.existing("case file", file)
     try:
-        names = registry.load_file(path)
+        with patience(str(path)):
+            names = registry.load_file(path)
     except UnknownName:
         raise
     except CaseError as problem:
@@ -130,7 +161,8 @@ def check(file: str) -> str:
     lines, run = [], _of_others("check")
     for name in names:
         try:
-            made = registry.select(name)
+            with patience(f"{path}, in {name}"):
+                made = registry.select(name)
             told = [run(case) if run else NO_SOLVER for case in made]
         except (Exception, SystemExit) as problem:  # the author's code may fail in any way; it is told with its place
             kind = "" if isinstance(problem, CaseError) else f"{type(problem).__name__}: "

@@ -7,35 +7,39 @@ bends to its left: a plate can touch where its outline's curvature exceeds the t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import atan2
+from math import atan2, isfinite, nan
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 import sympy as sp
 
-from . import expressions, features, measured
+from . import expressions, features, formulas, measured
 from .errors import BadCurve, BadValue, finite
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 from .kept import kept
+from .regular import SAMPLES, check_regular, check_simple
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
 T = TypeVar("T")
 
-# Enough samples to see a cusp or a hole of any curve a person would write; a finer feature is found where it matters,
-# by the solver that meets it.
-SAMPLES = 720
+# So many times at most a curve without a domain may repeat itself within 2π.
+MOST_ROUNDS = 24
 
 # The range looked at when a curve without a domain has no period: a hundred units of its parameter either way would
 # already overflow a cosh; ten are what a drawing shows.
 UNBOUNDED_SPAN = (-10.0, 10.0)
 
+# Letters of a formula that a curve shows of itself.
+_LONGEST_FORMULA = 80
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Curve:
     """A smooth plane curve s ↦ (X(s), Y(s)), in metres.
 
@@ -52,7 +56,7 @@ class Curve:
     domain: tuple[float, float] | None = None
     # Of a curve through measured points: the largest distance of a point from it, m.
     residual: float | None = None
-    expression: tuple[sp.Expr, sp.Expr] = field(init=False, repr=False)
+    expression: tuple[sp.Expr, sp.Expr] = field(init=False)
 
     def __post_init__(self):
         object.__setattr__(self, "domain", _checked_domain(self.domain))
@@ -62,6 +66,11 @@ class Curve:
             first = _first(self)
         if first is not self:
             vars(self).update({name: fact for name, fact in vars(first).items() if name not in _AS_GIVEN})
+
+    def __repr__(self) -> str:
+        parts = [_shortened(str(part)) for part in self.expression]
+        where = "" if self.domain is None else f", {self.domain[0]:g} <= s <= {self.domain[1]:g}"
+        return f"Curve({', '.join(parts)}{where})"
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
@@ -79,7 +88,10 @@ class Curve:
 
     def at(self, s) -> tuple[sp.Expr, sp.Expr]:
         """(X, Y) as expressions, with another expression for the parameter: how a curve is written into another."""
-        x, y = (part.xreplace({PARAMETER: sp.sympify(s)}) for part in self.expression)
+        place = expressions.as_expression(s)
+        if place is None:
+            raise BadValue(f"the parameter of a curve is {s!r}; give an expression")
+        x, y = (part.xreplace({PARAMETER: place}) for part in self.expression)
         return x, y
 
     @classmethod
@@ -134,6 +146,11 @@ class Curve:
             row[...] = values  # a constant one is a number
         return jets
 
+    def jets_of(self, s: np.ndarray, constants: tuple) -> list:
+        """The same rows for curves of this structure with sizes of their own, each of the parameters' shape (n,); a
+        constant row may be a number."""
+        return self._jets(s, constants)
+
     def point(self, s) -> np.ndarray:
         """Position, shape (2,) for a number, (2, n) for an array."""
         return np.array(self.jet(s)[:2]) if np.ndim(s) == 0 else self.jets(s)[:2]
@@ -165,7 +182,8 @@ class Curve:
         """The parameter's period of a closed curve, else None.
 
         A curve with a domain is closed if position and three derivatives agree at both ends; one without a domain if
-        they repeat after 2π (looked at in a few places, to rounding).
+        they repeat after 2π, or after a whole part of it: then that is its period (looked at in a few places, to
+        rounding).
         """
         if self.domain is not None:
             start, length = self.domain[0], self.domain[1] - self.domain[0]
@@ -177,8 +195,16 @@ class Curve:
             here, there = self.jets(probes), self.jets(probes + length)
         # A closed curve's ends agree to the rounding of its own sizes; 1e-9 of them is far above that and far below
         # any gap a person would author.
-        closed = np.all(np.abs(here - there) <= 1e-9 * np.max(np.abs(here)))
-        return float(length) if closed else None
+        near = 1e-9 * np.max(np.abs(here))
+        if not np.all(np.abs(here - there) <= near):
+            return None
+        if self.domain is None:  # (cos 3s, sin 3s) is a circle, and not one run round three times
+            parts = 2 * np.pi / np.arange(MOST_ROUNDS, 1, -1)
+            again = self.jets((probes[:, None] + parts).ravel()).reshape(8, len(probes), len(parts))
+            repeats = np.all(np.abs(again - here[:, :, None]) <= near, axis=(0, 1))
+            if repeats.any():
+                return float(parts[np.argmax(repeats)])
+        return float(length)
 
     @cached_property
     def span(self) -> tuple[float, float]:
@@ -202,7 +228,8 @@ class Curve:
         if np.ndim(s) == 0:
             xp, yp = self.jet(float(s))[2:4]
             angle, near = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s, dtype=float)))
-            return angle + 2 * np.pi * round((near - angle) / (2 * np.pi))
+            turns = (near - angle) / (2 * np.pi)
+            return angle + 2 * np.pi * round(turns) if isfinite(turns) else nan
         s = np.asarray(s, dtype=float)
         d = self.jets(s)[2:4]
         principal = np.arctan2(d[1], d[0]).reshape(s.shape)
@@ -235,72 +262,11 @@ class Curve:
         anchor = np.interp(self.span[0], grid, angles)
         return grid, angles - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
 
-    def _check_regular(self) -> None:
-        s = np.linspace(*self._first_span(), SAMPLES)
-        try:
-            jets = self.jets(s)
-        except Exception as problem:
-            raise BadCurve(f"the curve cannot be evaluated ({problem}); use the functions of cases.curves") from problem
-        bad = ~np.all(np.isfinite(jets), axis=0)
-        if bad.any():
-            raise BadCurve(
-                f"the curve or a derivative is not finite at s = {s[bad][0]:.6g}; give a domain that leaves it out"
-            )
-        speed = np.hypot(jets[2], jets[3])
-        self._check_speed(s, speed, np.argmin(speed), "has a cusp (R_p = 0)", sign=1.0)
-        self._check_speed(s, speed, np.argmax(speed), "is not finite", sign=-1.0)
 
-    def _check_speed(self, s, speed, index, what: str, sign: float) -> None:
-        """Raises BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
-        typical = np.median(speed)
-        if not 0.0 < typical < np.inf:
-            raise BadCurve(f"the curve's speed |R_p| is {typical:g} m; give a curve with an extent a double can hold")
-        # Looked at closely only where the samples leave the ordinary; a regular curve's speed varies by a few orders,
-        # and seven of them within one sample's width is a cusp or a pole.
-        if abs(np.log10(speed[index] / typical)) < 2:
-            return
-        from scipy.optimize import minimize_scalar  # slow to import, seldom needed
-
-        low, high = s[max(index - 1, 0)], s[min(index + 1, len(s) - 1)]
-        found = minimize_scalar(
-            lambda v: self.speed(np.array([v]))[0] ** (2 * sign),
-            bounds=(low, high), method="bounded", options={"xatol": 1e-12 * (high - low)},
-        )  # fmt: skip
-        extreme = self.speed(np.array([found.x]))[0]
-        if not abs(np.log10(extreme / typical)) < 7:
-            raise BadCurve(f"the curve {what} near s = {found.x:.6g}; give a domain that leaves it out")
-
-    def _check_simple(self) -> None:
-        """Raises BadCurve if the curve crosses itself, looked at as a polygon of 240 sides."""
-        if self.domain is None and not self.period:
-            return  # without ends: nothing says how far to look
-        grid = np.linspace(*self.span, 241)
-        if self.period:
-            grid += 0.37 * (grid[1] - grid[0])  # so that symmetric curves do not cross exactly at two corners
-        turns = np.abs(np.diff(self.tangent_angle(grid)))
-        turning = float(turns.sum())
-        # An open curve comes back to itself only if it turns by more than half a turn, a closed one that turns by
-        # exactly one is convex; 0.1 is well below what a loop adds.
-        if turning < (2 * np.pi + 0.1 if self.period else np.pi):
-            return
-        a, b = self.jets(grid)[:2].T[:-1], self.jets(grid)[:2].T[1:]
-
-        def side(p, q, r):
-            return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
-
-        p, q, u, v = a[:, None], b[:, None], a[None], b[None]
-        crosses = (side(p, q, u) * side(p, q, v) < 0) & (side(u, v, p) * side(u, v, q) < 0)
-        # A circle run through twice lies on itself and crosses nowhere; its polygons' sides do, at less than they turn.
-        d = (b - a) / np.hypot(*(b - a).T)[:, None]
-        crosses &= np.abs(d[:, None, 0] * d[None, :, 1] - d[:, None, 1] * d[None, :, 0]) > 2 * turns.max()
-        i, j = np.nonzero(np.triu(crosses, 2))
-        if i.size:
-            raise BadCurve(
-                f"the curve crosses itself between s = {grid[i[0]]:.4g} and s = {grid[j[0]]:.4g}; give a shorter domain"
-            )
-
-    def _first_span(self) -> tuple[float, float]:
-        return self.domain if self.domain is not None else (0.0, 2 * np.pi)
+def _shortened(text: str) -> str:
+    """A formula that fits into a line; of one through measured points the beginning."""
+    text = re.sub(r"\d+\.\d{7,}", lambda number: f"{float(number[0]):.6g}", text)
+    return text if len(text) <= _LONGEST_FORMULA else f"{text[:_LONGEST_FORMULA]} …"
 
 
 def _checked_domain(domain) -> tuple[float, float] | None:
@@ -318,7 +284,7 @@ def _checked_domain(domain) -> tuple[float, float] | None:
 
 def _from_strings(texts: tuple[str, str]) -> tuple[sp.Expr, sp.Expr]:
     """A pair of strings as expressions in s."""
-    x, y = (expressions.parse(text, {"s": PARAMETER}, "the curve's coordinate", BadCurve) for text in texts)
+    x, y = (formulas.parse(text, {"s": PARAMETER}, "the curve's coordinate", BadCurve) for text in texts)
     return x, y
 
 
@@ -330,18 +296,20 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         raise BadCurve(f"a curve is a function of its parameter, not {function!r}; give lambda s: (X, Y)")
     try:
         pair = tuple(function(PARAMETER))
-        x, y = (sp.sympify(part) for part in pair)
+        x, y = pair
     except BadCurve:
         raise
     except Exception as problem:
         raise BadCurve(
             f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"
         ) from problem
-    for part in (x, y):
-        if not isinstance(part, sp.Expr) or part.free_symbols - {PARAMETER}:
-            raise BadCurve(f"the curve's coordinate {part} is not an expression in the parameter alone")
-        if part.has(sp.nan, sp.zoo, sp.oo):
-            raise BadCurve(f"the curve's coordinate {part} is not finite; give finite sizes")
+    x, y = (expressions.admitted(part, (PARAMETER,), "the curve's coordinate", BadCurve) for part in (x, y))
+    parts = sum(expressions.parts_of_derivatives(part)[3] for part in (x, y))
+    if parts > expressions.MOST_DERIVED:
+        raise BadCurve(
+            f"the curve's third derivatives would have some {parts} parts; give a formula with fewer than "
+            f"{expressions.MOST_DERIVED}: fewer factors, or fewer functions inside each other"
+        )
     return x, y
 
 
@@ -365,8 +333,8 @@ _AS_GIVEN = ("function", "domain", "residual", "expression")
 @lru_cache(maxsize=512)
 def _first(curve: Curve) -> Curve:
     """The first of all curves that are equal, checked: the others take over what is known of it."""
-    curve._check_regular()
-    curve._check_simple()
+    check_regular(curve)
+    check_simple(curve)
     return curve
 
 

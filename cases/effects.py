@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, pi, sin
+from math import cos, isfinite, nan, pi, sin
 from typing import TypeVar
 
 import numpy as np
 import sympy as sp
 
-from . import expressions, features
+from . import expressions, features, formulas
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 
 # How an impact's restitution and friction go together (`Impact`).
@@ -70,8 +70,18 @@ class Load:
 
     @cached_property
     def at(self) -> Callable[..., list[float]]:
-        """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats."""
-        return sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+        """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats; NaN where there is no value."""
+        compiled = sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+
+        def values(*motion: float) -> list[float]:
+            try:
+                found = compiled(*motion)
+                isfinite(sum(found))  # Python's root of less than 0 is a complex number, which this refuses
+                return found
+            except (ArithmeticError, ValueError, TypeError):
+                return [nan, nan, nan]
+
+        return values
 
     @cached_property
     def features(self) -> features.Features | None:
@@ -98,17 +108,8 @@ def _arrived(*trees) -> Load:
 
 def _formula(what: str, value) -> sp.Expr:
     if isinstance(value, str):
-        value = expressions.parse(value, {s.name: s for s in MOTION}, what, BadValue)
-    try:
-        formula = sp.sympify(value)
-    except (sp.SympifyError, TypeError, AttributeError):
-        formula = None
-    if not isinstance(formula, sp.Expr) or isinstance(value, bool) or formula.free_symbols - set(MOTION):
-        names = ", ".join(s.name for s in MOTION)
-        raise BadValue(f"{what} is {value!r}; give a number or a formula in {names}")
-    if formula.has(sp.nan, sp.zoo, sp.oo, sp.I):
-        raise BadValue(f"{what} is {value!r}; give finite real numbers")
-    return formula
+        return formulas.parse(value, {s.name: s for s in MOTION}, what, BadValue)
+    return expressions.admitted(value, MOTION, what, BadValue)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ class CaseError(ValueError):
     """Base of every error a wrong question raises; its text is one sentence that says what to change."""
 
     def __init__(self, text: str):
-        line = " ".join(str(text).split())
+        # What a terminal or a page would act on, or cannot write (control characters, half surrogates), is no text.
+        line = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in " ".join(str(text).split()))
         half = LONGEST // 2
         super().__init__(line if len(line) <= LONGEST else f"{line[:half]} … {line[-half:]}")
 

@@ -1,9 +1,12 @@
-"""What an author writes as a formula: read from text, and its sizes lifted out so that one compilation serves all."""
+"""What an author writes as a formula: what may stand in one, and its sizes lifted out so that one compilation serves
+all. Text is read by `cases.formulas`; nothing here evaluates text.
+"""
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from decimal import Decimal
+from numbers import Real
 
 import sympy as sp
 from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
@@ -17,46 +20,146 @@ FUNCTIONS = dict(
     sin=sin, sinh=sinh, sqrt=sqrt, tan=tan, tanh=tanh,
 )  # fmt: skip
 
-_NODES = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant)
-# Double precision ends at 10**308.
-_LARGEST_POWER = 308
-_ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd)
+# What all solvers of the suite can differentiate, expand in series and compile; the derivatives stay among these.
+_SMOOTH = tuple(f for name, f in FUNCTIONS.items() if name not in ("pi", "sqrt"))
+# What is written by these where an author's own function makes it.
+_RECIPROCAL = {
+    sp.sec: lambda u: 1 / cos(u), sp.csc: lambda u: 1 / sin(u), sp.cot: lambda u: cos(u) / sin(u),
+    sp.sech: lambda u: 1 / cosh(u), sp.csch: lambda u: 1 / sinh(u), sp.coth: lambda u: cosh(u) / sinh(u),
+    sp.asinh: lambda u: log(u + sqrt(u**2 + 1)), sp.acosh: lambda u: log(u + sqrt(u - 1) * sqrt(u + 1)),
+    sp.atanh: lambda u: log((1 + u) / (1 - u)) / 2,
+}  # fmt: skip
+
+# What takes long to derive and compile is refused: of the formulas tried the worst that is admitted took half a minute,
+# and what is ten times as large hours. The longest of the catalogue has 58 parts, is 7 deep and nests two functions; a
+# measured curve of ten terms is 22 deep.
+MOST_PARTS, DEEPEST, MOST_NESTED = 300, 40, 6
+# The equations hold a curve's third derivatives: their parts, which grow with the cube of what is multiplied or nested.
+MOST_DERIVED = 3000
+# SymPy multiplies whole powers out; the library's own curves go up to it.
+LARGEST_POWER = 64
+# A curvature is divided by a length's cube; 1e308 is a double's end.
+LARGEST_NUMBER = 1e100
 
 
-def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[Exception]) -> sp.Expr:
-    """A text as an expression; only numbers, the variables, arithmetic and `FUNCTIONS` may occur.
+def admitted(value: object, variables: Iterable[sp.Symbol], what: str, error: type[Exception]) -> sp.Expr:
+    """A number or an expression as an expression that every solver can work with; text is neither.
 
-    Raises `error` with one sentence that calls the text `what`.
+    What has an equal among the smooth functions is written by it (sec, coth, 2**s). Raises `error`, with one sentence
+    that calls the value `what`, for anything that is no formula of the variables, or too large a one.
     """
-    known = {**FUNCTIONS, **variables}
-    try:
-        nodes = list(ast.walk(ast.parse(text, mode="eval")))
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
-        raise error(f"{what} {text!r} cannot be read ({getattr(problem, 'msg', problem)})") from None
-    for node in nodes:
-        if isinstance(node, ast.BitXor):
-            raise error(f"{what} {text!r} has a ^; write ** for a power")
-        if isinstance(node, ast.Name) and node.id not in known:
-            use = f"{', '.join(variables)} and {', '.join(sorted(FUNCTIONS))}"
-            raise error(f"{what} {text!r} has {node.id!r}; use {use}")
-        number = not isinstance(node, ast.Constant) or isinstance(node.value, int | float)
-        if not isinstance(node, _NODES + _ARITHMETIC) or not number:
-            raise error(f"{what} {text!r} is more than arithmetic in {', '.join(variables)}; write it as an expression")
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and not _is_short_power(node.right):
-            raise error(f"{what} {text!r} has a power that is no number up to {_LARGEST_POWER}; write a smaller one")
-    try:
-        return sp.parse_expr(text, local_dict=known)
-    except Exception as problem:  # a function called with the wrong number of arguments, a name used as a number, …
-        raise error(f"{what} {text!r} cannot be read ({problem})") from None
+    found, known = as_expression(value), tuple(variables)
+    if found is None:
+        names = ", ".join(symbol.name for symbol in known)
+        raise error(f"{what} is {_quoted(value)}; give a number or an expression in {names}")
+    if _checked(found, known, what, error):
+        found = _rewritten(found)
+        _checked(found, known, what, error)
+    return found
 
 
-def _is_short_power(exponent: ast.expr) -> bool:
-    """Whether an exponent is a formula, or a number of ordinary size: SymPy works out powers of whole numbers."""
-    parts = list(ast.walk(exponent))
-    if any(isinstance(part, ast.Name) for part in parts):
-        return True
-    numbers = [p.value for p in parts if isinstance(p, ast.Constant) and isinstance(p.value, int | float)]
-    return len(numbers) == 1 and abs(numbers[0]) <= _LARGEST_POWER
+def as_expression(value: object) -> sp.Expr | None:
+    """A number or an expression as one of SymPy's, None for anything else: SymPy's own conversion evaluates text, also
+    inside lists and dicts."""
+    if isinstance(value, Real | Decimal) and not isinstance(value, bool):
+        value = sp.sympify(value)
+    return value if isinstance(value, sp.Expr) else None
+
+
+def _checked(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: type[Exception]) -> bool:
+    """Whether something in the expression has to be rewritten; raises `error` for what cannot stand in a formula."""
+    foreign, parts, todo = False, 0, [(whole, 1, 0)]
+    while todo:
+        node, depth, nested = todo.pop()
+        parts += 1
+        if parts > MOST_PARTS or depth > DEEPEST or nested > MOST_NESTED:
+            raise error(
+                f"{what} is too long a formula; give one of at most {MOST_PARTS} parts, {DEEPEST} brackets and "
+                f"{MOST_NESTED} functions inside each other"
+            )
+        if isinstance(node, sp.Symbol):
+            if node not in variables:
+                raise error(f"{what} has {node.name!r}; use {', '.join(s.name for s in variables)} alone")
+        elif node in (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
+            raise error(f"{what} holds {node}, which is no finite real number; give finite real numbers")
+        elif node.is_number and node.is_real is False:  # a root or a logarithm of less than 0
+            raise error(f"{what} holds {str(node)[:40]}, which is no real number; give real numbers")
+        elif isinstance(node, sp.Number):
+            if abs(node) > LARGEST_NUMBER:
+                raise error(
+                    f"{what} holds {float_text(node)}; give numbers up to {LARGEST_NUMBER:g}, whose cubes a double can "
+                    "hold"
+                )
+        elif isinstance(node, sp.Pow):
+            power = node.exp
+            if power.is_number and (power.is_real is not True or abs(power) > LARGEST_POWER):
+                raise error(f"{what} has a power that is no number up to {LARGEST_POWER}; write a smaller one")
+            foreign = foreign or not power.is_number
+            nested += not power.is_Integer
+        elif isinstance(node, _SMOOTH):
+            nested += 1
+        elif type(node) in _RECIPROCAL:
+            foreign, nested = True, nested + 2
+        elif not (isinstance(node, sp.Add | sp.Mul) or node in (sp.pi, sp.E)):
+            raise error(
+                f"{what} has {type(node).__name__}, which is not smooth or not known to all solvers; write it with "
+                f"{', '.join(sorted(FUNCTIONS))} (sqrt(u**2 + 1e-6) is a smooth magnitude, tanh(u/1e-3) a smooth sign)"
+            )
+        todo += [(argument, depth + 1, nested) for argument in node.args]
+    return foreign
+
+
+def _rewritten(node: sp.Expr) -> sp.Expr:
+    """The expression with reciprocal functions and powers of formulas written by smooth ones."""
+    arguments = [_rewritten(argument) for argument in node.args]
+    if type(node) in _RECIPROCAL:
+        return _RECIPROCAL[type(node)](*arguments)
+    if isinstance(node, sp.Pow) and not arguments[1].is_number:
+        base, power = arguments
+        # exp(s log 2) would be turned back into 2**s; a rounded logarithm is not.
+        return exp(power * (sp.Float(float(log(base))) if base.is_number and base.is_positive else log(base)))
+    return node.func(*arguments) if node.args else node
+
+
+def parts_of_derivatives(node: sp.Expr) -> tuple[int, int, int, int]:
+    """About how many parts an expression and its first three derivatives by `PARAMETER` have; 0 where one vanishes.
+
+    By the rules of product and chain, nothing is derived: a long expression's derivatives are what takes hours.
+    """
+    if not node.has(PARAMETER):
+        return sum(1 for _ in sp.preorder_traversal(node)), 0, 0, 0
+    if node == PARAMETER:
+        return 1, 1, 0, 0
+    inner = [parts_of_derivatives(argument) for argument in node.args]
+    if isinstance(node, sp.Add):
+        a, b, c, d = (sum(orders) for orders in zip(*inner, strict=True))
+        return a + 1, b + 1, c + 1, d + 1
+    if isinstance(node, sp.Mul):
+        product = inner[0]
+        for factor in inner[1:]:
+            product = _product(product, factor)
+        return product
+    # A function, or a power of a number: f'(u) u', f''(u) u'² + f'(u) u'', …
+    u, u1, u2, u3 = inner[0]
+    once, twice = u + u1 + 2, (u + u2 + 2 if u2 else 0)
+    return u + 1, once, once + twice, once + (u + u1 + u2 + 2 if u2 else 0) + (u + u3 + 2 if u3 else 0)
+
+
+def _product(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, int, int, int]:
+    """The same of a product: every way to share out the derivatives among its factors."""
+    p, q, r, s = (sum(a[i] + b[k - i] for i in range(k + 1) if a[i] and b[k - i]) for k in range(4))
+    return p, q, r, s
+
+
+def float_text(number: sp.Expr) -> str:
+    """A number of any size in a few characters."""
+    return str(sp.N(number, 3))
+
+
+def _quoted(value: object) -> str:
+    """What was given, shortened: a list may hold anything."""
+    text = repr(value) if isinstance(value, str | bytes | int | float | complex | None) else type(value).__name__
+    return text if len(text) <= 60 else f"{text[:40]} … {text[-15:]}"
 
 
 def constants(expressions: Sequence[sp.Expr]) -> tuple[float, ...]:

@@ -16,6 +16,7 @@ import platform
 import stat
 import sys
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -35,8 +36,12 @@ VARIABLE = "SLIP_TO_ROLL_CACHE"
 OFF = "off"
 # A report of the whole catalogue keeps 130 MB. What was used longest ago goes first.
 LARGEST_BYTES = 512 * 2**20
-# The folder's size is looked at when a process has written so much to it, and when it writes first.
-_LOOK_BYTES = 32 * 2**20
+# So many files at most: a report keeps two thousand, and a folder of many more is slow to look through.
+MOST_FILES = 20_000
+# The folder is looked at when a process has written so much to it, and when it writes first.
+_LOOK_BYTES, _LOOK_FILES = 32 * 2**20, 1000
+# A file is written in milliseconds: one this old (s) that is not whole was left by a process that was killed.
+_LEFT_BEHIND = 3600.0
 _DIGEST = hashlib.sha256().digest_size
 _SUFFIX = ".kept"
 
@@ -171,7 +176,7 @@ def _write(file: Path, value: Any) -> None:
         if _written < 0 or _written > _LOOK_BYTES:
             _written = 0
             _trim(file.parent)
-        _written += len(content)
+        _written += max(len(content), _LOOK_BYTES // _LOOK_FILES)  # small files count, too
     except (
         OSError,
         pickle.PicklingError,
@@ -184,21 +189,26 @@ def _write(file: Path, value: Any) -> None:
 
 def _trim(folder: Path) -> None:
     """Leave three quarters of what the folder may hold, the newest."""
-    files = []
+    files, unfinished = [], []
     for entry in os.scandir(folder):
         try:
             found = entry.stat(follow_symlinks=False)
         except FileNotFoundError:  # another process was quicker
             continue
-        files.append((found.st_mtime_ns, found.st_size, entry.path))
-    size = sum(length for _, length, _ in files)
-    if size <= LARGEST_BYTES:
+        if entry.name.endswith(_SUFFIX):
+            files.append((found.st_mtime_ns, found.st_size, entry.path))
+        elif entry.name.startswith(".") and time.time() - found.st_mtime > _LEFT_BEHIND:
+            unfinished.append(entry.path)
+    for path in unfinished:
+        Path(path).unlink(missing_ok=True)
+    size, count = sum(length for _, length, _ in files), len(files)
+    if size <= LARGEST_BYTES and count <= MOST_FILES:
         return
     for _, length, path in sorted(files):
-        if size <= 0.75 * LARGEST_BYTES:
+        if size <= 0.75 * LARGEST_BYTES and count <= 0.75 * MOST_FILES:
             return
         Path(path).unlink(missing_ok=True)
-        size -= length
+        size, count = size - length, count - 1
 
 
 def _log() -> logging.Logger:
@@ -222,10 +232,10 @@ def _as_text(part: Any) -> str:
 
 @lru_cache(maxsize=8)
 def _code(folder: Path) -> str:
-    """A digest of the modules of a folder and of what lies in it, but for the catalogue's cases."""
+    """A digest of the modules of a folder and of what lies in it, but for the catalogue's cases and the pictures."""
     digest = hashlib.sha256()
     for file in sorted(folder.rglob("*.py")):
-        if "catalogue" not in file.parts:
+        if not {"catalogue", "pictures"} & {*file.relative_to(folder).parts}:
             digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
     return digest.hexdigest()
 

@@ -16,7 +16,7 @@ import sympy as sp
 
 from .curves import Curve
 from .errors import BadCurve, BadValue, finite, positive, whole
-from .expressions import PARAMETER, cos, cosh, exp, sin
+from .expressions import PARAMETER, admitted, cos, cosh, exp, sin
 
 Made = Callable[..., Curve]
 
@@ -157,10 +157,10 @@ def from_support(support: Callable[[Any], Any]) -> Curve:
     `support` takes a symbol and returns h in metres. Its radius of curvature is h + h″, which must stay positive
     (BadCurve where it reaches zero: the outline has a cusp there).
     """
-    h = sp.sympify(support(PARAMETER))
+    h = admitted(support(PARAMETER), (PARAMETER,), "the support function", BadCurve)
     h1 = sp.diff(h, PARAMETER)
     outline = Curve(lambda s: (h * cos(s) - h1 * sin(s), h * sin(s) + h1 * cos(s)))
-    radius = sp.lambdify(PARAMETER, sp.sympify(h + sp.diff(h1, PARAMETER)), "math")
+    radius = sp.lambdify(PARAMETER, h + sp.diff(h1, PARAMETER), "math")
     worst = min((2 * pi * i / 720 for i in range(720)), key=radius)
     if radius(worst) <= 0.0:
         raise BadCurve(f"h + h'' is {radius(worst):.6g} m at s = {worst:.6g}, so the outline has a cusp; add to h")

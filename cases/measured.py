@@ -7,6 +7,7 @@ order, so the third derivatives the paper needs exist and are finite.
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -16,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 
-from .errors import BadCurve, BadValue, UnknownName
+from . import files
+from .errors import BadCurve, BadValue
 from .expressions import PARAMETER, cos, sin
 
 # More terms than this follow the noise of a measurement before its shape, and make the equations slow.
@@ -24,6 +26,9 @@ MOST_TERMS = 10
 # Points missed by less than this part of the curve's size are met: about what a caliper reads off a hand-sized plate.
 CLOSE_ENOUGH = 1e-3
 
+
+# Bytes of a file of points: a hundred thousand of them.
+LARGEST_FILE = 4 * 2**20
 
 # The folder of the case file that is being read, from which its paths count; outside of one: where one works.
 _folder: ContextVar[Path] = ContextVar("_folder", default=Path())
@@ -37,6 +42,10 @@ def paths_count_from(folder: Path) -> Iterator[None]:
         yield
     finally:
         _folder.reset(before)
+
+
+# A heading names its columns; a first row with a typing error has a digit, a sign or nothing where a name begins.
+_HEADING = re.compile(r"\s*[^\W\d_]")
 
 
 class Fit(NamedTuple):
@@ -63,6 +72,8 @@ def fit(points, closed: bool) -> Fit:
         coefficients = np.linalg.lstsq(basis, points, rcond=None)[0]
         residual = float(np.hypot(*(basis @ coefficients - points).T).max())
         if residual <= CLOSE_ENOUGH * size:
+            if closed:
+                _check_one_round(coefficients, terms)
             expression = _fourier_expression if closed else _chebyshev_expression
             x, y = (expression(column) for column in coefficients.T)
             return Fit((x, y), None if closed else (-1.0, 1.0), residual)
@@ -78,25 +89,20 @@ def read(path: str | Path) -> np.ndarray:
     A relative path counts from the case file that names it, else from the working folder.
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
     """
-    try:
-        path = Path(_folder.get(), path)
-        there = path.is_file()
-    except (TypeError, ValueError, OSError):
-        raise BadValue(f"the file to read points from is {path!r}; give its path") from None
-    if not there:
-        raise UnknownName(f"there is no file {str(path)!r} to read points from")
+    what = "file of points"
+    path = files.existing(what, Path(_folder.get(), files.place(what, path)))
     rows = []
     try:
-        lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
-    except (UnicodeDecodeError, csv.Error) as problem:
+        lines = list(csv.reader(files.text(what, path, LARGEST_FILE).splitlines()))
+    except csv.Error as problem:
         raise BadValue(f"{path} is no CSV text ({problem}); give two columns x,y in metres") from None
     told = [(n, row) for n, row in enumerate(lines, start=1) if row and not row[0].lstrip().startswith("#")]
     for number, row in told:
         try:
             x, y = (float(cell) for cell in row)
         except ValueError:
-            if number == told[0][0]:
-                continue  # a heading
+            if number == told[0][0] and all(_HEADING.match(cell) for cell in row):
+                continue
             raise BadValue(f"{path}:{number} is {','.join(row)!r}; give two numbers x,y in metres") from None
         rows.append((x, y))
     return np.array(rows, dtype=float).reshape(-1, 2)
@@ -116,10 +122,36 @@ def _checked(points, closed: bool) -> np.ndarray:
         points = points[:-1]
     if len(points) < 8:
         raise BadValue(f"{len(points)} points are not enough for a smooth curve; give at least 8")
+    if closed:
+        _check_round(points)
     same = np.flatnonzero(np.all(points[1:] == points[:-1], axis=1))
     if same.size:
         raise BadValue(f"points {same[0] + 1} and {same[0] + 2} are the same; leave one out")
     return points
+
+
+# The chord from the last point to the first may be so many times the longest other one: a quarter of a circle left out
+# shows from eight points on, and hands place points more evenly than that.
+GAP = 2.0
+
+
+def _check_round(points: np.ndarray) -> None:
+    """Raises BadCurve for points of a closed curve that leave a part of it out."""
+    chords = np.hypot(*np.diff(np.vstack([points, points[:1]]), axis=0).T)
+    if chords[-1] > GAP * chords[:-1].max():
+        raise BadCurve(
+            f"the last point lies {chords[-1]:.3g} m from the first, {chords[-1] / chords[:-1].max():.2g} times as far "
+            "as any two others: a part of the closed curve has no points; give points there, or closed=False"
+        )
+
+
+def _check_one_round(coefficients: np.ndarray, terms: int) -> None:
+    """Raises BadCurve where a closed fit turns more than once."""
+    sides = np.diff(_fourier(np.linspace(0.0, 2 * np.pi, 722), terms) @ coefficients, axis=0)
+    angles = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
+    rounds = round(abs(float(angles[-1] - angles[0])) / (2 * np.pi))
+    if rounds > 1:
+        raise BadCurve(f"the points go {rounds} times round; give those of one round")
 
 
 def _chord_parameter(points: np.ndarray, closed: bool) -> np.ndarray:

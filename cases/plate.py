@@ -14,7 +14,7 @@ from .errors import BadCurve, BadValue, positive
 from .library import circle
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Plate:
     """A rigid plate: its outline in its own frame, whose origin is the centre of mass; mass in kg, inertia in kg m².
 
@@ -32,6 +32,10 @@ class Plate:
         object.__setattr__(self, "inertia", positive("inertia of the plate", self.inertia))
         if _runs_clockwise(self.outline):
             raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
+
+    def __repr__(self) -> str:
+        shape = f"radius={self.radius:.6g}" if self.radius else repr(self.outline)
+        return f"{'disc' if self.radius else 'Plate'}({shape}, mass={self.mass:.6g}, inertia={self.inertia:.6g})"
 
     @property
     def gyration(self) -> float:

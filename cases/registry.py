@@ -12,12 +12,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.metadata import entry_points
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
+from . import files
 from .case import Case
-from .errors import BadValue, CaseError, UnknownName, unknown
+from .errors import BadValue, CaseError, unknown
 from .measured import paths_count_from
+from .patience import TimeUp
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,8 @@ def case(
 def entry(name: str) -> Entry:
     """The registered case of that name; raises UnknownName with the nearest names."""
     _import_catalogue()
+    if not isinstance(name, str):
+        raise BadValue(f"{name!r} is not a case; give its name, for example disc_in_circle")
     if name not in _entries:
         raise unknown("case", name, _entries)
     return _entries[name]
@@ -106,18 +111,20 @@ def load(name: str, **parameters) -> Case:
     Raises UnknownName for a name or parameter that does not exist, with the nearest ones; CaseError for values no
     scene can have.
     """
-    bare, written = _parse(name)
+    bare, written = parse(name)
     found = entry(bare)
     parameters = {**written, **parameters}
-    for key in parameters:
+    for key, value in parameters.items():
         if key not in found.parameters:
             raise unknown(f"parameter of {bare}", key, found.parameters)
+        if not isinstance(value, Real):
+            raise BadValue(f"{key} of {bare} is {value!r}; give a number")
     try:
         with paths_count_from(found.folder):
             made = found.function(**parameters)
-    except CaseError:
+    except (CaseError, KeyboardInterrupt, TimeUp):
         raise
-    except Exception as problem:
+    except BaseException as problem:  # sys.exit among them
         told = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
         raise BadValue(f"{bare} cannot be made with {told}: {type(problem).__name__}: {problem}") from problem
     if not isinstance(made, Case):
@@ -130,7 +137,7 @@ def select(text: str, long: bool = False) -> list[Case]:
 
     With `long` a bare name's variants that take minutes come too.
     """
-    bare, written = _parse(text)
+    bare, written = parse(text)
     if written or "[" in text:
         return [load(text)]
     found = entry(bare)
@@ -150,9 +157,7 @@ def load_file(path: str | Path) -> list[str]:
 
     Raises CaseError, in one sentence, if the file cannot be read, fails, or holds no case.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise UnknownName(f"there is no case file {str(path)!r}")
+    path = files.existing("case file", path)
     before = dict(_entries)
     if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
@@ -162,9 +167,9 @@ def load_file(path: str | Path) -> list[str]:
     try:
         with paths_count_from(place.parent):
             spec.loader.exec_module(importlib.util.module_from_spec(spec))
-    except CaseError:
+    except (CaseError, KeyboardInterrupt, TimeUp):
         raise
-    except (Exception, SystemExit) as problem:
+    except BaseException as problem:
         raise BadValue(f"the case file {path} fails: {type(problem).__name__}: {problem}") from problem
     new = [name for name in _entries if _entries[name] is not before.get(name)]
     if not new:
@@ -186,12 +191,14 @@ def _import_packages() -> None:
     for found in entry_points(group="slip_to_roll.cases"):
         try:
             found.load()
-        except Exception as problem:
+        except (Exception, SystemExit) as problem:
             raise BadValue(f"the cases of {found.value} fail: {type(problem).__name__}: {problem}") from problem
 
 
-def _parse(text: str) -> tuple[str, dict[str, float]]:
-    """Split "name[a=1,b=2]" into the name and its numbers."""
+def parse(text: str) -> tuple[str, dict[str, float]]:
+    """Split "name[a=1,b=2]" into the name and its numbers; raises BadValue."""
+    if not isinstance(text, str):
+        raise BadValue(f"{text!r} is not a case; give its name, for example disc_in_circle")
     match = re.fullmatch(r"\s*(\w+)\s*(?:\[(.*)\])?\s*", text)
     if not match:
         raise BadValue(f"{text!r} is not a case; write name or name[parameter=value,…]")

@@ -72,6 +72,9 @@ class Start:
             raise BadValue(f"a PerfectlyRough contact does not slip; give slip=0 in Start, not {self.slip:g}")
 
 
+# Contact speeds are divided by the difference of the curvatures: 1e10 leaves six digits of it.
+NARROW = 1e10
+
 # What follows depends on the curves and the start alone, and scenes are made again and again with another friction.
 
 
@@ -98,6 +101,13 @@ def _check_place(start: Start, track: Curve, outline: Curve) -> None:
             f"the plate does not fit its track at xi1 = {xi1:g}: the track's curvature "
             f"{float(track.curvature(xi1)):.6g} 1/m is not below the outline's "
             f"{float(outline.curvature(xi2)):.6g} 1/m; give a smaller plate or a wider track"
+        )
+    bends = float(track.curvature(xi1)), float(outline.curvature(xi2))
+    if start.gap == 0.0 and bends[1] - bends[0] < max(map(abs, bends)) / NARROW:
+        raise DoesNotFit(
+            f"the plate fits its track at xi1 = {xi1:g} too closely: curvatures {bends[0]:.9g} and {bends[1]:.9g} 1/m "
+            f"differ by less than a {NARROW:g}th, and the contact's speed is a difference divided by theirs; give a "
+            "smaller plate or a wider track"
         )
     begun = _motion(start, track, outline)  # only where the plate fits: it divides by the difference of the curvatures
     x, y, theta, near = (np.array([value]) for value in (begun.x, begun.y, begun.theta, xi1))

@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, fields
 from enum import StrEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+
+from .errors import BadValue
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from .case import Case
+    from .pictures.animation import Animation
+    from .pictures.plots import Picture
+
+# A motion that is known at every time is drawn and written at so many even times.
+EVEN_TIMES = 1001
+# More changes than a reader takes in at a glance are counted.
+_MOST_CHANGES = 4
 
 
 class Mode(StrEnum):
@@ -21,6 +36,16 @@ class Mode(StrEnum):
     FLIGHT = "flight"
 
 
+_DOES = {
+    Mode.SLIDE: "slides without friction",
+    Mode.SLIP_FORWARD: "slides forward",
+    Mode.SLIP_BACKWARD: "slides backward",
+    Mode.ROLL: "rolls",
+    Mode.REST: "rests",
+    Mode.FLIGHT: "flies",
+}
+
+
 @dataclass(frozen=True)
 class Transition:
     """One change of mode: when (s), from what to what, where on the two curves, and why (one phrase)."""
@@ -31,6 +56,9 @@ class Transition:
     xi1: float = np.nan
     xi2: float = np.nan
     cause: str = ""
+
+    def __repr__(self) -> str:
+        return f"Transition({self.time:.9g} s: {self.before} -> {self.after}{self.cause and f', {self.cause}'})"
 
 
 @dataclass(frozen=True)
@@ -59,12 +87,17 @@ class State(NamedTuple):
     xi1: np.ndarray | float
     xi2: np.ndarray | float
 
+    def __repr__(self) -> str:
+        if np.ndim(self.x):
+            return f"State({len(np.atleast_1d(self.x))} instants of {', '.join(self._fields)})"
+        return f"State({', '.join(f'{name}={value:.6g}' for name, value in self._asdict().items())})"
+
 
 # The columns of a trajectory.
 _SAMPLES = ("t", *State._fields)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """A motion, sampled at times `t` (increasing; two equal times mark both sides of a jump), arrays of one length.
 
@@ -75,6 +108,7 @@ class Trajectory:
     `status` is "completed" or names what ended the motion early; `reason` says it in one sentence.
     `slip_resolution` (m/s) is the creep below which this solver cannot tell stick from slip (0: exact).
     `dense` maps a time or an array of times inside the range to a State; without it the samples are interpolated.
+    `case`, where it is known, is what moves: `plot` and `animate` draw it.
     """
 
     t: np.ndarray
@@ -95,7 +129,8 @@ class Trajectory:
     cost: Cost = Cost()
     slip_resolution: float = 0.0
     first_mode: Mode | None = None
-    dense: Callable[[np.ndarray], State] | None = field(default=None, repr=False)
+    dense: Callable[[np.ndarray], State] | None = None
+    case: Case | None = None
 
     @classmethod
     def on_demand(cls, sample: Callable[[], tuple[np.ndarray, State]], **rest) -> Trajectory:
@@ -130,10 +165,16 @@ class Trajectory:
                 raise ValueError(f"{name} has shape {np.shape(getattr(self, name))}, t has ({length},)")
 
     def __call__(self, t) -> State:
-        """The state at a time, or at each of an array of times; raises ValueError outside the motion's time span."""
-        times = np.asarray(t, dtype=float)
+        """The state at a time, or at each of an array (n,) of times; raises BadValue outside the motion's span and for
+        what is no time."""
+        try:
+            times = np.asarray(t, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            raise BadValue(f"the time is {t!r}; give a number of seconds, or an array of them") from None
+        if times.ndim > 1:
+            raise BadValue(f"the times have shape {times.shape}; give a number, or an array of shape (n,)")
         if times.size and not (self.t[0] <= times.min() and times.max() <= self.t[-1]):
-            raise ValueError(f"time {t} is outside the motion, which lasts from {self.t[0]:g} s to {self.t[-1]:g} s")
+            raise BadValue(f"time {t} is outside the motion, which lasts from {self.t[0]:g} s to {self.t[-1]:g} s")
         state = (self.dense or self._interpolate)(np.atleast_1d(times))
         return State(*(float(np.asarray(v)[0]) for v in state)) if times.ndim == 0 else state
 
@@ -148,3 +189,79 @@ class Trajectory:
                 spline = CubicHermiteSpline(self.t[keep], getattr(self, name)[keep], getattr(self, rate)[keep])
                 values[name] = spline(times)
         return State(**values)
+
+    # --- for reading ------------------------------------------------------------------------------------------------
+
+    def __repr__(self) -> str:
+        count = len(self.transitions)
+        changes = "" if self.first_mode is None else f"; {count} transition{'' if count == 1 else 's'}"
+        return f"<Trajectory{self.case and f' of {self.case.label}' or ''}: {self.in_words()}{changes}>"
+
+    def _repr_html_(self) -> str:
+        from .pictures import html
+
+        return html.of_motion(self)
+
+    def in_words(self) -> str:
+        """The modes one after the other with their durations, and how the motion ends: "slides forward for 0.34 s,
+        then rolls to the end of 1 s". A motion whose modes nobody has told is counted in samples."""
+        end, changes = float(self.t[-1]), self.transitions
+        starts = [0.0, *(t.time for t in changes)]
+        modes = [self.first_mode or (changes[0].before if changes else None), *(t.after for t in changes)]
+        phases = [f"{_DOES[m]} for {b - a:.3g} s" for m, a, b in zip(modes, starts, starts[1:], strict=False) if m]
+        if len(phases) > _MOST_CHANGES:
+            phases = [*phases[:_MOST_CHANGES], f"… ({len(changes)} changes in all)"]
+        if self.status != Trajectory.status:
+            last = [f"{_DOES[modes[-1]]} until {end:.3g} s"] if modes[-1] and end > starts[-1] else []
+            return f"{', then '.join([*phases, *last]) or 'does not move'}; ends there: {self.status}. {self.reason}"
+        does = _DOES[modes[-1]] if modes[-1] else f"{len(self.t)} samples"
+        return ", then ".join([*phases, f"{does} to the end of {end:.3g} s"])
+
+    def times(self, count: int | None = None) -> np.ndarray:
+        """Times to look at, s, growing: `count` even ones. Without a count, as many as a picture needs of a motion that
+        is known at every time, its transitions' among them; else the samples' own."""
+        if count is not None:
+            return np.linspace(self.t[0], self.t[-1], count)
+        if self.dense is None:
+            return np.unique(self.t)
+        inside = [t.time for t in self.transitions if self.t[0] <= t.time <= self.t[-1]]
+        return np.union1d(np.linspace(self.t[0], self.t[-1], EVEN_TIMES), inside)
+
+    def to_frame(self, count: int | None = None) -> pd.DataFrame:
+        """The motion at `times(count)` as a table: t and the columns of State, in SI units."""
+        import pandas as pd
+
+        times = self.times(count)
+        return pd.DataFrame({"t": times, **self(times)._asdict()})
+
+    def to_csv(self, path: str | Path, count: int | None = None) -> Path:
+        """Write that table, all digits, with an empty cell for what is not there (slip in flight); returns the path.
+
+        `python -m reports.compare` and `--trajectory` read such files."""
+        self.to_frame(count).to_csv(path, index=False)
+        return Path(path)
+
+    def plot(self, *quantities: str, colour: str | None = None) -> Picture:
+        """The scene, where the case is known, beside quantities against time: columns of State, or slip velocity,
+        normal force, x and y. The picture shows itself in a notebook; its `savefig` writes SVG, PDF or PNG.
+
+        Raises UnknownName for a quantity there is not.
+        """
+        from .pictures.plots import PLATE, plot
+
+        scene = self.case.scene if self.case else None
+        return plot(self, scene, quantities or ("slip", "normal_force", "x", "y"), colour or PLATE)
+
+    def animate(self, factor: float | None = None, quantity: str = "slip") -> Animation:
+        """The motion as a film, which shows itself in a notebook and whose `save` writes GIF or MP4.
+
+        `factor`: seconds of the motion in a second of film (None: a round number for a film of a few seconds);
+        `quantity`: the column of State drawn beside it. Raises BadValue where the case is not known.
+        """
+        from .pictures.animation import Animation
+
+        if self.case is None:
+            raise BadValue(
+                "the motion does not say of which case it is; give it one: dataclasses.replace(…, case=case)"
+            )
+        return Animation(self, self.case.scene, self.case.weight, factor, quantity)

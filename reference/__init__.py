@@ -7,8 +7,9 @@ from .solve import METHODS, simulate
 
 if TYPE_CHECKING:
     from .certification.certificate import certify
+    from .sweeping import sweep, sweep_chunks
 
-__all__ = ["METHODS", "certify", "simulate"]
+__all__ = ["METHODS", "certify", "simulate", "sweep", "sweep_chunks"]
 
 
 def __getattr__(name: str) -> Any:
@@ -18,6 +19,8 @@ def __getattr__(name: str) -> Any:
         from .certification.certificate import certify
 
         return certify
+    if name in ("sweep", "sweep_chunks"):
+        return getattr(import_module(".sweeping", __name__), name)
     if name == "certification":
         return import_module(".certification", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -2,44 +2,39 @@
 
 from __future__ import annotations
 
-from cases import BadValue, Case, CaseError, Mode, Trajectory
+from cases import BadValue, Case, CaseError, Gravity, Mode, Trajectory, Unilateral
+from cases.contact import start_motion
 
 from .solve import simulate
 
-DOES = {
-    Mode.SLIDE: "slides without friction",
-    Mode.SLIP_FORWARD: "slides forward",
-    Mode.SLIP_BACKWARD: "slides backward",
-    Mode.ROLL: "rolls",
-    Mode.REST: "rests",
-    Mode.FLIGHT: "flies",
-}
-# More changes than a reader takes in at a glance are counted.
-MOST_CHANGES = 4
+# The part of gravity's strength along the track's normal above which it pulls the plate off: a vertical wall has none,
+# but for rounding.
+_PULLS = 1e-9
 
 
 def check(case: Case) -> str:
     """Run the case by the best method and say what happens; raises CaseError, in one sentence, if it cannot run."""
     try:
-        return in_words(simulate(case))
+        motion = simulate(case)
+        return f"{motion.in_words()}{wrong_side(case, motion)}"
     except CaseError:
         raise
     except Exception as problem:  # whatever else the author's curves and loads bring up
         raise BadValue(f"the motion fails: {type(problem).__name__}: {problem}") from problem
 
 
-def in_words(motion: Trajectory) -> str:
-    """The modes one after the other with their durations, and how the motion ends: "slides forward for 0.34 s, then
-    rolls to the end of 1 s"."""
-    end = float(motion.t[-1])
-    changes = motion.transitions
-    starts = [0.0, *(t.time for t in changes)]
-    modes = [motion.first_mode or (changes[0].before if changes else None), *(t.after for t in changes)]
-    phases = [f"{DOES[m]} for {b - a:.3g} s" for m, a, b in zip(modes, starts, starts[1:], strict=False) if m]
-    if len(phases) > MOST_CHANGES:
-        phases = [*phases[:MOST_CHANGES], f"… ({len(changes)} changes in all)"]
-    if motion.status != Trajectory.status:
-        last = [f"{DOES[modes[-1]]} until {end:.3g} s"] if modes[-1] and end > starts[-1] else []
-        return f"{', then '.join([*phases, *last]) or 'does not move'}; ends there: {motion.status}. {motion.reason}"
-    last = [f"{DOES[modes[-1]]} to the end of {end:.3g} s"] if modes[-1] else []
-    return ", then ".join([*phases, *last])
+def wrong_side(case: Case, motion: Trajectory) -> str:
+    """What a plate looks like that lies on the side of its track that its author did not mean: gravity pulls it off.
+    "" where it does not, or where the plate begins in flight."""
+    gravity = case.effect(Gravity)
+    if gravity is None or not case.start.in_contact:
+        return ""
+    normal = case.track.normal(start_motion(case).xi1)
+    if gravity.vector[0] * normal[0] + gravity.vector[1] * normal[1] <= _PULLS * gravity.g:
+        return ""
+    below = "the plate lies on the left of increasing s, where gravity pulls it off its track"
+    turn = "to put it on the other side let the curve run the other way (-s for s, in xi1 too)"
+    if case.effect(Unilateral) is None:
+        return f". Note: {below}, and hangs there, because without Unilateral the contact holds it; {turn}"
+    leaves = motion.first_mode in (None, Mode.FLIGHT) or motion.t[-1] == 0.0
+    return f". Note: {below}; {turn}" if leaves else ""

@@ -6,6 +6,7 @@ import logging
 import time
 from dataclasses import replace
 from functools import lru_cache
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -92,9 +93,14 @@ def sampled(
         steps=sum(segment.steps for segment in segments),
         evaluations=sum(segment.evaluations for segment in segments),
     )
-    status, reason = ending
+    status, reason = ending if _finite(segments) else undecidable(segments[-1].start)
     warning = literal.warning(segments)
     return _trajectory(case, segments, transitions, status, f"{reason} {warning}" if warning else reason, cost)
+
+
+def _finite(segments: list[Segment]) -> bool:
+    """Whether every phase ended in numbers."""
+    return all(isfinite(segment.event.time) and all(map(isfinite, segment.event.state)) for segment in segments)
 
 
 def first_regime(case: Case, y) -> Regime | None:
@@ -139,7 +145,7 @@ def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
     """Samples at the integrator's steps, both sides of each transition, and a dense output over all segments."""
-    told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost)
+    told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
     if not segments:
         # Nothing moves and nothing presses: the plate leaves at once, or no force is consistent.
         now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)

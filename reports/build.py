@@ -31,14 +31,16 @@ COMMAND = "reports.build"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
-    written, 3 if it is written and no solver could run a case that was named, 130 if it was stopped."""
+    written, 3 if it is written and a case has no truth, or no solver could run one that was named, 130 if it was
+    stopped."""
     return options.status(COMMAND, _work, argv)
 
 
 def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
-        "case", "case_file", "solver", "engine", "trajectory", "quick", "full", "jobs", "store", "fresh", "list",
+        "case", "case_file", "solver", "engine", "trajectory", "submissions",
+        "quick", "full", "jobs", "store", "fresh", "paper", "list",
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
@@ -84,8 +86,10 @@ def listing(files: Sequence[str]) -> str:
     for name in options.solvers():
         try:
             lines.append(f"  {name}: {', '.join(routes(name)) or 'says its routes when it is run'}")
-        except (ImportError, LookupError, SyntaxError) as problem:
+        except ImportError as problem:
             lines.append(f"  {name}: not installed ({problem})")
+        except Exception as problem:  # its file may hold anything
+            lines.append(f"  {name}: its code cannot be read ({type(problem).__name__}: {problem})")
     return "\n".join(lines)
 
 
@@ -93,40 +97,54 @@ def listing(files: Sequence[str]) -> str:
 
 
 def _build(plan: Plan) -> int:
-    """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
+    """Make and write the report, and say what came out; the command's status: 3 if a case has no truth, or one that was
+    named was run by nobody."""
+    from .drawing.files import for_print
     from .page import folder
-    from .running import experiment, external
+    from .page.text import lost_words
+    from .running import experiment, external, versions
     from .running.calls import Calls
-    from .running.progress import bar
+    from .running.progress import Display, usual
     from .running.store import Store
 
     store = Store(plan.store, plan.fresh)
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
+    versions.make(plan.solvers, _say)
     try:
-        with Calls(plan.jobs, plan.limit, store, bar) as calls:
+        folder.rehearse(plan.out)
+        shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
+        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
             shown = external.joined(ran, plan.trajectories)
-            with folder.written_whole(plan.out) as place:
+            with folder.written_whole(plan.out) as place, for_print(plan.paper):
                 _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, store))
-    idle = _run_by_nobody(shown) if plan.named else []
-    for sentence in idle:
+    print(_summary(plan, shown, ran, measured, studied, store))
+    lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
+    for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
-    return 3 if idle else 0
+    if calls.lost:
+        _say(f"{COMMAND}: {lost_words(calls.lost)}")
+    return 3 if lacking else 0
+
+
+def _without_truth(shown: Experiment) -> list[str]:
+    """A sentence for each case that nothing could be judged by."""
+    return [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
 
 
 def _run_by_nobody(shown: Experiment) -> list[str]:
-    """A sentence for each case of which no run is a motion, with what the first solver says of it."""
+    """A sentence for each case of which no run is a motion though it has a truth, with what the first solver says."""
     moved = {run.case for run in shown.runs if run.outcome in ("right", "wrong")}
+    moved |= {label for label, truth in shown.truths.items() if truth.failure}
     first = {run.case: run for run in reversed(shown.runs) if run.case not in moved}
     return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
 
@@ -149,11 +167,16 @@ def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     return measured._replace(cold=beside.cold, parts=beside.parts)
 
 
+def _studies_wanted(plan: Plan) -> bool:
+    """A quick report has none, nor one where cases were named, unless it is a full one."""
+    return plan.effort == "full" or (plan.effort == "default" and not plan.named)
+
+
 def _studied(plan: Plan, calls: Calls) -> list[Result]:
-    """All studies of a report: none in a quick one, nor where cases were named, unless it is a full one."""
+    """All studies of a report."""
     from . import studies
 
-    if plan.effort == "quick" or (plan.named and plan.effort != "full"):
+    if not _studies_wanted(plan):
         return []
     full = plan.effort == "full"
     results = []
@@ -185,12 +208,15 @@ def _write(
     place: Path,
 ) -> None:
     """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
-    from .analysis import cost_tables, tables
-    from .analysis.columns import described
+    import pandas as pd
+
+    from .analysis import advice, cost_tables, tables
+    from .analysis.columns import described, with_version
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
     from .running import external
+    from .running.solvers import missing_words
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
     told = manifest(ran.versions) | {
@@ -203,15 +229,22 @@ def _write(
         "limit_seconds": plan.limit,
         "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
+        "lost": calls.lost,
     }
+    told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
     frames = cost_tables.frames(ran, measured) | tables.frames(shown)
+    frames = {name: with_version(frame, ran.versions) for name, frame in frames.items()}
     holds = cost_tables.HOLDS | tables.HOLDS
     words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
-    text.write(frames, words, place / "tables", command)
+    text.write(frames, words, place / "tables", command, plan.paper)
     for result in studied:
-        text.write(result.frames, result.words, place / "tables", result.command)
+        text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
+    answers = pd.DataFrame(advice.rows(shown, frames))
+    words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
+    frames = {"answers": answers} | frames
+    text.write({"answers": answers}, words, place / "tables", command)
     dictionary.write(frames, words, place / "tables", command)
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
@@ -221,7 +254,7 @@ def _write(
         for figure in of_studies[result.name]:
             embed_command(figures, figure, result.command)
     page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
-    (place / "index.html").write_text(page, encoding="utf-8")
+    (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     folder.sign(place, told)
 
 
@@ -235,33 +268,34 @@ def _options(plan: Plan) -> str:
     return " ".join(words)
 
 
-def _summary(plan: Plan, shown: Experiment, store: Store) -> str:
-    from tabulate import tabulate
+def _summary(
+    plan: Plan, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], store: Store
+) -> str:
+    """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
+    import pandas as pd
 
-    from .analysis import tables
-    from .page.text import error_text, lead_text, reached_text
+    from .analysis import answers, tables, time_to_accuracy, work_precision
+    from .page import text
+    from .running.solvers import missing_words
 
-    lines = [f"report: {plan.out / 'index.html'} ({shown.seconds:.0f} s of runs)", ""]
+    frames = {name: frame for result in studied for name, frame in result.frames.items()}
+    costs = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured)) if measured.cases else []
+    told = pd.DataFrame(answers.rows(shown, frames, costs))
+    told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
+    lines = [text.plain(told), ""]
+    lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
+    if costs:
+        lines += ["costs: whole calls, s, the first from cold, the median over the timed cases that reach the accuracy"]
     counts = tables.outcome_counts(shown)
-    rows = [[name, *(count[o] for o in tables.OUTCOMES)] for name, count in counts.items()]
-    lines += [tabulate(rows, headers=["solver", *tables.OUTCOMES], tablefmt="plain"), ""]
-    rows = [
-        [
-            row["case"],
-            row["solver"],
-            row["route"],
-            reached_text(row),
-            lead_text(row, "finest"),
-            *(error_text(row, which) for which in ("default", "finest")),
-        ]
-        for row in tables.headline_rows(shown)
-    ]
-    headers = ["case", "solver", "route", "reached", "finest", "first transition as it comes / s", "finest / s"]
-    lines.append(tabulate(rows, headers=headers, tablefmt="plain", disable_numparse=True))
+    total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
+    count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
+    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
-    lines += ["", f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
+    lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
+    lines += missing_words(shown.versions)
+    lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
-    return "\n".join(lines)
+    return "\n".join([*lines, str(plan.out / "index.html")])
 
 
 if __name__ == "__main__":

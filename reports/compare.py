@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import cases
 from cases import Case
+from cases.files import existing
 
 from . import options
 
@@ -22,20 +23,29 @@ if TYPE_CHECKING:
     from .running.records import Run
 
 COMMAND = "reports.compare"
+# What the transitions' times are, and are not.
+SEEN = (
+    "Transitions are extrapolated between the samples (seen_at: the first sample after each, where a user who looks at "
+    "step ends would see it)."
+)
 
 
-def compare(case: Case, path: str | Path) -> str:
-    """The judgement as text. Raises CaseError if the file cannot be judged, or the reference has no truth."""
+def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
+    """The judgement as text; `creep` (m/s) is what the solver creeps while it sticks.
+
+    Raises CaseError if the file cannot be judged, or the reference has no truth.
+    """
     from adapters import Setting
-    from adapters.common.exported import read_table, trajectory_of
+    from adapters.common.exported import columns_of, read_table, trajectory_of
 
     from .running.external import judge_external
     from .running.records import Run
     from .running.tasks import find_truth
 
-    motion = trajectory_of(case, read_table(path))
+    table = read_table(path)
+    motion = trajectory_of(case, table, creep)
     row = Run(case.label, Path(path).name, "", Setting.of(), 0, outcome="")
-    return _text(case, motion, judge_external(row, case, motion, find_truth(case)))
+    return _text(case, motion, judge_external(row, case, motion, find_truth(case), columns_of(table)))
 
 
 def _text(case: Case, motion: Trajectory, run: Run) -> str:
@@ -47,8 +57,11 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from .judging.residuals import energy_growth, laws_broken
 
     gap = followed(case, {name: getattr(motion, name) for name in NEEDED})[2]
-    ledger = [(r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, r.verdict) for r in run.ledger]
-    head = ("event", "before", "after", "time", "reference_time", "error", "verdict")
+    ledger = [
+        (r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, _seen_at(motion, r.time), r.verdict)
+        for r in run.ledger
+    ]
+    head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "verdict")
     distance = [(name, value) for name, value in run.distance._asdict().items()]
     total = energy(case, motion)
     energies = [
@@ -65,8 +78,15 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
             "Laws broken\n" + ("\n".join(broken) if broken else "none"),
             f"Slip is told from stick above {motion.slip_resolution:.2g} m/s.",
+            SEEN,
         )
     )
+
+
+def _seen_at(motion: Trajectory, time: float) -> float:
+    """The first sample at or after a time; NaN where there is none."""
+    place = int(motion.t.searchsorted(time))
+    return float(motion.t[place]) if place < len(motion.t) else float("nan")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -77,10 +97,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             "CASE": 'a case, such as "disc_in_circle[mu=0.1]"',
             "FILE": "comma-separated values with the columns t, x, y, theta",
         }
-        parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", words=positional)
+        parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", "creep", words=positional)
         given = parser.parse_args(words)
         options.load_files(given.case_file)
-        print(compare(cases.load(given.CASE), given.FILE))
+        case = options.guarded(f"the case {given.CASE}", lambda: cases.load(given.CASE))
+        print(compare(case, existing("file", given.FILE), options.creep_of(given.creep)))
 
     return options.status(COMMAND, work, argv)
 

@@ -14,16 +14,20 @@ import numpy as np
 
 from cases import Case
 
-from .show import case_of, main
+from .show import MADE_BY, case_of, check_ours, main
 
 # Samples of the true motion, at equal times.
 SAMPLES = 2001
+FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv")
 
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError if what was asked for makes no sense."""
-    case, out = case_of("export", words)
+    case, out, force = case_of("cases export", words, "A case as data, for a tool of your own.")
     folder = out or Path(case.name)
+    check_ours(folder / FILES[0], force)
+    for name in FILES[1:]:  # what stands beside a scene of ours is ours
+        check_ours(folder / name, force or (folder / FILES[0]).exists())
     written = export(case, folder)
     print("\n".join(f"written: {path}" for path in written))
 
@@ -34,7 +38,7 @@ def export(case: Case, folder: Path) -> list[Path]:
 
     told = {**scene(case), **truth(case)}
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{name}" for name in ("scene.json", "track.csv", "outline.csv", "motion.csv")]
+    paths = [folder / name for name in FILES]
     paths[0].write_text(as_json(told, indent=1) + "\n", encoding="utf-8")
     for path, curve in zip(paths[1:3], (case.track, case.plate.outline), strict=True):
         np.savetxt(path, sampled(curve), delimiter=",", comments="", header="s,x,y,normal_x,normal_y,curvature")
@@ -49,6 +53,7 @@ def truth(case: Case) -> dict:
 
     certificate = reference.certify(case)
     return {
+        "made_by": f"{MADE_BY} export",
         "status": certificate.status,
         "end": certificate.end._asdict(),
         "transitions": [

@@ -6,11 +6,13 @@ Everything here answers at once; what is slow to import is imported when it is n
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -18,6 +20,8 @@ import adapters
 import cases
 from cases import BadValue, Case, CaseError, kept
 from cases.errors import unknown
+from cases.files import place
+from cases.patience import patience
 
 from .page.folder import foreign_file
 from .running.records import REFERENCE
@@ -45,6 +49,8 @@ WHOLE = (
 LITERAL = "augmented"
 # Finished runs are kept where one works, as test runners and linters do: a fresh folder is a fresh start.
 STORE = ".slip-to-roll"
+# Each is a process that imports every engine: some 200 MB.
+MOST_JOBS = 256
 # Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
 _LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
 
@@ -64,7 +70,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         default=[],
         help="Python files with cases of your own, marked with @case",
     ),
-    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all)"),
+    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all); ENGINE@VERSION for one"),
     "engine": dict(
         metavar="FILE",
         nargs="+",
@@ -78,6 +84,16 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         default=[],
         help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
     ),
+    "submissions": dict(
+        metavar="DIR",
+        help="folder of motions that others handed in, as ENGINE/VERSION/CASE.csv, each a solver of its own",
+    ),
+    "creep": dict(
+        metavar="SPEED",
+        default="0",
+        help="how fast the solver creeps while it sticks, m/s; the file may say so itself, in a column creep or in a "
+        "first line such as '# creep = 5e-3'",
+    ),
     "quick": dict(action="store_true", help="three cases, one variant each, fewer settings"),
     "full": dict(action="store_true", help="every setting of every case, with ten times the patience"),
     "jobs": dict(metavar="N", default="2", help="runs beside each other (default: 2)"),
@@ -86,7 +102,25 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         help=f"folder where finished runs are kept and taken from (default: {STORE}); delete it to forget them",
     ),
     "fresh": dict(action="store_true", help="run everything anew, whatever is kept"),
+    "paper": dict(action="store_true", help="figures also as PDF, tables also as LaTeX"),
+    "force": dict(action="store_true", help="write over files that are there"),
     "list": dict(action="store_true", help="print cases and solvers, and stop"),
+    "vary": dict(
+        metavar="PARAMETER=VALUES",
+        action="append",
+        default=[],
+        help="low:high:count, low:high:count:log, or a,b,c; low:high to draw from; given again they make a grid",
+    ),
+    "sample": dict(metavar="HOW", default="grid", help="grid, random or sobol (default: grid)"),
+    "number": dict(metavar="N", help="scenarios to draw, where they are not a grid"),
+    "seed": dict(metavar="N", default="0", help="what random and sobol begin with (default: 0)"),
+    "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
+    "certify": dict(action="store_true", help="error bars by witnesses, for each scenario (seconds each)"),
+    "refine": dict(
+        metavar="WIDTH",
+        help="find the boundaries between what follows, to this width of the first parameter that varies",
+    ),
+    "dask": dict(metavar="ADDRESS", help='a Dask scheduler, as tcp://host:port, or "local" for a cluster of its own'),
 }
 
 
@@ -149,6 +183,9 @@ def parser(
 def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
     """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files
     cannot be read or written, 130 if it was stopped. What went wrong is said in one line."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # no work is lost by a letter that a terminal has not
     try:
         return work(list(sys.argv[1:] if argv is None else argv)) or 0
     except CaseError as problem:
@@ -182,6 +219,7 @@ class Plan:
     store: Path | None = None  # where finished runs are kept
     fresh: bool = False  # whether what is kept there is left out of account
     trajectories: tuple[External, ...] = ()
+    paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
 
     @property
     def limit(self) -> float:
@@ -230,12 +268,15 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
         raise BadValue(str(problem)) from problem
     jobs, chosen = whole_jobs(options.jobs), chosen_solvers([*(options.solver or solvers()), *own_engines])
     files, own = load_files(options.case_file)
-    out = checked_out(Path(options.out))
+    out = checked_out(options.out)
     store = checked_store(options.store, out)
     names = options.case or own
     found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
-    external = _trajectories(options.trajectory, found)
-    return Plan(out, found, files, chosen, effort, jobs, tuple(argv), bool(names), store, options.fresh, external)
+    external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
+    named = bool(names)
+    return Plan(
+        out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper
+    )
 
 
 def plan_by_hand(
@@ -263,17 +304,22 @@ def plan_by_hand(
 
 
 def chosen_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
-    """Each named solver once, or all; raises UnknownName."""
+    """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be asked for."""
     chosen = tuple(dict.fromkeys(names or solvers()))
     for name in chosen:
-        if name not in solvers():
-            raise unknown("solver", name, solvers())
+        engine, mark, _ = name.partition("@")
+        if engine not in solvers():
+            raise unknown("solver", engine, solvers())
+        if mark:
+            from .running import versions
+
+            versions.check(name)
     return chosen
 
 
 def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
     """Bring case files into the catalogue; their paths, and the names of their cases."""
-    names = [name for file in files for name in guarded(file, lambda file=file: cases.load_file(file))]
+    names = [name for file in files for name in guarded(f"the file {file}", lambda file=file: cases.load_file(file))]
     return tuple(str(Path(file).resolve()) for file in files), names
 
 
@@ -285,14 +331,33 @@ def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External
     return external.from_options(texts, found, solvers())
 
 
+def creep_of(text: str) -> float:
+    """A speed in m/s; raises BadValue unless it is a number of at least 0."""
+    try:
+        creep = float(text)
+    except ValueError:
+        creep = nan
+    if not 0.0 <= creep < inf:
+        raise BadValue(f"--creep is {text!r}; give a speed in m/s, for example 5e-3")
+    return creep
+
+
+def _submissions(folder: str | None, found: Sequence[Case]) -> tuple[External, ...]:
+    if folder is None:
+        return ()
+    from .running import submissions
+
+    return submissions.externals(submissions.found_in(Path(folder).expanduser()), found, solvers())
+
+
 def whole_jobs(text: str) -> int:
     """How many runs beside each other; raises BadValue unless it is a whole number of at least 1."""
     try:
         jobs = int(text)
     except ValueError:
         raise BadValue(f"--jobs is {text!r}; give a whole number, for example 2") from None
-    if jobs < 1:
-        raise BadValue(f"--jobs is {jobs}; give at least 1")
+    if not 1 <= jobs <= MOST_JOBS:
+        raise BadValue(f"--jobs is {text[:40]}; give a whole number from 1 to {MOST_JOBS}")
     return jobs
 
 
@@ -307,24 +372,25 @@ def chosen_cases(texts: Sequence[str], effort: str) -> tuple[Case, ...]:
 
 
 def guarded(what: str, make):
-    """A case's own code may fail in any way; it is said in one sentence."""
+    """A case's own code may fail in any way, or never end; it is said in one sentence."""
     try:
-        return make()
+        with patience(what):
+            return make()
     except CaseError:
         raise
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         text = " ".join(str(problem).split())
         raise BadValue(f"{what} fails: {type(problem).__name__}: {text}") from problem
 
 
-def checked_out(out: Path) -> Path:
+def checked_out(out: str | Path) -> Path:
     """The folder to write, resolved; raises BadValue unless it is new, empty, or a report of ours and nothing else."""
-    out = out.expanduser().resolve()
+    out = place("folder of --out", out).resolve()
     if out == Path.cwd() or out in Path.cwd().parents:
         raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
     if out.exists() and not out.is_dir():
         raise BadValue(f"--out is {out}, which is a file; give a folder")
-    _check_writable("--out", out, out.parent)
+    check_writable("--out", out, out if out.exists() else out.parent)
     foreign = foreign_file(out)
     if foreign:
         raise BadValue(f"--out is {out}, which holds {foreign}, no part of a report; give another folder")
@@ -333,17 +399,18 @@ def checked_out(out: Path) -> Path:
 
 def checked_store(text: str | Path | None, out: Path) -> Path:
     """The store's folder, resolved; raises BadValue if what was asked for is no folder of its own or not writable."""
-    store = Path(STORE if text is None else text).expanduser().resolve()
+    store = place("folder of --store", STORE if text is None else text).resolve()
     if store == out or store in out.parents or out in store.parents:
         raise BadValue(f"--store is {store} and --out is {out}; give folders that are not inside each other")
     if text is not None:  # the usual place may be unfit: the report is made all the same, and says so
         if store.exists() and not store.is_dir():
             raise BadValue(f"--store is {store}, which is a file; give a folder")
-        _check_writable("--store", store, store)
+        check_writable("--store", store, store)
     return store
 
 
-def _check_writable(option: str, path: Path, folder: Path) -> None:
-    above = next(place for place in (folder, *folder.parents) if place.exists())
+def check_writable(option: str, path: Path, folder: Path) -> None:
+    """Raises BadValue unless the folder is there and open, or can be made."""
+    above = next(some for some in (folder, *folder.parents) if some.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder")

@@ -20,9 +20,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _work(words: list[str]) -> None:
+    from .drawing.files import for_print
+
     parser = options.parser(
         COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "full", "jobs",
-        "store", "fresh", words={"NAME": "the study"},
+        "store", "fresh", "paper", words={"NAME": "the study"},
         example=f"python -m {COMMAND} stability --solver reference pymunk",
     )  # fmt: skip
     given = parser.parse_args(words)
@@ -34,26 +36,34 @@ def _work(words: list[str]) -> None:
     texts = given.case or own
     if own and "case" not in study.TAKES:
         raise BadValue(f"{given.NAME} has its own cases; leave out --case-file")
-    chosen = tuple({c.label: c for text in texts for c in cases.select(text, long=given.full)}.values())
-    request = studies.Request(chosen, options.chosen_solvers(given.solver), given.full)
-    out = options.checked_out(Path(given.out or given.NAME))
+    solvers, jobs = options.chosen_solvers(given.solver), options.whole_jobs(given.jobs)
+    made = [
+        options.guarded(f"the case {text}", lambda text=text: cases.select(text, long=given.full)) for text in texts
+    ]
+    chosen = tuple({case.label: case for some in made for case in some}.values())
+    request = studies.Request(chosen, solvers, given.full)
+    out = options.checked_out(given.out or given.NAME)
     store = options.checked_store(given.store, out)
-    _make(given.NAME, request, out, store, given.fresh, options.whole_jobs(given.jobs), options.command(COMMAND, words))
+    with for_print(given.paper):
+        _make(given.NAME, request, out, store, given.fresh, jobs, options.command(COMMAND, words))
 
 
 def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
-    from .drawing.files import embed_command
+    from .drawing.files import embed_command, printed
     from .page import dictionary, folder, text
     from .page.manifest import manifest
+    from .running import versions
     from .running.calls import Calls
-    from .running.progress import bar
+    from .running.progress import Display
     from .running.store import Store
 
     store = Store(store_folder, fresh)
+    folder.rehearse(out)
+    versions.make(request.solvers, lambda text: print(text, file=sys.stderr, flush=True))
     try:
-        with Calls(jobs, store=store, progress=bar) as calls:
+        with Display() as display, Calls(jobs, store=store, progress=display) as calls:
             calls.ask_versions(request.solvers)
             result = studies.run(name, request, calls, command)
     except KeyboardInterrupt:
@@ -61,7 +71,7 @@ def _make(
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
     with folder.written_whole(out) as place:
-        files = text.write(result.frames, result.words, place, command)
+        files = text.write(result.frames, result.words, place, command, printed())
         files += dictionary.write(result.frames, result.words, place, command)
         for drawn in result.draw(place):
             embed_command(place, drawn, command)

@@ -1,4 +1,4 @@
-"""Fixtures: `accuracy`, a cross-check listed when pytest ends, and `any_case`, every case of the catalogue."""
+"""Fixtures: `accuracy`, a cross-check told when pytest ends, and `any_case`, every case of the catalogue."""
 
 from __future__ import annotations
 
@@ -83,20 +83,77 @@ def accuracy(request) -> Callable[..., None]:
     return check
 
 
-def pytest_terminal_summary(terminalreporter):
-    """Print every accuracy row of the session as one table."""
-    rows = [
-        tuple(value)
+def pytest_terminal_summary(terminalreporter, config):
+    """The worst margin of each claim, a claim being a test with all its scenes, and one verdict; with --case-file every
+    number. Before it what the fuzz tried."""
+    tried = sorted(row[1:] for row in _noted(terminalreporter, "fuzz"))
+    if tried:  # what did neither is a failure, and told as one
+        tried.append(("all", *(sum(row[i] for row in tried) for i in (1, 2, 3, 4))))
+        terminalreporter.section("fuzz")
+        _write_table(terminalreporter, ("kind", "tried", "ran", "refused", "else"), [tuple(map(str, r)) for r in tried])
+    rows = _noted(terminalreporter, _PROPERTY)
+    if rows:
+        _tell_margins(terminalreporter, rows, bool(config.own_cases))
+
+
+def _noted(terminalreporter, wanted: str) -> list[tuple]:
+    """What tests noted under that name, each with its test before it."""
+    return [
+        (report.nodeid, *value)
         for outcome in ("passed", "failed")
         for report in terminalreporter.stats.get(outcome, ())
         if getattr(report, "when", None) == "call"
         for name, value in report.user_properties
-        if name == _PROPERTY
+        if name == wanted
     ]
-    if not rows:
-        return
-    texts = [_COLUMNS] + [(*row[:4], f"{row[4]:.1e}", f"{row[5]:.0e}") for row in sorted(rows, key=lambda row: row[:4])]
-    widths = [max(len(text[i]) for text in texts) for i in range(len(_COLUMNS))]
+
+
+def _tell_margins(terminalreporter, rows: list[tuple], every: bool) -> None:
     terminalreporter.section("accuracy")
+    if every:
+        told = [(*row[1:5], f"{row[5]:.1e}", f"{row[6]:.0e}") for row in sorted(rows, key=lambda row: row[1:5])]
+        _write_table(terminalreporter, _COLUMNS, told)
+    worst: dict[str, tuple[float, int, tuple]] = {}
+    for row in rows:
+        claim = row[0].partition("[")[0].rpartition("/")[2].replace(".py::", ": ")
+        margin, count, where = worst.get(claim, (float("inf"), 0, row))
+        own = _margin(*row[5:])
+        worst[claim] = (min(own, margin), count + 1, row if not own >= margin else where)
+    else:
+        claims = sorted(worst.items(), key=lambda item: item[1][0])
+        told = [
+            (
+                claim,
+                str(count),
+                _times(margin),
+                f"{row[5]:.1e}",
+                f"{row[6]:.0e}",
+                f"{row[4]}, {row[1]}, {row[2]} {row[3]}",
+            )
+            for claim, (margin, count, row) in claims
+        ]
+        _write_table(terminalreporter, ("claim", "checks", "margin", "error", "tolerance", "where it is worst"), told)
+    broken = sum(not abs(row[5]) <= row[6] for row in rows)
+    least, (margin, _, row) = min(worst.items(), key=lambda item: item[1][0])
+    verdict = f"{broken} of {len(rows)} checks fail" if broken else f"all {len(rows)} checks are within their tolerance"
+    closest = f"the closest by {_times(margin)}" if not broken else f"worst: {row[4]} of {row[1]}"
+    terminalreporter.write_line(f"verdict: {verdict}, of {len(worst)} claims; {closest} ({least})")
+
+
+def _margin(error: float, tolerance: float) -> float:
+    """How many times the error would fit into its tolerance; 0 for what is no number."""
+    if error != error:
+        return 0.0
+    return tolerance / abs(error) if error else float("inf")
+
+
+def _times(margin: float) -> str:
+    return "exact" if margin == float("inf") else f"{margin:.3g} times"
+
+
+def _write_table(terminalreporter, head, rows) -> None:
+    texts = [head, *rows]
+    widths = [max(len(text[i]) for text in texts) for i in range(len(head))]
     for text in texts:
-        terminalreporter.write_line("  ".join(cell.ljust(width) for cell, width in zip(text, widths, strict=True)))
+        line = "  ".join(cell.ljust(width) for cell, width in zip(text, widths, strict=True))
+        terminalreporter.write_line(line.rstrip())

@@ -16,17 +16,19 @@ ALLOWED = {
 }
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
-    {"build", "compare", "compare_builds", "study", "show", "export"},
+    {"cli"},
+    {"build", "compare", "compare_builds", "comparison", "submit", "study", "show", "export", "sweep", "animate"},
     {"options"},
     {"page"},
     {"studies"},
+    {"sweeping"},
     {"drawing"},
     {"analysis"},
     {"running"},
     {"judging"},
 )
-# Two commands are entry points of `python -m cases` with the same words.
-NEIGHBOURS = {("export", "show")}
+# Commands that name one case with the same words.
+NEIGHBOURS = {("export", "show"), ("animate", "show")}
 
 
 def imported(file: Path) -> set[str]:
@@ -104,6 +106,7 @@ PARTS = {
     "narration": {"solve"},
     "errata": {"paper", "solve"},
     "certification": {"solve", "minimal", "contact_frame"},
+    "sweeping": {"certification", "solve", "minimal"},
 }
 
 
@@ -136,7 +139,7 @@ def test_the_picture_shows_every_room_in_its_order():
     for upper, lower in zip(FLOORS, FLOORS[1:], strict=False):
         assert max(map(words.index, upper)) < min(map(words.index, lower))
     folders = {path.name for path in (ROOT / "reports").iterdir() if path.is_dir()} - {"__pycache__"}
-    assert folders == set().union(*FLOORS[2:])
+    assert folders == set().union(*FLOORS[FLOORS.index({"options"}) + 1 :])
 
 
 def test_the_way_of_a_case_enters_no_room_twice_but_the_workers():

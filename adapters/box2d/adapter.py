@@ -1,8 +1,9 @@
 """box2d (Box2D 3.1 by pyb2d3): a game engine in single precision, with chains of segments and soft contacts.
 
-Route `native`, the engine's own shapes. A round plate is a circle; any other convex plate a fan of polygons, of which
-the engine allows eight corners each. A line, and a circle met from outside, are exact; every other track is a chain,
-whose inner corners the engine smooths out by itself.
+Route `native`, the engine's own shapes. A round plate is a circle; a convex plate a fan of polygons, of which the
+engine allows eight corners each; any other outline that the centre of mass sees all of, closed or open, a fan of
+triangles. A line, and a circle met from outside, are exact; every other track is a chain, whose inner corners the
+engine smooths out by itself.
 
 The step is semi-implicit Euler with the contact's direction held from the step's beginning, through all its substeps:
 so a rung shortens its steps and takes one substep each; only the engine as it comes has four. A contact is a damped
@@ -50,6 +51,7 @@ from . import shapes
 
 NAME = "box2d"
 routes = ("native",)
+KNOWN = "pyb2d3>=0.11.1"
 
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)
@@ -85,8 +87,8 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):
         return "box2d's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
-    if not facets.is_convex(outline):
-        return "box2d's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
+    if not facets.sees_all(outline):
+        return "box2d's own shapes are convex, and this outline is not all in sight of its centre: no fan makes it up."
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles alone, and this outline is none."
     return None
@@ -143,7 +145,7 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     shapes.add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
     place = scale * start.x, scale * start.y
     plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
-    shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 0))
+    shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 1))
     mass = pyb2d3.MassData()
     mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), case.plate.inertia * scale**2
     plate.mass_data = mass

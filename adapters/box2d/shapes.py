@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import atan2, cos, sin
 
 import numpy as np
 import pyb2d3
 
 from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
-from cases.shapes import as_circle
+from cases.shapes import as_circle, as_line
 
 from ..common import facets
 
@@ -29,9 +30,11 @@ def corners(case: Case, h: float | None) -> dict[str, int]:
         part = facets.stretch(case)
         way = part.top_speed * h if h else 0.0
         counts["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
-    if not facets.round_plate(case):
+    outline = case.plate.outline
+    if not facets.round_plate(case) and not as_line(outline):
         # 0.2 s over the step is where corners cost as much energy as the step itself; whole polygons of a fan.
-        counts["vertices"] = RIM * round(max(0.2 / h, MODEST) / RIM) if h else MOST_CORNERS
+        coarsest = MOST_CORNERS if facets.is_convex(outline) else MODEST
+        counts["vertices"] = RIM * round(max(0.2 / h, MODEST) / RIM) if h else coarsest
         counts["vertices"] = min(counts["vertices"], FINEST_RIM)
     return counts
 
@@ -82,11 +85,15 @@ def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, s
 
 
 def add_plate(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
-    """A circle, or a fan of polygons with `count` corners on its rim."""
+    """A circle, or a fan of polygons with `count` corners on its rim; of triangles if the outline is not convex."""
     define = pyb2d3.shape_def(material=material)
     circle = facets.round_plate(case)
     if circle:
         body.create_shape(define, pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius))
+        return
+    if not facets.is_convex(case.plate.outline):
+        for edge in pairwise(scale * facets.rim(case.plate.outline, count).T):
+            body.create_shape(define, pyb2d3.polygon(points=np.vstack([np.zeros(2), *edge])))
         return
     rim = scale * facets.polygon(case, count).T
     if count == MOST_CORNERS:

@@ -6,7 +6,6 @@ What it says of its own cost is told as its own: nobody timed it, and it is rank
 from __future__ import annotations
 
 import hashlib
-import io
 import os
 import re
 import resource
@@ -25,6 +24,8 @@ from ..common import exported
 from ..interface import EngineFailure, Setting
 from .scene import as_json, scene
 
+# With fewer, transitions lie between samples that are too far apart to extrapolate from.
+FEWEST_STEPS = 60
 # Steps (s) for a case of a few seconds, the first a game's; a longer case has as many steps.
 STEPS, USUAL_DURATION = (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
 # A motion of 100,000 samples with ten columns is some twenty megabytes.
@@ -70,7 +71,7 @@ class Engine:
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""
-        stretched, longest = max(1.0, case.duration / USUAL_DURATION), case.duration / (exported.LEAST_SAMPLES + 10)
+        stretched, longest = max(1.0, case.duration / USUAL_DURATION), case.duration / FEWEST_STEPS
         first, *others = STEPS
         steps = dict.fromkeys(min(h * stretched, longest) for h in others)
         return Setting.of(rung="defaults", h=min(first, longest)), *(Setting.of(h=h) for h in steps)
@@ -106,7 +107,7 @@ class Engine:
     def read(self, model: Model) -> Trajectory:
         """The motion; raises EngineFailure for output that is no motion of the case."""
         try:
-            table = exported.parsed(io.StringIO(model.output), self.NAME)
+            table = exported.parsed(model.output, self.NAME)
             motion = exported.trajectory_of(model.case, table)
         except CaseError as problem:
             raise EngineFailure(f"its output is no motion: {problem}") from problem

@@ -6,21 +6,26 @@ omega (m/s, rad/s), slip (m/s), normal_force and friction_force (N). What is mis
 - velocities by central differences, good to h² v''/6 where the motion is smooth and to h times the jump of the
   acceleration at a transition; with poses 1 ms apart that is about 1e-5 m/s
   and 3e-3 m/s for the disc in a circle;
-- slip from (11) at the contact point that `cases.contact.follow` finds. Its resolution is measured by what it changes
-  if every second sample is left out. Solvers that know their velocities or slip better should write them.
+- slip from (11) at the contact point that `cases.contact.follow` finds. Where velocities are differences its resolution
+  is measured by what it changes if every second sample is left out. Solvers that know better should write them.
+
+A solver whose contacts creep while they stick says how fast, as our own adapters do: a column `creep` (m/s), or a line
+`# creep = 5e-3` before the columns. Coarse samples are judged as our own ladders' are: what they miss is a row.
 """
 
 from __future__ import annotations
 
-from math import pi
+import re
+from io import StringIO
+from itertools import takewhile
+from math import isfinite, pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory
-from cases.contact import Contact, find, slip_velocity, start_motion
-from cases.errors import UnknownName
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, files
+from cases.contact import Contact, Motion, find, slip_velocity, start_motion
 from cases.nearest import nearest
 
 if TYPE_CHECKING:
@@ -32,12 +37,16 @@ LOOSE = 1e-2
 
 NEEDED = ("t", "x", "y", "theta")
 OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
+RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
+CREEP = "creep"
 
-# Fewer samples than these leave no branch long enough to extrapolate a transition from.
-LEAST_SAMPLES = 50
-# The plate's or the track's direction may turn by so much (rad) between samples: differences are then good to
-# 0.2²/6 < 1 %, and the contact point is found from the one before.
-MOST_TURN = 0.2
+# A file's size in bytes, and its samples: each is looked at by itself, a tenth of a millisecond.
+LARGEST_FILE, MOST_SAMPLES = 100 * 2**20, 200_000
+# A slope to second order takes so many samples. (Our own adapters ask for no more.)
+LEAST_SAMPLES = 3
+# By so much (rad) the plate or the track may turn between samples: from a quarter of a turn on, the contact is not
+# found from the one before, and degrees, or an angle that jumps by whole turns, look like a motion.
+MOST_TURN = 0.5 * pi
 # Relative to the largest: by how much half of a column may differ from what follows from the others. A solver's own
 # lever or half a step is less; another unit, sign or frame is more.
 OFF = 0.05
@@ -48,21 +57,24 @@ OFF = 0.05
 
 def read_table(path: str | Path) -> pd.DataFrame:
     """The known columns of the file as finite floats with growing times. Raises CaseError, in one sentence."""
-    path = Path(path)
-    if not path.is_file():
-        raise UnknownName(f"there is no file {str(path)!r}")
-    return parsed(path, path.name)
+    path = files.existing("file", path)
+    return parsed(files.text("file", path, LARGEST_FILE), path.name)
 
 
-def parsed(source: Path | TextIO, called: str) -> pd.DataFrame:
-    """The same of a file or of text; lines that begin with # are comments."""
+def parsed(text: str, called: str) -> pd.DataFrame:
+    """The same of text; lines that begin with # are comments, and may declare the creep."""
     import pandas as pd  # it takes half a second, and most who are here read no file
 
+    head = list(takewhile(lambda line: line.startswith("#"), text.splitlines()))
     try:
-        table = pd.read_csv(source, skipinitialspace=True, comment="#")
-    except (ValueError, OSError) as problem:
+        # Every cell as text: what pandas takes for a number, a date or an index is decided below.
+        table = pd.read_csv(StringIO(text), skipinitialspace=True, comment="#", header=None, dtype=str, index_col=False)
+    except (ValueError, OverflowError, RecursionError) as problem:
         raise BadValue(f"{called} cannot be read as comma-separated values: {problem}") from problem
-    table = table.rename(columns=lambda name: str(name).strip())
+    heading = ["" if cell is None else str(cell).strip() for cell in table.iloc[0].where(table.iloc[0].notna(), None)]
+    table = table.iloc[1:].reset_index(drop=True)
+    table.columns = pd.Index(heading)
+    _check_heading(called, heading)
     missing = [name for name in NEEDED if name not in table]
     if missing:
         first = ",".join(str(name) for name in table.columns)
@@ -70,19 +82,71 @@ def parsed(source: Path | TextIO, called: str) -> pd.DataFrame:
             f"{called} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
             "t, x, y, theta, separated by commas"
         )
-    table = table[[name for name in (*NEEDED, *OPTIONAL) if name in table]]
+    if len(table) > MOST_SAMPLES:
+        raise BadValue(f"{called} has {len(table)} samples; give at most {MOST_SAMPLES}")
+    again = table.duplicated().to_numpy()
+    if again.any():
+        line = int(np.argmax(again)) + 2
+        raise BadValue(f"line {line} of {called} stands there before; leave duplicated lines out")
+    table = table[[name for name in (*NEEDED, *OPTIONAL, CREEP) if name in table]]
+    declared = _declared(head)
+    if declared is not None:
+        table = table.assign(**{CREEP: declared})
     for name in table:
         numbers = pd.to_numeric(table[name], errors="coerce")
-        bad = np.flatnonzero(~np.isfinite(numbers))
+        # In flight there is no slip: an empty cell, as `Trajectory.to_csv` writes it.
+        empty = table[name].isna() if name == "slip" else False
+        bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
         if len(bad):
-            raise BadValue(f"{name} in line {bad[0] + 2} of {called} is not a finite number")
+            raise BadValue(f"{name} in line {bad[0] + 2 + len(head)} of {called} is not a finite number")
         table = table.assign(**{str(name): numbers.astype(float)})
     backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
     if len(backwards):
-        raise BadValue(f"the time in line {backwards[0] + 3} of {called} does not grow; sort the lines by t")
+        line = backwards[0] + 3 + len(head)
+        raise BadValue(f"the time in line {line} of {called} does not grow; sort the lines by t")
     if len(table) < LEAST_SAMPLES:
-        raise BadValue(f"{called} has {len(table)} samples, too coarse to judge; give at least {LEAST_SAMPLES}")
+        raise BadValue(f"{called} has {len(table)} samples, and no slope; give at least {LEAST_SAMPLES}")
     return table
+
+
+_UNITS = "(ms|us|min|h|mm|cm|km|deg|in|ft)"
+
+
+def _check_heading(file: str, heading: list[str]) -> None:
+    """Raises BadValue for a first line that leaves open what a column holds."""
+    if "" in heading:
+        number = heading.index("") + 1
+        raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
+    for name in (*NEEDED, *OPTIONAL):
+        if heading.count(name) > 1:
+            raise BadValue(f"{file} has {heading.count(name)} columns {name}; leave one")
+        # t_ms, x [mm], time (min): a unit beside a name that is known says that it is not metres or seconds.
+        other = [given for given in heading if re.fullmatch(rf"{name}[\s_(\[/]+{_UNITS}.*", given)]
+        if other and name not in heading:
+            raise BadValue(f"{file} has a column {other[0]!r}; give {name} in SI units and radians, and call it {name}")
+
+
+# A comment that declares it, such as `# creep = 5e-3` or `# creep: 0.005 m/s`.
+_DECLARED = re.compile(r"#\s*creep\s*[=:]\s*(\S+)(\s*m/s)?\s*", re.IGNORECASE)
+
+
+def _declared(head: list[str]) -> str | None:
+    """The creep that the file's head declares, as it is written there."""
+    found = [match[1] for line in head if (match := _DECLARED.fullmatch(line))]
+    return found[-1] if found else None
+
+
+def _creep(columns, declared: float) -> float:
+    """The largest creep that is declared, m/s; raises BadValue for one that is no speed."""
+    for value in (declared, *columns.get(CREEP, ())):
+        if not (isfinite(value) and value >= 0.0):
+            raise BadValue(f"the creep is {value:g}; give a speed in m/s, zero or more")
+    return float(max([declared, *columns.get(CREEP, ())]))
+
+
+def columns_of(table: pd.DataFrame) -> dict[str, np.ndarray]:
+    """The table's columns by name."""
+    return {str(name): table[name].to_numpy() for name in table}
 
 
 def check_start(case: Case, table: pd.DataFrame) -> None:
@@ -93,57 +157,78 @@ def check_start(case: Case, table: pd.DataFrame) -> None:
     if np.hypot(first["x"] - start.x, first["y"] - start.y) > LOOSE * reach:
         raise DoesNotFit(
             f"the centre of mass starts at ({first['x']:.6g}, {first['y']:.6g}), the case's at "
-            f"({start.x:.6g}, {start.y:.6g}) m; give metres, in the case's frame, of the same plate"
+            f"({start.x:.6g}, {start.y:.6g}) m; {_frame(first, start, reach)}"
         )
     turn = (first["theta"] - start.theta + pi) % (2 * pi) - pi
     if abs(turn) > LOOSE:
         raise DoesNotFit(f"theta starts at {first['theta']:.6g}, the case's at {start.theta:.6g} rad; give radians")
 
 
-def trajectory_of(case: Case, table: pd.DataFrame) -> Trajectory:
+def _frame(first: pd.Series, start: Motion, reach: float) -> str:
+    """What to change where the first centre is not the case's."""
+    for x, y, words in ((-1, 1, "x is mirrored"), (1, -1, "y is mirrored"), (-1, -1, "both axes are mirrored")):
+        if np.hypot(x * first["x"] - start.x, y * first["y"] - start.y) <= LOOSE * reach:
+            return f"{words}: give x to the right, y upwards, and theta counter-clockwise"
+    return "give metres, in the case's frame, of the same plate"
+
+
+def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajectory:
     """The table up to the case's duration as a trajectory, cut where the plate has left its track for good.
 
-    Raises CaseError, in one sentence, if the table is no motion of the case.
+    `creep` (m/s) is what the solver is said to creep while it sticks, beside what the table declares. Raises CaseError,
+    in one sentence, if the table is no motion of the case.
     """
     check_start(case, table)
     # A printed last time may be rounded up.
     table = table[table["t"] <= case.duration * (1 + 1e-9)]
     if len(table) < LEAST_SAMPLES:
         raise DoesNotFit(
-            f"the case lasts {case.duration:g} s, and within it there are {len(table)} samples, too coarse; "
+            f"the case lasts {case.duration:g} s, and within it there are {len(table)} samples; "
             f"give at least {LEAST_SAMPLES}, and t in seconds"
         )
-    columns = {str(name): table[name].to_numpy() for name in table}
+    columns = columns_of(table)
     t = columns["t"]
     turns = np.abs(np.diff(columns["theta"]))
     if turns.max() > MOST_TURN:
         raise DoesNotFit(
-            f"theta changes by {turns.max():.3g} between two samples, too coarse above {MOST_TURN} rad; "
+            f"theta changes by {turns.max():.3g} between two samples, too coarse above {MOST_TURN:.3g} rad; "
             "give more samples, and theta in radians without jumps"
         )
-    for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
+    measured = any(rate not in columns for rate, _ in RATES)
+    for rate, name in RATES:
         slope = np.gradient(columns[name], t, edge_order=2)
         given = columns.setdefault(rate, slope)
         # A kink leaves differences off at few samples; a unit, a sign or a frame leaves them off at most.
-        if np.median(np.abs(given - slope)) > OFF * np.abs(slope).max() + 1e-9:
-            raise DoesNotFit(f"{rate} is not the rate of {name}; give it in the same units and the same frame")
+        if np.median(np.abs(given - slope)) > OFF * np.abs(slope).max() + _coarse(slope) + 1e-9:
+            raise DoesNotFit(
+                f"{rate} is not the rate of {name}; give both in metres, radians and seconds, and in one frame"
+            )
     xi1, xi2, gap = followed(case, columns)
     kept, status, reason = _ending(case, columns, xi1, gap)
-    slip, resolution = _slip(case, columns, xi1), 0.0
+    slip, resolution = _slip(case, columns, xi1), _creep(columns, creep)
     # What the pose may miss the track by, its point of contact may, too: in rolling that is all there is of the slip.
     lever = LOOSE * case.plate.reach * float(np.abs(columns["omega"]).max())
     if "slip" not in columns:
         columns["slip"] = slip
-        resolution = _resolution(case, columns, xi1)
+        resolution = max(resolution, _resolution(case, columns, xi1) if measured else 0.0)
     elif np.nanquantile(np.abs(columns["slip"] - slip)[:kept], 0.5) > OFF * np.nanmax(np.abs(slip)) + lever + 1e-9:
         raise DoesNotFit(
             "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "
             "give it so, in m/s, or leave it out"
         )
-    columns["slip"] = np.where(np.isnan(xi1), slip, columns["slip"])
+    untold = np.isnan(xi1) | np.isnan(columns["slip"])
+    columns["slip"] = np.where(untold, slip, columns["slip"])
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
     return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)
+
+
+def _coarse(slope: np.ndarray) -> float:
+    """How much a rate changes from one sample to the next, in the mean: what differences cannot tell."""
+    return float(np.mean(np.abs(np.diff(slope))))
+
+
+# --- the contact ------------------------------------------------------------------------------------------------------
 
 
 def followed(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -203,7 +288,9 @@ def _slip(case: Case, columns, xi1: np.ndarray) -> np.ndarray:
 def _resolution(case: Case, columns, xi1: np.ndarray) -> float:
     """What slip changes if every second sample is left out, over three (the error falls with h²): 95 % stay below."""
     half = {name: columns[name][::2] for name in ("x", "y", "theta")}
-    for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
+    if len(half["x"]) < LEAST_SAMPLES:
+        return 0.0
+    for rate, name in RATES:
         half[rate] = np.gradient(half[name], columns["t"][::2], edge_order=2)
     change = np.abs(_slip(case, half, xi1[::2]) - columns["slip"][::2])
     return float(np.quantile(change[np.isfinite(change)], 0.95) / 3) if np.isfinite(change).any() else 0.0

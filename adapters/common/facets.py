@@ -128,27 +128,44 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
 
 def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:
     """Corners, shape (2, count + 1), of `count` equally long facets along the stretch, `behind` (m) the track: facets
-    of that radius touch it.
+    of that radius touch it."""
+    part = stretch(case)
+    return _facets(case.track, part.low, part.high, count, behind)
 
-    They lie outside a bend by κ L²/12, the mean of the sagitta, so that the chain's mean distance is right.
+
+def rim(outline: Curve, count: int, inside: float = 0.0) -> np.ndarray:
+    """Corners, shape (2, count + 1), of `count` equally long facets along an outline of any shape, closed or open,
+    `inside` (m) the outline: facets of that radius touch it."""
+    return _facets(outline, *outline.span, count, -inside)
+
+
+def _facets(curve: Curve, low: float, high: float, count: int, behind: float) -> np.ndarray:
+    """Corners of equally long facets, to the right of the curve by `behind` (m).
+
+    They lie outside a bend by κ L²/12, the mean of the sagitta, so that the facets' mean distance is right.
     """
-    part, track = stretch(case), case.track
-    fine = np.linspace(part.low, part.high, max(4 * count, 4000) + 1)
-    speed = track.speed(fine)
-    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
-    s = np.interp(np.linspace(0.0, run[-1], count + 1), run, fine)
-    outside = track.curvature(s) * (part.length / count) ** 2 / 12
-    return track.point(s) - (behind + outside) * track.normal(s)
+    s, length = _even(curve, low, high, count)
+    outside = curve.curvature(s) * (length / count) ** 2 / 12
+    return curve.point(s) - (behind + outside) * curve.normal(s)
+
+
+def _even(curve: Curve, low: float, high: float, count: int) -> tuple[np.ndarray, float]:
+    """Parameters at equal distances along a curve, and its length (m)."""
+    fine = np.linspace(low, high, max(4 * count, 4000) + 1)
+    speed = curve.speed(fine)
+    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
+    return np.interp(np.linspace(0.0, run[-1], count + 1), run, fine), float(run[-1])
 
 
 def polygon(case: Case, count: int) -> np.ndarray:
-    """Corners, shape (2, count), at equal turns of the outline's tangent, blown up to the area of the outline.
+    """Corners, shape (2, count), at equal turns of a convex outline's tangent, blown up to the area of the outline.
 
     Equal turns put the corners where the outline bends most, so that every corner costs the same.
     """
     outline = case.plate.outline
     s = np.linspace(*outline.span, 64 * 721)
-    angle = outline.tangent_angle(s)
+    # Where the outline is straight for a while rounding turns the tangent to and fro.
+    angle = np.maximum.accumulate(outline.tangent_angle(s))
     corners = outline.point(np.interp(angle[0] + 2 * pi * np.arange(count) / count, angle, s))
     return np.sqrt(_area(*outline.point(s[:-1])) / _area(*corners)) * corners
 
@@ -157,9 +174,20 @@ def _area(x: np.ndarray, y: np.ndarray) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
+# What rounding makes of a curvature of zero, as a part of the outline's sharpest.
+_FLAT = 1e-9
+
+
 def is_convex(outline: Curve) -> bool:
-    """Whether the outline is closed and bends one way everywhere: what a polygon of an engine's can be."""
-    return bool(outline.period) and bool(np.all(outline.curvature(np.linspace(*outline.span, 721)) > 0.0))
+    """Whether the outline is closed and nowhere bends inwards: what a polygon of an engine's can be."""
+    bend = outline.curvature(np.linspace(*outline.span, 721))
+    return bool(outline.period) and bool(bend.min() >= -_FLAT * bend.max())
+
+
+def sees_all(outline: Curve) -> bool:
+    """Whether every point of the outline is in sight of the centre of mass: what a fan of triangles can be."""
+    s = np.linspace(*outline.span, 721)
+    return bool(np.all(np.sum(outline.point(s) * outline.normal(s), axis=0) < 0.0))
 
 
 def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
@@ -169,8 +197,13 @@ def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
         part = stretch(case)
         bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()
         off += float(bend) * (part.length / facets) ** 2 / 8
-    if vertices:
-        bend = case.plate.outline.curvature(np.linspace(*case.plate.outline.span, 721)).min()
-        # Corners at equal turns: the longest facet is where the outline bends least.
-        off += (2 * pi / vertices) ** 2 / (8 * float(bend))
+    if vertices and is_convex(case.plate.outline):
+        # A chord of length L over a turn of δ stands off by L δ/8.
+        corners = polygon(case, vertices)
+        longest = float(np.hypot(*(np.roll(corners, -1, axis=1) - corners)).max())
+        off += longest * (2 * pi / vertices) / 8
+    elif vertices:
+        outline = case.plate.outline
+        s, length = _even(outline, *outline.span, vertices)
+        off += float(np.abs(outline.curvature(s)).max()) * (length / vertices) ** 2 / 8
     return off

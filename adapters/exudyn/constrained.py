@@ -13,12 +13,12 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, CoulombFriction, Flight, PerfectlyRough, Unilateral
-from cases.contact import follow, slip_velocity
+from cases.contact import follow, slip_velocity, start_motion
 from cases.shapes import as_circle, as_line
 
 from ..common.follow import BEYOND
 from ..interface import Setting
-from .system import Contact, Stored, System, applied, disc_body, ground, node_sensors
+from .system import Contact, Stored, System, applied, disc_body, disc_circle, ground, node_sensors
 
 
 def suits(case: Case) -> bool:
@@ -40,10 +40,9 @@ def build(case: Case, setting: Setting) -> System:
     """The disc with its constraint; a unilateral contact is cut by the reader where the joint would have to pull."""
     container = exu.SystemContainer()
     system = container.AddSystem()
-    node, disc = disc_body(case, system)
+    node, disc = disc_body(case, start_motion(case), system)
     line, circle = as_line(case.track), as_circle(case.track)
-    radius = case.plate.radius
-    assert radius is not None, "refuses() lets discs alone pass"
+    radius = disc_circle(case).radius
     if line:
         # Tangential along the axis, tangential along the track, normal.
         axes = [0, 1, 1] if case.effect(PerfectlyRough) else [0, 0, 1]

@@ -10,6 +10,13 @@ MEANINGS = (
         CoulombFriction,
         "dynamicFriction of the contact; frictionProportionalZone (m/s)",
         "Coulomb's, regularised: below the zone's slip velocity friction grows in proportion, so what sticks creeps",
+        routes=("native",),
+    ),
+    Meaning(
+        CoulombFriction,
+        "none: the law handed over is this suite's",
+        "of the same form, in Python: only its integration is the engine's",
+        routes=("integrator",),
     ),
     Meaning(PerfectlyRough, "a constraint on lines (ObjectJointRollingDisc), else friction without bound", "no slip"),
     Meaning(
@@ -19,6 +26,6 @@ MEANINGS = (
         "velocities",
         routes=("native",),
     ),
-    Meaning(Impact, "none: the law handed over has a damper", "refused", routes=("assisted",)),
+    Meaning(Impact, "none: the law handed over has a damper", "refused", routes=("integrator",)),
     Meaning(RollingResistance, "none", "refused"),
 )

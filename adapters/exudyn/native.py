@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import hypot
+from math import cos, hypot, sin
+from typing import Any
 
 import exudyn as exu
 import exudyn.itemInterface as item
@@ -13,6 +14,7 @@ from cases import Case, Gravity, Impact, Load, Unilateral
 from cases.contact import start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
+from ..common.facets import round_plate
 from ..common.follow import BEYOND, Follower
 from ..interface import Setting
 from . import constrained
@@ -23,9 +25,11 @@ from .system import (
     critical_damping,
     cut_steps,
     disc_body,
+    disc_circle,
     friction_coefficient,
     ground,
     node_sensors,
+    settled_start,
 )
 
 # An impact slower than this (m/s) is damped as if it were as fast: contact that lasts comes to rest.
@@ -34,8 +38,8 @@ SLOWEST_IMPACT = 1e-2
 
 def refuses(case: Case) -> str | None:
     """Why no object of the engine models the case's shapes, in one sentence, or None."""
-    if case.plate.radius is None:
-        return "Exudyn has smooth rolling contact for discs alone, and this outline is no circle about its centre."
+    if round_plate(case) is None:
+        return "Exudyn has smooth rolling contact for discs alone, and this outline is no circle."
     if as_line(case.track) is None and as_circle(case.track) is None:
         return "Exudyn has smooth rolling contact on straight lines and circles alone, and this track is neither."
     if constrained.suits(case):
@@ -49,11 +53,13 @@ def build(case: Case, setting: Setting) -> System:
     """A disc in the plane, its gravity, and the contact object that fits the track."""
     container = exu.SystemContainer()
     system = container.AddSystem()
-    node, disc = disc_body(case, system)
     line, circle = as_line(case.track), as_circle(case.track)
+    # On a line friction acts on the track; on a circle in the middle of the overlap.
+    start = settled_start(case, setting, depth=1.0 if line else 0.5)
+    node, disc = disc_body(case, start, system)
     if line:
         number, contact = _on_line(case, setting, system, disc, line)
-        slip = _slip_on_line(system, line)
+        slip = _slip_on_line(case, system, line)
     else:
         assert circle is not None, "refuses() lets lines and circles alone pass"
         number, contact = _on_circle(case, setting, system, disc, circle)
@@ -62,29 +68,31 @@ def build(case: Case, setting: Setting) -> System:
         item.SensorObject(objectNumber=number, outputVariableType=exu.OutputVariableType.Force, storeInternal=True)
     )
     motion = node_sensors(system, node)
-    cut_steps(case, setting, system, slip)
+    state = system.systemData.GetDataCoordinates
+    cut_steps(case, setting, system, slip, speed=lambda: state()[1])
     system.Assemble()
     return System(container, system, motion, force, contact)
 
 
-def _slip_on_line(system, line: Line) -> Callable[[], float]:
-    """The slip velocity (m/s) at the end of a step. Plain numbers: it is asked for in every step."""
-    state, (tx, ty), (px, py) = system.systemData, line.direction.tolist(), line.point.tolist()
+def _slip_on_line(case: Case, system, line: Line) -> Callable[[Any], float]:
+    """The slip velocity (m/s) where a step begins or ends. Plain numbers: it is asked for in every iteration."""
+    (tx, ty), (px, py) = line.direction.tolist(), line.point.tolist()
+    centre_of = _centre_of(case, system)
 
-    def slip() -> float:
-        (x, y, _), (vx, vy, omega) = state.GetODE2Coordinates(), state.GetODE2Coordinates_t()
+    def slip(configuration) -> float:
+        x, y, vx, vy, omega = centre_of(configuration)
         return vx * tx + vy * ty + omega * ((y - py) * tx - (x - px) * ty)
 
     return slip
 
 
-def _slip_on_circle(case: Case, system, circle: Circle) -> Callable[[], float]:
+def _slip_on_circle(case: Case, system, circle: Circle) -> Callable[[Any], float]:
     """The same; friction acts in the middle of the overlap, between the two radii."""
-    state, (cx, cy), side = system.systemData, circle.centre.tolist(), -1.0 if circle.left else 1.0
-    radius = _radius(case)
+    (cx, cy), side = circle.centre.tolist(), -1.0 if circle.left else 1.0
+    radius, centre_of = disc_circle(case).radius, _centre_of(case, system)
 
-    def slip() -> float:
-        (x, y, _), (vx, vy, omega) = state.GetODE2Coordinates(), state.GetODE2Coordinates_t()
+    def slip(configuration) -> float:
+        x, y, vx, vy, omega = centre_of(configuration)
         away = hypot(x - cx, y - cy)
         nx, ny = side * (x - cx) / away, side * (y - cy) / away
         return vx * ny - vy * nx + omega * 0.5 * (radius + side * (away - circle.radius))
@@ -92,8 +100,25 @@ def _slip_on_circle(case: Case, system, circle: Circle) -> Callable[[], float]:
     return slip
 
 
+def _centre_of(case: Case, system) -> Callable[[Any], tuple[float, float, float, float, float]]:
+    """Place and velocity of the middle of the plate's circle, and its spin, in a configuration of the step."""
+    poses, velocities = system.systemData.GetODE2Coordinates, system.systemData.GetODE2Coordinates_t
+    dx, dy = disc_circle(case).centre.tolist()
+
+    def centred(configuration) -> tuple[float, float, float, float, float]:
+        (x, y, _), (vx, vy, omega) = poses(configuration).tolist(), velocities(configuration).tolist()
+        return x, y, vx, vy, omega
+
+    def off_centre(configuration) -> tuple[float, float, float, float, float]:
+        (x, y, theta), (vx, vy, omega) = poses(configuration).tolist(), velocities(configuration).tolist()
+        ax, ay = dx * cos(theta) - dy * sin(theta), dx * sin(theta) + dy * cos(theta)
+        return x + ax, y + ay, vx - omega * ay, vy + omega * ax, omega
+
+    return centred if case.plate.radius is not None else off_centre
+
+
 def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
-    radius = _radius(case)
+    radius = disc_circle(case).radius
     number = system.AddObject(
         item.ObjectContactSphereSphere(
             markerNumbers=[disc, ground(system, circle.centre)],
@@ -104,19 +129,20 @@ def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
     )
 
     def contact(stored: Stored) -> Contact:
-        away = stored.pose[:, :2] - circle.centre
+        centre, velocity = _of_disc(case, stored)
+        away = centre - circle.centre
         distance = np.hypot(away[:, 0], away[:, 1])
         side = -1.0 if circle.left else 1.0
         gap = side * (distance - circle.radius) - radius
         # The engine's friction acts in the middle of the overlap; the nominal radius would bias the slip.
         normal, arm = side * away / distance[:, None], radius + 0.5 * gap
-        return _read(case, stored, normal, gap, arm)
+        return _read(case, stored, velocity, normal, gap, arm)
 
     return number, contact
 
 
 def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
-    radius = _radius(case)
+    radius = disc_circle(case).radius
     normal = np.array([-line.direction[1], line.direction[0]])
     number = system.AddObject(
         item.ObjectContactSphereTriangle(
@@ -129,16 +155,22 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
     )
 
     def contact(stored: Stored) -> Contact:
-        gap = (stored.pose[:, :2] - line.point) @ normal - radius
+        centre, velocity = _of_disc(case, stored)
+        gap = (centre - line.point) @ normal - radius
         # The engine's friction acts on the triangle's plane.
-        return _read(case, stored, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
+        return _read(case, stored, velocity, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
 
     return number, contact
 
 
 def _contact_law(case: Case, setting: Setting, system) -> dict:
     """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
-    data = item.NodeGenericData(initialCoordinates=[0.0] * 4, numberOfDataCoordinates=4)
+    # Told of no gap it would let the plate fall for a step before it presses; told of no slip, friction would begin on
+    # the steep branch of its law, with a thousand times its bound.
+    touching, settled = start_motion(case), settled_start(case, setting, depth=0.0)
+    gap = -hypot(settled.x - touching.x, settled.y - touching.y)
+    slip = hypot(settled.vx - touching.vx, settled.vy - touching.vy) or abs(touching.slip) if gap else 0.0
+    data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
     impact = case.effect(Impact)
     law: dict = dict(contactDamping=critical_damping(case, setting))
     if impact and impact.restitution > 0.0:
@@ -153,11 +185,20 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     )
 
 
-def _read(case: Case, stored: Stored, normal, gap, arm) -> Contact:
-    """Slip and forces along the track's tangent and normal; `arm`: from the disc's centre to where friction acts."""
-    _, pose, velocity, force = stored
+def _of_disc(case: Case, stored: Stored) -> tuple[np.ndarray, np.ndarray]:
+    """Place (m) and velocity (m/s) of the middle of the plate's circle along a run, each of shape (n, 2)."""
+    (dx, dy), theta, omega = disc_circle(case).centre, stored.pose[:, 2], stored.velocity[:, 2]
+    ax, ay = dx * np.cos(theta) - dy * np.sin(theta), dx * np.sin(theta) + dy * np.cos(theta)
+    spun = np.column_stack([-omega * ay, omega * ax])
+    return stored.pose[:, :2] + np.column_stack([ax, ay]), stored.velocity[:, :2] + spun
+
+
+def _read(case: Case, stored: Stored, velocity, normal, gap, arm) -> Contact:
+    """Slip and forces along the track's tangent and normal, from the velocity of the middle of the disc; `arm`: from
+    there to where friction acts."""
+    pose, force = stored.pose, stored.force
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
-    slip = np.sum(velocity[:, :2] * tangent, axis=1) + velocity[:, 2] * arm
+    slip = np.sum(velocity * tangent, axis=1) + stored.velocity[:, 2] * arm
     normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
     follower, found, lost = Follower(case), [], None
     try:
@@ -175,12 +216,7 @@ def _ground_triangle(case: Case, line: Line) -> list[list[float]]:
     start, gravity = start_motion(case), case.effect(Gravity)
     fall = 0.5 * gravity.g * case.duration**2 if gravity else 0.0
     # How far a load may take it is not known; a hundred times as far still has its place to twelve digits.
-    known = 2.0 * (_radius(case) + hypot(start.vx, start.vy) * case.duration + fall)
+    known = 2.0 * (case.plate.reach + hypot(start.vx, start.vy) * case.duration + fall)
     reach = 100.0 * known if case.effect(Load) else known
     (x, y), (along_x, along_y) = case.track.point(start.xi1), reach * line.direction
     return [[x - along_x, y - along_y, -reach], [x + along_x, y + along_y, -reach], [x, y, 2.0 * reach]]
-
-
-def _radius(case: Case) -> float:
-    assert case.plate.radius is not None, "refuses() lets discs alone pass"
-    return case.plate.radius

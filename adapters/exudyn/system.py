@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import sqrt
+from math import copysign, isnan, sqrt
 from typing import Any, NamedTuple
 
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, CoulombFriction, Gravity, Load
-from cases.contact import start_motion
+from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
+from cases.contact import Motion, start_motion
+from cases.mechanics import gravity as gravity_of
+from cases.shapes import Circle
 
+from ..common.facets import round_plate
 from ..interface import Setting
 
 
@@ -66,16 +69,96 @@ def node_sensors(system, node: int) -> tuple[int, int]:
     return pose, velocity
 
 
-def disc_body(case: Case, system) -> tuple[int, int]:
-    """The plate as a rigid body in the plane at the case's start, with gravity and load: its node and its marker."""
-    start, plate, gravity, load = start_motion(case), case.plate, case.effect(Gravity), case.effect(Load)
+def disc_circle(case: Case) -> Circle:
+    """The circle of a plate that is known to have one."""
+    circle = round_plate(case)
+    assert circle is not None, "refuses() lets discs alone pass"
+    return circle
+
+
+def settled_start(case: Case, setting: Setting, depth: float = 1.0) -> Motion:
+    """The case's start as the contact's law has it: deeper in the track by its deflection under the first normal force,
+    and with the creep of the first friction.
+
+    A plate that is set down without them falls onto the contact's spring, presses with many times its weight or with
+    nothing for some steps, and its friction rings. Friction acts where `depth` of the deflection is passed, on a lever
+    that is as much shorter: the centre's velocity makes up for it, so that what rolls does not begin with slip.
+    """
+    start, k = start_motion(case), setting.get("k")
+    # The engine as it comes is set down by hand.
+    if not k or setting.is_default or isnan(start.xi1_dot):
+        return start
+    force, creep = first_force(case, start, setting["vreg"])
+    sunk = force / k
+    (tx, ty), (nx, ny) = case.track.tangent(start.xi1).tolist(), case.track.normal(start.xi1).tolist()
+    along = start.omega * depth * sunk + creep
+    return start._replace(
+        x=start.x - nx * sunk, y=start.y - ny * sunk, vx=start.vx + tx * along, vy=start.vy + ty * along
+    )
+
+
+def first_force(case: Case, start: Motion, vreg: float) -> tuple[float, float]:
+    """The normal force (N) at the start, and the slip velocity (m/s) at which the law gives the friction of then.
+
+    As for any joint they follow from the motion: the plate's point of contact keeps to the track and, if it sticks,
+    does not slip. With the place c of the contact, its way s along the track, and the lever ρ from the centre of mass
+    to c, the derivatives of its velocity v + ω × ρ along normal and tangent give
+
+        n·(a + α × ρ + ω × (ċ − v)) = κ ṡ v_t    and, in stick,    t·(a + α × ρ + ω × (ċ − v)) = 0
+
+    Zero for a contact that would have to pull, and where rigid friction has no one answer (Painlevé).
+    """
+    plate, load = case.plate, case.effect(Load)
+    (tx, ty), (nx, ny) = case.track.tangent(start.xi1).tolist(), case.track.normal(start.xi1).tolist()
+    along = float(case.track.speed(start.xi1)) * start.xi1_dot
+    px, py = (case.track.point(start.xi1) - (start.x, start.y)).tolist()
+    fx, fy = (plate.mass * gravity_of(case)).tolist()
+    moment = 0.0
+    if load:
+        lx, ly, moment = load.at(0.0, start.x, start.y, start.theta, start.vx, start.vy, start.omega)
+        fx, fy = fx + lx, fy + ly
+    lever_n, lever_t = px * ny - py * nx, px * ty - py * tx
+    turned_x, turned_y = -start.omega * (along * ty - start.vy), start.omega * (along * tx - start.vx)
+    bent = float(case.track.curvature(start.xi1)) * along * start.slip
+    normal_free = (nx * fx + ny * fy) / plate.mass + lever_n * moment / plate.inertia
+    normal_free += nx * turned_x + ny * turned_y - bent
+    tangent_free = (tx * fx + ty * fy) / plate.mass + lever_t * moment / plate.inertia
+    tangent_free += tx * turned_x + ty * turned_y
+    normal_ease, tangent_ease = (1.0 / plate.mass + lever**2 / plate.inertia for lever in (lever_n, lever_t))
+    crossed = lever_n * lever_t / plate.inertia
+
+    def pressed(friction: float) -> float:
+        """The normal force if friction is so many times as large."""
+        ease = normal_ease + friction * crossed
+        return -normal_free / ease if ease > 0.0 else 0.0
+
+    rough, mu = case.effect(PerfectlyRough) is not None, friction_coefficient(case)
+    if not rough and (mu == 0.0 or abs(start.slip) > vreg):
+        force, share = pressed(-mu * copysign(1.0, start.slip)), 0.0
+    else:
+        force = (crossed * tangent_free - tangent_ease * normal_free) / (normal_ease * tangent_ease - crossed**2)
+        friction = -(tangent_free + crossed * force) / tangent_ease
+        bound = rough_friction(case) if rough else mu * abs(force)
+        share = -friction / bound if bound > 0.0 else 0.0
+        if not rough and abs(share) > 1.0:
+            share = copysign(1.0, share)
+            force = pressed(-mu * share)
+    if case.effect(Unilateral) and force <= NOTHING * plate.mass * scales(case)[1]:
+        return 0.0, 0.0
+    return force, share * vreg
+
+
+def disc_body(case: Case, start: Motion, system) -> tuple[int, int]:
+    """The plate as a rigid body in the plane at a start, with gravity and load: its node, and a marker at the centre of
+    its circle, which need not be the centre of mass."""
+    plate, gravity, load, circle = case.plate, case.effect(Gravity), case.effect(Load), disc_circle(case)
     node = system.AddNode(
         item.NodeRigidBody2D(
             initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
         )
     )
     body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, mass=plate.mass, inertia=plate.inertia))
-    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[*circle.centre.tolist(), 0.0]))
     if gravity:
         pull = [*gravity.vector, 0.0]
         mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
@@ -92,8 +175,9 @@ def disc_body(case: Case, system) -> tuple[int, int]:
         def moment(system, time, _vector) -> list[float]:
             return [0.0, 0.0, now(system, time)[2]]
 
-        system.AddLoad(item.LoadForceVector(markerNumber=disc, loadVectorUserFunction=force))  # type: ignore[arg-type]
-        system.AddLoad(item.LoadTorqueVector(markerNumber=disc, loadVectorUserFunction=moment))  # type: ignore[arg-type]
+        pulled = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+        system.AddLoad(item.LoadForceVector(markerNumber=pulled, loadVectorUserFunction=force))  # type: ignore[arg-type]
+        system.AddLoad(item.LoadTorqueVector(markerNumber=pulled, loadVectorUserFunction=moment))  # type: ignore[arg-type]
     return node, disc
 
 
@@ -114,32 +198,49 @@ def applied(case: Case, stored: Stored) -> np.ndarray:
     return force
 
 
-def cut_steps(case: Case, setting: Setting, system, slip: Callable[[], float]) -> None:
+# A part of the weight that is but rounding, as the force of a release on a vertical wall is.
+NOTHING = 1e-9
+# Friction and gravity change the slip at some gravities times 1 + mu; so many are beyond every plate here.
+MOST_GRAVITIES = 20.0
+
+
+def cut_steps(
+    case: Case, setting: Setting, system, slip: Callable[[Any], float], speed: Callable[[], float] | None = None
+) -> None:
     """With `cut` in the setting: a step in which the slip changes its sign is made again, smaller.
 
     Friction flips within such a step, and the trapezoidal rule gives either side half of the step wherever the crossing
     lies: what should stick then slips backward, by up to h/2 of the acceleration, and where the cone is nearly used up
     it takes many steps to come to rest. The engine lets a user's function ask for another step size, as its contacts do
-    where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the end of the step
-    as `slip()` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks anyway.
+    where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the beginning and
+    the end of the step as `slip` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks
+    anyway. `speed` tells the size of the slip at less cost, if the engine knows it: what is too fast to be stopped
+    within a step is not looked at any further. (An impact may stop anything; a case that has one does without.)
     """
     if "cut" not in setting:
         return
     smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
-    begun = ended = case.start.slip
-    step_begins, time_of, now = 0.0, system.systemData.GetTime, exu.ConfigurationType.StartOfStep
+    time_of, begin, end = system.systemData.GetTime, exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current
+    sign, stands = copysign(1.0, case.start.slip), [0.0, -1.0]
+    fast = MOST_GRAVITIES * (1.0 + friction_coefficient(case)) * scales(case)[1] * setting["h"]
+    speed = None if case.effect(Flight) else speed
 
     def ask(_system, time: float) -> list[float]:
         """[error, step to make it again with], or [0, −1] if it may stand."""
-        nonlocal begun, ended, step_begins
-        begins = time_of(now)
-        if begins != step_begins:
-            step_begins, begun = begins, ended
-        ended = slip()
-        if begun * ended >= 0.0 or abs(ended) <= vreg or time - begins <= smallest:
-            return [0.0, -1.0]
+        nonlocal sign
+        # It is called in every iteration: nearly always it does no more than this.
+        if speed and speed() > fast:
+            return stands
+        ended = slip(end)
+        if ended * sign >= 0.0 or abs(ended) <= vreg:
+            return stands
+        begun, step = slip(begin), time - time_of(begin)
+        sign = copysign(1.0, ended)
+        if begun * ended >= 0.0 or step <= smallest:
+            return stands
+        sign = copysign(1.0, begun)
         # Any error above the solver's tolerance of 1 makes it listen.
-        return [10.0, max((time - begins) * abs(begun) / (abs(begun) + abs(ended)), smallest)]
+        return [10.0, max(step * abs(begun) / (abs(begun) + abs(ended)), smallest)]
 
     system.SetPostNewtonUserFunction(ask)
 

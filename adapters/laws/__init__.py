@@ -11,10 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from .mechanics import LAWS, SCENES, Law, mirrored, turned
+from . import effects, mechanics
+from .mechanics import SCENES, Law, mirrored, turned
 from .runs import Refused, Route, Run, hold
 
 __all__ = ["LAWS", "SCENES", "Law", "Refused", "Route", "Run", "Verdict", "hold", "judge", "mirrored", "turned"]
+
+
+LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS}
 
 
 class Verdict(NamedTuple):

@@ -15,7 +15,7 @@ from math import atan, cos, pi, sin
 import numpy as np
 
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
-from cases.contact import pose, start_motion
+from cases.contact import follow, pose, slip_velocity, start_motion
 from cases.mechanics import energy, energy_growth
 
 from .runs import G, Refused, Route, Run, hold
@@ -23,6 +23,9 @@ from .runs import G, Refused, Route, Run, hold
 # --- scenes ----------------------------------------------------------------------------------------------------------
 
 CIRCLE = Curve(lambda s: (1.0 * curves.cos(s), 1.0 * curves.sin(s)))
+
+
+VALLEY = Curve(lambda s: (s, -0.3 * curves.cos(2 * s)), domain=(-3.0, 3.0))
 
 
 def _let_go(plate: Plate, start: Start, mu: float | None = 0.1) -> Case:
@@ -37,9 +40,13 @@ def _elliptic_plate() -> Plate:
 
 # A disc and a plate that is none, let go on the wall of a circle. An inertia of its own keeps the disc from hiding a
 # solver that assumes ½ m r².
+# In the valley the curvature changes: a solver that bends its tracks to circles is found there.
 SCENES = {
     "disc in a circle": _let_go(disc(0.1, 2.0, inertia=0.012), Start(-2.6, slip=0.3, omega=1.0)),
     "ellipse in a circle": _let_go(_elliptic_plate(), Start(-2.6, xi2=-1.2, slip=0.3)),
+    "disc in a valley": replace(
+        _let_go(disc(0.1, 2.0, inertia=0.012), Start(-0.9, slip=0.3, omega=1.0)), track=VALLEY, duration=0.8
+    ),
 }
 
 
@@ -197,6 +204,18 @@ def turned_frame(route: Route, scene: Case) -> None:
     _hold_same_motion("turned frame", here, a, back)
 
 
+def on_its_track(route: Route, scene: Case) -> None:
+    """The plate touches the track that it was given, at the parameters that are told, with the slip that is told."""
+    run = route.run(scene)
+    motion, reach = run.motion, scene.plate.reach
+    gap = follow(scene, motion.x, motion.y, motion.theta)[2]
+    # What a step of travel, the corners' sagitta, and the overlap that engines leave alone make of a distance.
+    allowed = run.kick * run.step + reach * run.corners**2 / 8 + 1e-3 * reach
+    hold("on its track", "the gap", gap, allowed)
+    slip = slip_velocity(scene, motion.x, motion.y, motion.vx, motion.vy, motion.omega, motion.xi1)
+    hold("on its track", "the slip", motion.slip - slip, run.kick * _ease(scene.plate) + run.tilt * run.speed)
+
+
 def momentum_balance(route: Route, scene: Case) -> None:
     """m v and J ω grow by what the reported forces and gravity sum up to: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
     from scipy.integrate import cumulative_trapezoid  # slow to import
@@ -281,14 +300,11 @@ def _swing(run: Run) -> float:
 
 
 def _common(here: Run, there: Run) -> tuple[Trajectory, Trajectory]:
-    """Both motions up to the end of the shorter."""
-    count = min(len(here.motion.t), len(there.motion.t))
-    return _cut(here.motion, count), _cut(there.motion, count)
-
-
-def _cut(motion: Trajectory, count: int) -> Trajectory:
-    names = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force", "xi1", "xi2")
-    return replace(motion, dense=None, **{name: getattr(motion, name)[:count] for name in names})
+    """Both motions at the times of the first, up to the end of the shorter: an engine that chooses its steps may choose
+    others in another frame, by a rounding."""
+    a, b = here.motion, there.motion
+    times = a.t[a.t <= b.t[-1] + 1e-9]
+    return tuple(replace(each, dense=None, t=times, **each(times)._asdict()) for each in (a, b))  # type: ignore[return-value]
 
 
 def _hold_same_motion(law: str, run: Run, a: Trajectory, b: Trajectory) -> None:
@@ -319,6 +335,7 @@ LAWS: dict[str, Law] = {
     "no_friction_no_spin": no_friction_no_spin,
     "lift_off": lift_off,
     "free_fall": free_fall,
+    **_everywhere(on_its_track),
     **_everywhere(cone),
     **_everywhere(friction_opposes_slip),
     **_everywhere(energy_kept),

@@ -23,7 +23,7 @@ import numpy as np
 from cases import Case, NotSupported, Trajectory
 from cases.mechanics import gravity
 
-from ..interface import Setting
+from ..interface import Setting, other_laws
 
 G = 9.81
 # The finest rung is what an engine's own tests look at; the one before costs half and every tolerance follows it.
@@ -112,6 +112,9 @@ def _run(adapter, route: str, case: Case) -> Run:
     refusal = adapter.refuses(case, route)
     if refusal:
         raise Refused(refusal)
+    declared = other_laws(adapter, case, route)
+    if declared:
+        raise Refused("; ".join(declared))
     ladder = adapter.ladder(case, route)
     setting = [rung for rung in ladder if rung.get("vertices", 0) <= MOST_VERTICES][RUNG]
     model = adapter.build(case, route, setting)

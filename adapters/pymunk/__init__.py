@@ -1,6 +1,9 @@
 """pymunk's adapter; `adapters.pymunk.adapter` says what it does."""
 
-from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, stripped, version
+from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, stripped, version, wide_grid
 from .meanings import MEANINGS
 
-__all__ = ["MEANINGS", "NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version"]
+__all__ = [
+    "MEANINGS", "NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version",
+    "wide_grid",
+]  # fmt: skip

@@ -27,10 +27,12 @@ from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import Drive
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version"]
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version", "wide_grid"]
 
 NAME = "pymunk"
 routes = ("native", "assisted")
+# Tried: 6.11.1 natively, 7.2 and 7.3 by both routes.
+KNOWN = "pymunk>=6.11"
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
@@ -43,6 +45,8 @@ def version() -> str:
 
 def refuses(case: Case, route: str) -> str | None:
     """Why pymunk cannot model the case by that route, in one sentence, or None."""
+    if route == "assisted" and not hasattr(pymunk.Space, "on_collision"):
+        return f"This route needs the callbacks of pymunk 7 (Space.on_collision); here is {pymunk.version}."
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if strange:
         return f"pymunk has nothing for {' and '.join(strange)}."
@@ -58,9 +62,6 @@ def refuses(case: Case, route: str) -> str | None:
 def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
-    outline = case.plate.outline
-    if not facets.is_convex(outline):
-        return "pymunk's own shapes are circles and convex polygons, and this outline is neither closed nor convex."
     endless = not case.track.period and not case.track.domain
     if case.effect(Load) and endless and facets.track_kind(case) == "chain":
         return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
@@ -109,6 +110,16 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
     if route == "assisted":
         return tuple(Setting.of(h=h, iterations=n) for h in GRID_STEPS for n in (1, 2, 5, 10))
     return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
+
+
+def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """Every step of the ladder but the finest with shapes for four times, one time and a quarter of the step."""
+    if route == "assisted":
+        return grid(case, route)
+    rungs = ladder(case, route)[1:-1]
+    return tuple(
+        rung.but(**native.shape_knobs(case, rung["h"] * share)) for rung in rungs for share in (4.0, 1.0, 0.25)
+    )
 
 
 # --- build, run, read -------------------------------------------------------------------------------------------------

@@ -1,19 +1,23 @@
-"""Scenes out of pymunk's own shapes: a disc or a polygon on a segment, on a circle, or on a chain of segments."""
+"""Scenes out of pymunk's own shapes on a segment, on a circle, or on a chain of segments.
+
+The plate is a circle, or a polygon if its outline is closed and nowhere bends inwards. Any other is as many segments as
+its outline has facets: one for a straight edge.
+"""
 
 from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Impact, NotSupported, PerfectlyRough
+from cases import Case, CoulombFriction, Curve, Impact, NotSupported, PerfectlyRough
 from cases.mechanics import gravity
 from cases.shapes import Circle, Line, as_circle, as_line
 
-from ..common.facets import chain, polygon, round_plate, stretch, track_kind
+from ..common.facets import chain, is_convex, polygon, rim, round_plate, stretch, track_kind
 from ..interface import Setting
 
 # What the track's chain is made of differs from rung to rung only in these; everything else is the engine's default.
@@ -33,8 +37,9 @@ def friction_coefficient(case: Case) -> float:
 # --- the shapes' fineness --------------------------------------------------------------------------------------------
 
 # A polygon a person would type in; and the finest whose small overlaps the engine still finds (at 1000 corners an
-# elliptic plate of 0.3 m sank 7 cm into a circle).
-MODEST, MOST_CORNERS = 64, 800
+# elliptic plate of 0.3 m sank 7 cm into a circle). Every segment that moves is sorted in anew in every step, so that a
+# rim of 800 takes ten times the time of one of 400.
+MODEST, MOST_CORNERS, MOST_SEGMENTS = 64, 800, 400
 
 
 def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
@@ -53,9 +58,10 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         # Thick walls catch what sinks into them; thin ones spare the engine's search for overlapping boxes.
         thickness = case.plate.inner * (1.0 if h is None else 0.05)
         knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
-    if not round_plate(case):
+    if not round_plate(case) and not as_line(case.plate.outline):
         # Corners cost energy as facets do; 0.2 s over the step is where they cost as much as the step itself.
-        knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, MOST_CORNERS))
+        most = MOST_CORNERS if is_convex(case.plate.outline) else MOST_SEGMENTS
+        knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, most))
     return knobs
 
 
@@ -116,27 +122,38 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
         if knob in setting:
             setattr(space, knob, setting[knob])
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
-    plate = _plate_shape(case, body, setting)
-    plate.friction = friction_coefficient(case)
+    plate = _plate_shapes(case, body, setting)
     shapes = _track_shapes(case, space, setting)
     impact = case.effect(Impact)
-    plate.elasticity = impact.restitution if impact else 0.0
+    for shape in plate:
+        shape.friction = friction_coefficient(case)
+        shape.elasticity = impact.restitution if impact else 0.0
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.
         shape.friction = shape.elasticity = 1.0
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
-    space.add(body, plate, *shapes)
+    space.add(body, *plate, *shapes)
     return space, body
 
 
-def _plate_shape(case: Case, body: pymunk.Body, setting: Setting) -> pymunk.Shape:
-    circle = round_plate(case)
+def _plate_shapes(case: Case, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
+    circle, outline = round_plate(case), case.plate.outline
     if circle:
         x, y = circle.centre
-        return pymunk.Circle(body, circle.radius, (float(x), float(y)))
-    corners = polygon(case, setting["vertices"])
-    return pymunk.Poly(body, [(float(x), float(y)) for x, y in corners.T])
+        return [pymunk.Circle(body, circle.radius, (float(x), float(y)))]
+    if is_convex(outline):
+        corners = polygon(case, setting["vertices"])
+        return [pymunk.Poly(body, [(float(x), float(y)) for x, y in corners.T])]
+    thickness = _rim_thickness(outline, case.plate.width)
+    points = [(float(x), float(y)) for x, y in rim(outline, setting.get("vertices", 1), inside=thickness).T]
+    return [pymunk.Segment(body, one, next, thickness) for one, next in pairwise(points)]
+
+
+def _rim_thickness(outline: Curve, width: float) -> float:
+    """Of the segments of an outline, m: thin beside the plate, and beside the sharpest of its outward bends."""
+    sharpest = float(outline.curvature(np.linspace(*outline.span, 721)).max())
+    return min(0.02 * width, 0.5 / sharpest) if sharpest > 0.0 else 0.02 * width
 
 
 def _track_shapes(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:

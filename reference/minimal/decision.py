@@ -55,16 +55,26 @@ def _by_value(candidate: Phase, t, y, error) -> bool | None:
         rates = system.condition_rates_of_numbers(t, y, candidate.parameters)
         fastest = max(abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False))
         for name, rate in zip(system.condition_rates, rates, strict=True):
-            # At an event a thousand times its error; at a start the rounding of a difference of two speeds.
-            if abs(values[name]) <= (1e3 * error if error > series.EPS else 8 * series.EPS) * candidate.size * fastest:
+            if abs(values[name]) <= vanished(error) * candidate.size * fastest:
                 values[name] = rate
     if not all(isfinite(v) for v in values.values()):
         raise Undecidable
     scale = max((abs(v) for v in values.values()), default=0.0)
-    # A million times the state's error: anything closer to zero is left to the series, which know their own bounds.
-    if any(abs(v) <= 1e6 * max(error, series.EPS) * scale for v in values.values()):
+    if any(abs(v) <= close(error) * scale for v in values.values()):
         return None
     return all(v > 0 for v in values.values())
+
+
+def vanished(error: float) -> float:
+    """The part of the plate's speed below which a slip or a spin counts as none in a state of that relative error: at
+    an event a thousand times its error; at a start the rounding of a difference of two speeds."""
+    return 1e3 * error if error > series.EPS else 8 * series.EPS
+
+
+def close(error: float) -> float:
+    """The part of the largest condition below which a value does not tell: a million times the state's error. Anything
+    closer to zero is left to the series, which know their own bounds."""
+    return 1e6 * max(error, series.EPS)
 
 
 def _by_series(candidate: Phase, t, y, error) -> bool:

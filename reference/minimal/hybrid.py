@@ -15,7 +15,7 @@ from .bouncing import Bounces
 from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
-from .integrators.segment import BREAKDOWN, Segment
+from .integrators.segment import BREAKDOWN, EXHAUSTED, MOST_STEPS, Segment
 from .landing import Landing, first_landing, start_impact
 from .modes import (
     FLIGHT,
@@ -121,7 +121,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if step.regime is None:
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces, progress, near, idle = Bounces(case), _Progress(), case.start.xi1, 0
+    bounces, progress, near, idle, steps = Bounces(case), _Progress(), case.start.xi1, 0, 0
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
@@ -132,19 +132,22 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
                 fly = _flown if segments or not _closes(case) else _thrown
                 step = _after_flight(case, *fly(case, now, t, y, near, rtol, integrate), bounces)
             else:
-                step = _after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
+                step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
             idle = idle + 1 if step.time == t else 0
             if idle > IDLE and step.regime not in (None, FLIGHT):
                 step = _moved_on(case, regime, step)
         except Undecidable:
             return segments, transitions, undecidable(t)
         segments.extend(step.segments)
+        steps += sum(segment.steps for segment in step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime and step.listed):
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
             return segments, transitions, step.ending
         t, y, regime, near = step.time, step.state, step.regime, step.place[0]
+        if steps >= MOST_STEPS:
+            return segments, transitions, exhausted(t, steps)
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
     return segments, transitions, ("unfinished", sentence)
 
@@ -153,6 +156,14 @@ def undecidable(t: float) -> Ending:
     """What is said where a decision meets numbers that are none."""
     why = "sizes, speeds and forces are too far apart for double precision, or a formula has no value"
     return BREAKDOWN, f"After t = {t:.9g} s {why}."
+
+
+def exhausted(t: float, steps: int) -> Ending:
+    """What is said where the steps of a motion are used up."""
+    return "unfinished", (
+        f"The motion took {steps} steps until t = {t:.9g} s, as many as a run takes; end it there, or look at slower "
+        "speeds and forces."
+    )
 
 
 class _Progress:
@@ -183,7 +194,7 @@ def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
 # --- after contact ----------------------------------------------------------------------------------------------------
 
 
-def _after_contact(case: Case, segment: Segment, error: float) -> Step:
+def after_contact(case: Case, segment: Segment, error: float) -> Step:
     """What follows where a guard reached zero, in a motion known to that relative error."""
     now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
@@ -195,6 +206,8 @@ def _after_contact(case: Case, segment: Segment, error: float) -> Step:
     y = full_state(case, now, segment.event.state)
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
+    if guard == EXHAUSTED:
+        return Step((segment,), t, ending=exhausted(t, segment.steps))
     if guard == BREAKDOWN:
         return Step((segment,), t, ending=_breakdown(now, segment))
     if guard == "slip":
@@ -215,9 +228,9 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
         return decide(case, t, y, LOCATED, [other] if other in candidates(case) else [])
-    if guard in _BEGINS:
+    if guard in BEGINS:
         # Friction or its like has reached its bound from inside; the motion that begins is against it.
-        slip, turn = (_BEGINS[guard], turn) if guard.startswith("cone") else (slip, _BEGINS[guard])
+        slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
         begun = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
         begun = [r for r in begun if _unique_force(phase(case, r), t, y)]
         return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
@@ -225,7 +238,7 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     following = decide(case, t, y, LOCATED, able(case, slip, turn))
     if following is None:
         # What began a rounding ago and ends with the event is no motion that goes on.
-        slips, turns = senses(case, y, *_moves(case, y), LOCATED)
+        slips, turns = senses(case, y, *slip_and_spin(case, y), LOCATED)
         following = decide(case, t, y, LOCATED, able(case, slip * abs(slips), turn * abs(turns)))
     return following
 
@@ -238,19 +251,19 @@ def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
     return now.system.guards_of_numbers(t, state_in(now, y), now.parameters)[names.index("painleve")] > 0.0
 
 
-_BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
+BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
 
 
 def _leave(case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str) -> Step:
     """No contact follows: the plate flies, or that is the end."""
     ending = _nothing_follows(case, t, y)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
-        slip, omega = _moves(case, y)
+        slip, omega = slip_and_spin(case, y)
         return Step(segments, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
     return Step(segments, t, (y[0], y[1]), guard, ending=ending)
 
 
-def _moves(case: Case, y: Sequence[float]) -> tuple[float, float]:
+def slip_and_spin(case: Case, y: Sequence[float]) -> tuple[float, float]:
     """Slip velocity (12) and spin (9) of a full state in contact."""
     along_track = y[2] * float(case.track.speed(y[0]))
     along_outline = y[3] * float(case.plate.outline.speed(y[1]))
@@ -346,6 +359,8 @@ def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
 def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, bounces: Bounces) -> Step:
     """What the impact makes of a landing."""
     last = segments[-1]
+    if landing is None and last.event.guard == EXHAUSTED:
+        return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time, last.steps))
     if landing is None:
         return Step(
             tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETED

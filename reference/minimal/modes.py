@@ -99,7 +99,8 @@ def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: flo
     return (copysign(1.0, slip) if slips else 0.0), (copysign(1.0, omega) if turns else 0.0)
 
 
-@lru_cache(maxsize=1024)
+# A phase holds its compiled equations: what is kept here is kept in memory, half a megabyte for each structure.
+@lru_cache(maxsize=256)
 def phase(case: Case, regime: Regime) -> Phase:
     """The equations of that regime with the case's parameters."""
     size = case.plate.gyration

@@ -12,8 +12,9 @@ that has to be asked for:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache, partial
+from itertools import pairwise
 from math import pi
 from typing import NamedTuple
 
@@ -29,6 +30,8 @@ from .modes import FLIGHT
 # Looks to a step, at least, and the part of the plate's reach that its points move between two looks, at most: what
 # the plate runs into stays inside it for longer.
 LOOKS, CLOSE = 4, 0.25
+# Looks at once, some hundred megabytes; what goes farther within a quarter of a step is looked at no closer.
+AT_ONCE = 200_000
 
 
 class Meeting(NamedTuple):
@@ -64,11 +67,12 @@ def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
     xi1 = np.array([case.start.xi1])
     if track.domain is None and not track.period:  # a stretch of it, as long as the motion
         xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
-    return _fits(track, outline, *span(track, xi1, _reach(outline)))
+    return fits(track, outline, *span(track, xi1, _reach(outline)))
 
 
 @lru_cache(maxsize=256)
-def _fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
+def fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
+    """The same on a stretch of the track."""
     if not outline.period:
         return True  # an outline without an inside is only its contact arc
     places = _places(track, low, high)
@@ -96,21 +100,34 @@ def _places(curve: Curve, low: float, high: float) -> np.ndarray:
 
 def first_meeting(case: Case, segments: Sequence[Segment]) -> Meeting | None:
     """The first second contact along segments of contact, looked for between their steps and located; None if none."""
-    reach = _reach(case.plate.outline)
     for segment in segments:
-        times = _divided(segment.times, np.full(len(segment.times) - 1, LOOKS))
-        poses = _poses(case, segment, times)
-        x, y, theta, _ = poses
-        way = np.hypot(np.diff(x), np.diff(y)) + reach * np.abs(np.diff(theta))
-        parts = np.maximum(np.ceil(way / (CLOSE * reach)), 1.0).astype(int)
-        if np.any(parts > 1):
-            times = _divided(times, parts)
-            poses = _poses(case, segment, times)
-        found = first_overlap(case.track, case.plate.outline, *poses)
-        if found is not None:
-            before = float(times[max(found[0] - 1, 0)])
-            return _locate(case, before, float(times[found[0]]), found[1], partial(_pose, case, segment))
+        for times, poses in _looks(case, segment):
+            found = first_overlap(case.track, case.plate.outline, *poses)
+            if found is not None:
+                before = float(times[max(found[0] - 1, 0)])
+                return _locate(case, before, float(times[found[0]]), found[1], partial(_pose, case, segment))
     return None
+
+
+def _looks(case: Case, segment: Segment) -> Iterator[tuple[np.ndarray, tuple]]:
+    """Times to look at a segment of contact, and the poses then: close enough, not too many at once; each lot begins
+    where one ended."""
+    reach = _reach(case.plate.outline)
+    times = _divided(segment.times, np.full(len(segment.times) - 1, LOOKS))
+    poses = _poses(case, segment, times)
+    x, y, theta, _ = poses
+    way = np.hypot(np.diff(x), np.diff(y))
+    if case.plate.radius is None:  # a disc that turns about its centre stays where it is
+        way += reach * np.abs(np.diff(theta))
+    parts = np.minimum(np.maximum(np.ceil(way / (CLOSE * reach)), 1.0), AT_ONCE).astype(int)
+    if len(times) <= AT_ONCE and not np.any(parts > 1):
+        yield times, poses
+        return
+    lots = np.cumsum(parts) // AT_ONCE
+    edges = [0, *(np.flatnonzero(np.diff(lots)) + 1).tolist(), len(parts)]
+    for first, last in pairwise(edges):
+        some = _divided(times[first : last + 1], parts[first:last])
+        yield some, _poses(case, segment, some)
 
 
 def _divided(times: np.ndarray, parts: np.ndarray) -> np.ndarray:

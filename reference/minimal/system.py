@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import nan
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -126,6 +126,11 @@ class System:
         return self._compile("rates", "math")
 
     @cached_property
+    def rates_of_arrays(self):
+        """The same on arrays of shape (n,); a constant rate stays a number."""
+        return self._compile("rates", "numpy")
+
+    @cached_property
     def rates_of_series(self):
         """The same on `series.Series`."""
         return self._compile("rates", "series")
@@ -144,6 +149,16 @@ class System:
     def conditions_of_numbers(self):
         """(t, y, parameters) -> list of the conditions' values, on floats."""
         return self._compile("conditions", "math")
+
+    @cached_property
+    def conditions_of_arrays(self):
+        """The same on arrays of shape (n,); a constant condition stays a number."""
+        return self._compile("conditions", "numpy")
+
+    @cached_property
+    def condition_rates_of_arrays(self):
+        """(t, y, parameters) -> list of the rates in `condition_rates`, on arrays; a constant one stays a number."""
+        return self._compile("condition_rates", "numpy")
 
     @cached_property
     def condition_rates_of_numbers(self):
@@ -178,8 +193,10 @@ def _without_raising(compiled: Callable[..., list], count: int) -> Callable[...,
 
     def evaluated(t, y, parameters) -> list:
         try:
-            return compiled(t, y, parameters)
-        except (ArithmeticError, ValueError):
+            values = compiled(t, y, parameters)
+            isfinite(sum(values))  # Python's root of less than 0 is a complex number, which this refuses
+            return values
+        except (ArithmeticError, ValueError, TypeError):
             return [nan] * count
 
     return evaluated

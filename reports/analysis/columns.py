@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from math import isinf
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..running.solvers import is_missing
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -34,7 +36,8 @@ COLUMNS: dict[str, tuple[str, str]] = {
     # who and what
     "case": ("the case, with its parameters", ""),
     "solver": ("the reference, an engine, or who a trajectory came from", ""),
-    "route": ("how the solver is used: native, assisted, a method of the reference, a file", ""),
+    "version": ("what the solver says of its version; empty: nothing", ""),
+    "route": ("how the solver is used: native, assisted, a method of the reference, a file, a submission", ""),
     "setting": ("the knobs of one rung of the ladder; rung=defaults is the engine as it comes", ""),
     "motion": ("a motion that knows nothing of friction's law", ""),
     "quantity": ("what an error is of: " + ", ".join(_QUANTITIES), ""),
@@ -146,6 +149,22 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "engine_alone_s": ("the engine's compiled code alone, without cold start, binding, callback and notes", "s"),
     "cheaper": ("who is; alike: by less than a tenth; empty: one of the two has no time (`reason`)", ""),
     "factor": ("the dearer one's time over the cheaper one's", "1"),
+    # the answer table
+    "cases": ("how many cases it was asked", ""),
+    "right": ("in how many its finest setting is right", ""),
+    "wrong": ("in how many it is wrong", ""),
+    "refused": ("in how many it refuses the case", ""),
+    "failed": ("in how many it crashes or runs out of time", ""),
+    "middle_default_error": ("size of the first transition's error, the engine as it comes, median of the cases", "s"),
+    "middle_finest_error": ("the same at the finest setting, without motions that are the truth itself", "s"),
+    **{f"hard_{word}": (f"of the hard scenes: how many {said}", "") for word, said in (
+        ("right", "it gets right"), ("wrong", "it gets wrong"), ("refused", "it refuses"), ("failed", "it fails in"))},
+    "rolling_cases": ("how many of its cases roll", ""),
+    **{f"reached_1e_{n}": (f"in how many of these it reaches 1e-{n} in the quantity that leads the case", "")
+       for n in (2, 4)},
+    **{f"timed_1e_{n}": (f"how many of these are timed at 1e-{n}", "") for n in (2, 4)},
+    **{f"once_1e_{n}_s": (f"one whole call from cold to 1e-{n}, median of the timed cases", "s") for n in (2, 4)},
+    **{f"thousand_1e_{n}_s": (f"a thousand calls, the first from cold, to 1e-{n}, the same", "s") for n in (2, 4)},
     # errata
     "where": ("where in the paper", ""),
     "printed": ("as printed", ""),
@@ -155,6 +174,23 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "finding": ("what is wrong with it", ""),
     "claim": ("what the paper says of it", ""),
 }  # fmt: skip
+
+
+def with_version(frame: pd.DataFrame, versions: Mapping[str, str]) -> pd.DataFrame:
+    """A table with a column `version` beside that of the solver, if it has one; empty for what told none."""
+    if "solver" not in frame.columns or "version" in frame.columns:
+        return frame
+    told = frame.copy()
+    column = ["" if is_missing(said := versions.get(name, "")) else said for name in frame["solver"]]
+    told.insert(list(frame.columns).index("solver") + 1, "version", column)
+    return told
+
+
+def with_version_words(table: Table, frame: pd.DataFrame) -> Table:
+    """What is said of a table, and of the column that `with_version` gave it."""
+    if "version" not in frame.columns or "version" in table.columns:
+        return table
+    return table._replace(columns={**table.columns, "version": told("version")})
 
 
 def described(holds: str, names: Iterable[str]) -> Table:

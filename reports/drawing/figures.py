@@ -5,48 +5,41 @@ Every figure is made from an `Experiment` alone. Times in s, lengths in m, angle
 
 from __future__ import annotations
 
-from math import cos, isfinite, sin
+from math import isfinite
 
 import matplotlib
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from cases import Case, Gravity, Mode
+from cases import Case
+from cases.pictures import plots
+from cases.pictures import scene as scenes
+from cases.pictures.scene import Instant
 
 from ..running.records import Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
 from .files import Picture, file_name, picture
-from .style import FAINT, PALETTE, POINTS, STYLE, TRUTH, Looks, logarithmic
+from .style import FAINT, POINTS, STYLE, TRUTH, Looks, logarithmic
 
 # An error drawn on a logarithmic axis needs a least value; below a double's rounding of quantities of order one there
 # is nothing to see.
 _SMALLEST = 1e-17
-# Corners of a plate as drawn: a circle's chords then leave it by a thousandth of its radius.
-_CORNERS = 73
 # A truth that varies by less, in SI units, is level: what varies is rounding.
 _LEVEL = 1e-9
 # Fewer samples than this over a motion are drawn as points.
 _FEW = 100
-# Points that a letter of eight points takes, in the mean.
-_LETTER = 5.0
-# What the paper draws against time: the label, the samples' name, and the name of its difference from the truth.
+# What is drawn against time, the paper's own first: the label, the samples' name, and the name of its difference from
+# the truth.
 _QUANTITIES = (
-    ("slip velocity v / (m/s)", "slip", "slip"),
-    ("track parameter ξ₁", "xi1", "xi1"),
-    ("outline parameter ξ₂", "xi2", "xi2"),
-    ("rotation θ / rad", "theta", "angle"),
+    (plots.LABELS["slip"], "slip", "slip"),
+    (plots.LABELS["xi1"], "xi1", "xi1"),
+    (plots.LABELS["xi2"], "xi2", "xi2"),
+    (plots.LABELS["theta"], "theta", "angle"),
     ("multiplier λ", "lambda", "lambda"),
+    (plots.LABELS["x"], "x", "x"),
+    (plots.LABELS["y"], "y", "y"),
 )
-_MODE_WORDS = {
-    Mode.SLIDE: "slides",
-    Mode.SLIP_FORWARD: "slip v > 0",
-    Mode.SLIP_BACKWARD: "slip v < 0",
-    Mode.ROLL: "rolls",
-    Mode.REST: "rests",
-    Mode.FLIGHT: "flies",
-}
 
 
 def draw_case(case: Case, part: Experiment, looks: Looks, main: bool) -> list[Picture]:
@@ -75,9 +68,10 @@ _SCENE_WORDS = (
 )
 _MOTION_WORDS = (
     "The motion, as the paper draws it",
-    "Left: slip velocity, contact parameters, rotation and multiplier λ = N/‖R_p‖ against time, from the finest "
-    f"setting of every route. Right: absolute difference from the truth, largest value in each of {POINTS} stretches "
-    "of time. Where a solver gives no usable normal force its λ is missing.",
+    "Left: slip velocity, contact parameters, rotation, multiplier λ = N/‖R_p‖ and the centre's place against time, "
+    f"from the finest setting of every route. Right: absolute difference from the truth, largest value in each of "
+    f"{POINTS} stretches of time. Where a solver gives no usable normal force its λ is missing; in flight there is no "
+    "contact.",
 )
 _ERRORS_WORDS = (
     "Error against steps",
@@ -99,28 +93,7 @@ def _finest(experiment: Experiment, label: str) -> list[Run]:
 
 def _mark_transitions(ax: Axes, truth: Truth, width: float = 0.0) -> None:
     """Lines at the truth's transitions; over an axis about `width` points wide also the modes between, in words."""
-    times = [t.time for t in truth.transitions]
-    for time in times:
-        ax.axvline(time, color=FAINT, linewidth=0.7, zorder=0.5)
-    if not width:
-        return
-    edges = [float(truth.samples["t"][0]), *times, float(truth.samples["t"][-1])]
-    modes = [truth.first_mode, *(t.after for t in truth.transitions)]
-    for mode, left, right in zip(modes, edges[:-1], edges[1:], strict=False):
-        word = _MODE_WORDS[mode] if mode is not None else ""
-        # A stretch narrower than its word goes without.
-        if word and (right - left) * width > _LETTER * len(word) * (edges[-1] - edges[0]):
-            middle = 0.5 * (left + right)
-            ax.annotate(
-                word,
-                (middle, 1.0),
-                (0, 3),
-                xycoords=("data", "axes fraction"),
-                textcoords="offset points",
-                ha="center",
-                color="#555555",
-                fontsize=8,
-            )
+    plots.mark_transitions(ax, truth.transitions, truth.first_mode, truth.samples["t"][[0, -1]], width)
 
 
 def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -213,7 +186,7 @@ def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: Looks) ->
 def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     """The paper's diagrams with every route, and beside each the distance from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
-    figure, axes = plt.subplots(len(_QUANTITIES), 2, figsize=(9.2, 10.4), sharex=True, layout="constrained")
+    figure, axes = plt.subplots(len(_QUANTITIES), 2, figsize=(9.2, 13.6), sharex=True, layout="constrained")
     for place, (label, name, off) in enumerate(_QUANTITIES):
         row = axes[place]
         _curves(row[0], truth, runs, name, looks)
@@ -271,58 +244,13 @@ def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
 
 
 def scene(experiment: Experiment, case: Case) -> Figure:
-    """Track and plate at several instants, gravity down the page."""
-    shown = experiment.truths[case.label].samples
+    """Track and plate at several instants, gravity down the page; the centre's path where the plate flies."""
+    truth = experiment.truths[case.label]
+    shown = truth.samples
+    x, y, theta, xi1 = (shown[name] for name in ("x", "y", "theta", "xi1"))
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
-    track = case.track.point(_visible(case, shown))
-    ax.plot(*track, color=TRUTH, linewidth=1.6)
-    outline = case.plate.outline.point(np.linspace(*case.plate.outline.span, _CORNERS))
-    for shade, i in _instants(experiment.truths[case.label]):
-        x, y, theta = (float(shown[name][i]) for name in ("x", "y", "theta"))
-        turn = np.array([[cos(theta), -sin(theta)], [sin(theta), cos(theta)]])
-        place = turn @ outline + np.array([[x], [y]])
-        spoke = turn @ outline[:, :1] + np.array([[x], [y]])
-        edge, inside = (to_rgba(PALETTE[0], alpha) for alpha in (0.4 + 0.6 * shade, 0.10 + 0.3 * shade))
-        ax.fill(*place, facecolor=inside, edgecolor=edge, linewidth=0.9)
-        ax.plot([x, spoke[0, 0]], [y, spoke[1, 0]], color=PALETTE[0], linewidth=0.9, alpha=0.4 + 0.6 * shade)
-        if np.isfinite(shown["xi1"][i]):  # no contact in flight
-            ax.plot(*case.track.point(float(shown["xi1"][i])), marker="o", markersize=3, color=PALETTE[1])
-    ax.set_aspect("equal")
-    ax.locator_params(nbins=5)
-    gravity = case.effect(Gravity)
-    if gravity is not None and sin(gravity.direction) > 0:
-        ax.invert_yaxis()
-    ax.set_xlabel("X / m")
-    ax.set_ylabel("Y / m" + (" (points down)" if ax.yaxis_inverted() else ""))
+    chosen = scenes.instants(shown["t"], [t.time for t in truth.transitions])
+    poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in chosen]
+    scenes.draw(ax, case.scene, np.array([x, y]), xi1, poses)
     ax.set_title(case.label, loc="left", fontweight="bold")
     return figure
-
-
-def _visible(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
-    """Track parameters worth drawing: all of a closed track, else what the plate visits and a little more."""
-    if case.track.period:
-        return np.linspace(*case.track.span, 361)
-    below = np.where(np.isfinite(shown["xi1"]), shown["xi1"], _below(case, shown))
-    low, high = float(np.min(below)), float(np.max(below))
-    size = float(np.ptp(case.plate.outline.point(np.linspace(*case.plate.outline.span, 181)), axis=1).max())
-    more = 1.2 * size / float(case.track.speed(0.5 * (low + high)))
-    domain = case.track.domain or (-np.inf, np.inf)
-    return np.linspace(max(low - more, domain[0]), min(high + more, domain[1]), 361)
-
-
-def _below(case: Case, shown: dict[str, np.ndarray]) -> np.ndarray:
-    """Roughly the track parameter that is nearest to the centre, for each sample."""
-    grid = np.linspace(*case.track.span, 1001)
-    X, Y = case.track.point(grid)
-    return np.array([grid[np.argmin(np.hypot(X - x, Y - y))] for x, y in zip(shown["x"], shown["y"], strict=True)])
-
-
-def _instants(truth: Truth) -> list[tuple[float, int]]:
-    """(shade from 1 to 0, sample) of the start, the transitions and even times, not closer than a tenth apart."""
-    t = truth.samples["t"]
-    wanted = [float(t[0]), *(e.time for e in truth.transitions), float(t[-1])]
-    for time in np.linspace(t[0], t[-1], 7)[1:-1]:
-        if all(abs(time - other) > 0.1 * (t[-1] - t[0]) for other in wanted):
-            wanted.append(float(time))
-    places = sorted({int(np.argmin(np.abs(t - time))) for time in wanted})
-    return [(1.0 - i / max(len(places) - 1, 1), place) for i, place in enumerate(places)]

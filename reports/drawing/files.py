@@ -1,11 +1,15 @@
-"""Figures as files: small SVG whose text stays text, signed with the command that makes them again.
+"""Figures as files: small SVG whose text stays text, signed with the command that makes them again; PDF for print.
 
 Matplotlib is imported when a figure is made: a report whose figures are kept does without it."""
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from html import escape
 from io import BytesIO, StringIO
@@ -17,8 +21,14 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# Whether figures are also written as PDF: asked once by a command, and meant for all that it draws.
+_PRINTED = ContextVar("printed", default=False)
 # Whoever lacks Matplotlib's own typeface sees one as wide.
 _TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
+
+
+# File systems hold names of 255 bytes; a figure's begins with its kind.
+_NAME_BYTES = 160
 
 
 @dataclass(frozen=True)
@@ -33,46 +43,73 @@ class Drawn:
 
 
 def file_name(label: str) -> str:
-    """A case's label as part of a file name."""
-    return "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
+    """A case's label as part of a file name; of a long one the beginning, and what tells it from others."""
+    name = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
+    if len(name.encode()) <= _NAME_BYTES:
+        return name
+    whole = hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()
+    return f"{name.encode()[: _NAME_BYTES - 9].decode(errors='ignore')}_{whole[:8]}"
+
+
+@contextmanager
+def for_print(wanted: bool = True) -> Iterator[None]:
+    """Inside, if it is wanted, figures are also written as PDF."""
+    before = _PRINTED.set(wanted)
+    try:
+        yield
+    finally:
+        _PRINTED.reset(before)
+
+
+def printed() -> bool:
+    """Whether figures are also written as PDF here; who draws in another process hands it over."""
+    return _PRINTED.get()
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure as its files hold it: SVG, and as bytes a PNG (none if empty)."""
+    """A figure as its files hold it: SVG, and as bytes a PNG and a PDF (none if empty)."""
 
     drawn: Drawn
     svg: str
     png: np.ndarray
+    pdf: np.ndarray
 
     @classmethod
     def read(cls, drawn: Drawn, folder: Path) -> Picture:
         """What was written into the folder; nothing of a figure that failed."""
-        svg, png = (folder / f"{drawn.name}.{kind}" for kind in ("svg", "png"))
-        dots = np.frombuffer(png.read_bytes() if drawn.name and png.exists() else b"", dtype=np.uint8)
-        return cls(drawn, svg.read_text(encoding="utf-8") if drawn.name else "", dots)
+        svg, *others = (folder / f"{drawn.name}.{kind}" for kind in ("svg", "png", "pdf"))
+        bytes_of = [_bytes(file.read_bytes() if drawn.name and file.exists() else b"") for file in others]
+        return cls(drawn, svg.read_text(encoding="utf-8") if drawn.name else "", *bytes_of)
 
     def write(self, folder: Path) -> Drawn:
-        """Write NAME.svg into the folder (and NAME.png); nothing of a figure that failed."""
+        """Write NAME.svg into the folder (and NAME.png, NAME.pdf); nothing of a figure that failed."""
         if not self.drawn.name:
             return self.drawn
         (folder / f"{self.drawn.name}.svg").write_text(self.svg, encoding="utf-8")
-        if len(self.png):
-            (folder / f"{self.drawn.name}.png").write_bytes(self.png.tobytes())
+        for kind, content in (("png", self.png), ("pdf", self.pdf)):
+            if len(content):
+                (folder / f"{self.drawn.name}.{kind}").write_bytes(content.tobytes())
         return self.drawn
 
 
 def picture(figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False) -> Picture:
-    """The figure as SVG (and PNG); the figure itself is forgotten."""
+    """The figure as SVG (and PNG; PDF, `for_print`); the figure itself is forgotten."""
     from matplotlib import pyplot as plt
 
-    text, dots = StringIO(), BytesIO()
+    text, dots, sheet = StringIO(), BytesIO(), BytesIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
     if png:
         figure.savefig(dots, format="png", dpi=160, bbox_inches="tight")
+    if printed():
+        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches="tight")
     plt.close(figure)
     drawn = Drawn(name, case, title, caption)
-    return Picture(drawn, minify(text.getvalue()), np.frombuffer(dots.getvalue(), dtype=np.uint8))
+    return Picture(drawn, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
+
+
+def _bytes(content: bytes) -> np.ndarray:
+    return np.frombuffer(content, dtype=np.uint8)
 
 
 def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
@@ -103,7 +140,7 @@ def minify(svg: str) -> str:
         svg = svg.replace(f'"{name}"', f'"i{place}"')
         svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may begin another
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
-    svg = _styles_once(svg)
+    svg = _bare_groups(_styles_once(svg))
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
 
 
@@ -133,6 +170,18 @@ def _path(text: str) -> str:
             here = there
         before = command
     return "".join(told)
+
+
+def _bare_groups(svg: str) -> str:
+    """Without groups that say nothing of what they hold."""
+    told, bare = [], []
+    for part in re.split(r"(<g\b[^>]*>|</g>)", svg):
+        if part.startswith("<g"):
+            bare.append(part == "<g>")
+            told.append("" if bare[-1] else part)
+        else:
+            told.append("" if part == "</g>" and bare.pop() else part)
+    return re.sub(r"\n+", "\n", "".join(told))
 
 
 def _styles_once(svg: str) -> str:

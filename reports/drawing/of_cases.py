@@ -10,11 +10,12 @@ from cases import Case
 from ..running.calls import Calls, Keep
 from ..running.fingerprint import installed
 from ..running.records import Experiment
-from .files import Drawn, Picture
+from .files import Drawn, Picture, for_print, printed
 
 # Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
 _PATIENCE = 120.0
-_KEEP = Keep("figure", of=lambda *call: (*call, installed("matplotlib")))
+# A figure that failed is drawn again.
+_KEEP = Keep("figure", of=lambda *call: (*call, installed("matplotlib")), failures=False)
 
 
 def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
@@ -25,7 +26,7 @@ def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
     folder.mkdir(parents=True, exist_ok=True)
     routes, main = tuple(dict.fromkeys((r.solver, r.route) for r in experiment.runs)), headline_case(experiment)
     shown = [case for case in experiment.cases if not experiment.truths[case.label].failure]
-    asked = [(case, _part(experiment, case.label), routes, case is main) for case in shown]
+    asked = [(case, _part(experiment, case.label), routes, case is main, printed()) for case in shown]
     answers = calls.all("figures", draw_case, asked, limit=_PATIENCE, keep=_KEEP)
     for case, answer in zip(shown, answers, strict=True):
         if answer.outcome == "done":
@@ -34,12 +35,16 @@ def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
             yield Drawn("", case.label, "Figures", f"They could not be drawn: {answer.failure[1]}")
 
 
-def draw_case(case: Case, part: Experiment, routes: tuple[tuple[str, str], ...], main: bool) -> list[Picture]:
-    """In a worker: the figures of one case; `routes` are those of all cases, which decide how each looks."""
+def draw_case(
+    case: Case, part: Experiment, routes: tuple[tuple[str, str], ...], main: bool, paper: bool
+) -> list[Picture]:
+    """In a worker: the figures of one case; `routes` are those of all cases, which decide how each looks; `paper`: also
+    as PDF."""
     from . import figures
-    from .style import Looks
+    from .looks import Looks
 
-    return figures.draw_case(case, part, Looks(routes), main)
+    with for_print(paper):
+        return figures.draw_case(case, part, Looks(routes), main)
 
 
 def _part(experiment: Experiment, label: str) -> Experiment:

@@ -10,6 +10,9 @@ import numpy as np
 from cases import Case, State, Trajectory
 from cases.mechanics import energy, kinetic_energy
 
+# The square of what is larger overflows, or nearly.
+_SQUARED = 1e150
+
 
 class Distance(NamedTuple):
     """How far a motion is from the truth: largest and root-mean-square distance of the centre in m, of the angle in
@@ -37,8 +40,8 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at even ones
     if it knows its motion between them (its steps are few, and doubled where the forces jump).
 
-    Keys: t, centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (the paper's multiplier), and
-    pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
+    Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (the paper's multiplier),
+    and pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
     root-mean-square distance of the plate's points;
     force_share: the normal force's difference over the mean size of the true one at these times (not over m g, so that
     a case without gravity has one too);
@@ -49,6 +52,8 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     exact = truth(times)
     result = {"t": times, "centre": np.hypot(found.x - exact.x, found.y - exact.y)}
     for key, name in (
+        ("x", "x"),
+        ("y", "y"),
         ("angle", "theta"),
         ("slip", "slip"),
         ("xi1", "xi1"),
@@ -93,8 +98,15 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
         # In flight there is no slip velocity.
         size = np.abs(off[key][np.isfinite(off[key])])
         size = size if len(size) else np.array([nan])
-        values += [float(size.max()), float(np.sqrt(np.mean(size**2)))]
+        values += [float(size.max()), _rms(size)]
     force = np.abs(off["force_share"][np.isfinite(off["force_share"])])
     told = len(force) >= _TOLD * len(off["t"])
     values += [float(off["pose"][-1]), float(force.mean()) if told else nan, float(np.abs(off["energy_share"]).mean())]
     return Distance(*values)
+
+
+def _rms(size: np.ndarray) -> float:
+    """The root mean square; of what is so large that its square is no number, by parts of the largest."""
+    top = float(size.max())
+    unit = top if _SQUARED < top < np.inf else 1.0
+    return unit * float(np.sqrt(np.mean((size / unit) ** 2)))

@@ -14,7 +14,7 @@ from ..analysis.time_to_accuracy import REACHED
 from ..analysis.words import level, quantity, seconds, times, unit
 from ..analysis.work_precision import Measured, groups
 from ..drawing.files import Drawn
-from .pieces import class_of, figure_of, records, remake, table_of
+from .pieces import class_of, figure_of, in_frame, records, remake, table_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,8 +72,7 @@ def _answers(answers: Sequence[dict[str, Any]]) -> str:
         for runs in which_engine.RUNS
     )
     head = f"<tr><th>case</th>{heads}<th>reference<br>cheaper from</th></tr>"
-    return (
-        f'<div class="scroll"><table><thead>{head}</thead><tbody>{body}</tbody></table></div>'
+    return in_frame("which engine", f"<thead>{head}</thead><tbody>{body}</tbody>", "") + (
         '<p class="note">Whole calls: building, running, reading; the first from cold, the others warm. Strong: the '
         "cheaper one, and by what factor. Below a tenth they are alike.</p>"
     )
@@ -111,8 +110,8 @@ def _shares(lead: Sequence[dict[str, Any]]) -> str:
              "run,<br>warm", "whole call,<br>warm", "one call<br>from cold", "reference<br>cheaper from")  # fmt: skip
     head = "".join(f"<th>{text}</th>" for text in heads)
     return (
-        f'<details open><summary>Engine, binding, callback, notes; whole calls</summary><div class="scroll">'
-        f'<table class="short"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div></details>'
+        "<details open><summary>Engine, binding, callback, notes; whole calls</summary>"
+        f"{in_frame('whose time it is', f'<thead><tr>{head}</tr></thead><tbody>{body}</tbody>')}</details>"
         '<p class="note">Of the reference the engine is heyoka and the callback its Python. Empty: counted with the '
         "engine (binding) or the callback (notes), or not measured. Other accuracies: "
         '<a href="tables/time_to_accuracy.csv">time_to_accuracy.csv</a>.</p>'
@@ -131,7 +130,7 @@ def _accuracies(lead: Sequence[dict[str, Any]]) -> str:
             first = f'<th rowspan="{len(routes)}">{name}</th>' if place == 0 else ""
             body += f"<tr{class_of('first') if place == 0 else ''}>{first}<td>{solver} {route}</td>{cells}</tr>"
     table = f"<thead><tr><th>case</th><th>solver</th>{head}</tr></thead><tbody>{body}</tbody>"
-    return f'<div class="scroll"><table class="short">{table}</table></div>'
+    return in_frame("time to an accuracy", table)
 
 
 def _accuracy_cell(row: dict[str, Any]) -> str:

@@ -1,24 +1,22 @@
-"""Rows and figures -> one self-contained page: style and pictures inside, no script, no network."""
+"""Rows, figures and motions -> one self-contained page: style, scripts and pictures inside, no network."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
-from html import escape
+from math import isfinite
 from pathlib import Path
-from string import Template
 from typing import TYPE_CHECKING, Any
 
-import cases
-from cases import Case
+from markupsafe import Markup
 
-from ..analysis import tables
 from ..analysis.work_precision import Measured
+from ..drawing.colours import colours
 from ..drawing.files import Drawn
-from ..running.records import TRUTH_RTOL, Experiment, finest, routes
-from . import cost
+from ..running.records import REFERENCE, TRUTH_RTOL, Experiment
+from . import chapters, cost, first, motions, vendor
 from .pieces import command_of as command_of
-from .pieces import figure_of, records, remake, table_of
-from .text import error_text, lead_text, reached_text
+from .pieces import environment, picture, records, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,9 +24,17 @@ if TYPE_CHECKING:
     from ..analysis.columns import Table
     from ..studies import Result
 
-_PAGE = Path(__file__).parent / "template"
-# Rows of a table that are shown on the page; the files hold the rest.
-_SHOWN_ROWS = 150
+_STATIC = Path(__file__).parent / "static"
+# In the order in which they need each other.
+_SCRIPTS = ("state.js", "player.js", "plots.js", "precision.js", "tables.js", "chapters.js")
+_LIBRARIES = ("uplot.min.js", "datatables.min.js")
+# Rows of a table that are shown on the page, where it is shown for itself and where it stands among all; the files hold
+# the rest.
+_STUDY_ROWS, _SHOWN_ROWS = 600, 30
+_SHORT = {
+    "stability": "Hard scenes", "effect_costs": "Effects", "error_parts": "Error parts", "formulations": "Formulations",
+    "paper": "Paper", "published": "Published", "reference_cost": "Reference", "settings": "Rungs", "maps": "Maps",
+}  # fmt: skip
 
 
 def render(
@@ -45,175 +51,110 @@ def render(
     """The page as text. `words` are said of each table, `of_studies` are the studies' pictures by name; `figures` is
     the folder with the drawn SVG files; `manifest` as written beside the page."""
     command = manifest["command"]
+    moving = [told for case in experiment.cases if (told := motions.motion(experiment, case))]
+    solvers = _solvers(experiment)
+    shown_by_studies = {name for result in studied for name in result.frames}
     parts = {
-        "style": (_PAGE / "style.css").read_text(encoding="utf-8"),
-        "summary": escape(_summary(experiment)),
-        "contents": _contents(experiment, studied),
-        "warnings": _warnings(experiment),
-        "headline": _headline(frames["headline"], drawn, figures, command),
-        "precision": cost.section(measured, frames, drawn, figures, command),
-        "cases": "\n".join(_case(experiment, case, frames, drawn, figures, manifest) for case in experiment.cases),
-        "studies": "\n".join(_study(result, of_studies[result.name], figures) for result in studied),
-        "failures": _failures(frames["trajectories"]),
-        "tables": "\n".join(_whole_table(name, frame, words[name], command) for name, frame in frames.items()),
-        "manifest": _manifest(manifest),
+        "command": command,
+        "style": Markup(_style(solvers)),
+        "script": Markup(_script()),
+        "chapters": _chapters(studied),
+        "solvers": solvers,
+        "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
+        **first.screen(experiment, frames, moving, bool(measured.cases), manifest),
+        **chapters.cases(experiment, frames, drawn, figures, manifest, {told["label"] for told in moving}),
+        "headline": chapters.headline(frames["headline"], drawn, figures),
+        "precision": Markup(cost.section(measured, frames, drawn, figures, command)),
+        "precision_points": _points(frames.get("work_precision"), manifest),
+        "studies": [_study(result, of_studies[result.name], figures) for result in studied],
+        "failures": chapters.failures(frames["trajectories"]),
+        "tables": [
+            {"name": n, "holds": words[n].holds, "count": len(f)}
+            | ({"rows": []} if n in shown_by_studies else table(f.head(_SHOWN_ROWS), _named(f), words[n].columns))
+            for n, f in frames.items()
+        ],
+        "made": chapters.made(manifest),
+        "vendored": [one | {"text": _licence(one)} for one in vendor.vendored()],
+        "motions": [{"label": told["label"], "data": Markup(_json(told))} for told in moving],
         "truth_rtol": f"{TRUTH_RTOL:g}",
         "limit": f"{manifest['limit_seconds']:g}",
     }
-    return Template((_PAGE / "page.html").read_text(encoding="utf-8")).substitute(parts)
+    return environment().get_template("page.html").render(parts)
 
 
-def _summary(experiment: Experiment) -> str:
-    counts = tables.outcome_counts(experiment)
-    told = "; ".join(
-        f"{solver}: " + ", ".join(f"{count[o]} {o}" for o in tables.OUTCOMES if count[o])
-        for solver, count in counts.items()
-    )
-    count = len(experiment.cases)
-    return f"{count} case{'s' * (count != 1)}, {len(experiment.runs)} runs. {told}."
+def _chapters(studied: Sequence[Result]) -> list[dict[str, str]]:
+    """Chapters by their places and short names."""
+    named = [("answer", "Answer"), ("motions", "Motion"), ("headline", "All cases"), ("precision", "Cost")]
+    named += [(result.name, _SHORT.get(result.name, result.study.TITLE)) for result in studied]
+    named += [("failures", "Failures"), ("definitions", "Words"), ("tables", "Tables"), ("made", "Made")]
+    return [{"id": place, "name": name} for place, name in named]
 
 
-def _contents(experiment: Experiment, studied: Sequence[Result]) -> str:
-    links = [("headline", "Transitions"), ("precision", "What accuracy costs in time")]
-    links += [(result.name, result.study.TITLE) for result in studied]
-    links += [(_anchor(case.label), case.label) for case in experiment.cases]
-    links += [
-        ("failures", "What did not work"),
-        ("definitions", "Definitions"),
-        ("tables", "Tables"),
-        ("made", "How it was made"),
-    ]
-    return "\n".join(f'<a href="#{anchor}">{escape(text)}</a>' for anchor, text in links)
+def _solvers(experiment: Experiment) -> list[dict[str, str]]:
+    """Who took part, with colours; the reference last."""
+    chosen = colours(dict.fromkeys(run.solver for run in experiment.runs if run.route))
+    told = [{"name": n, "id": first.identifier(n), "light": c.light, "dark": c.dark} for n, c in chosen.items()]
+    return sorted(told, key=lambda one: one["name"] == REFERENCE)
 
 
-def _anchor(label: str) -> str:
-    return "case-" + "".join(c if c.isalnum() else "-" for c in label).strip("-")
+def _style(solvers: Sequence[Mapping[str, str]]) -> str:
+    own = "".join(f"--of-{one['id']}: light-dark({one['light']}, {one['dark']}); " for one in solvers)
+    library = (vendor.FOLDER / "uplot.min.css").read_text(encoding="utf-8")
+    return f"{library}\n:root {{ {own}}}\n{(_STATIC / 'page.css').read_text(encoding='utf-8')}"
 
 
-def _warnings(experiment: Experiment) -> str:
-    told = []
-    for label, truth in experiment.truths.items():
-        if truth.failure:
-            told.append(f"<strong>{escape(label)}</strong> has no truth, and was not run: {escape(truth.failure)}.")
-    return "\n".join(f'<div class="warning">{text}</div>' for text in told)
+def _script() -> str:
+    """All scripts in one: libraries, then ours, which must see them."""
+    texts = [(vendor.FOLDER / name).read_text(encoding="utf-8") for name in _LIBRARIES]
+    texts += [(_STATIC / name).read_text(encoding="utf-8") for name in _SCRIPTS]
+    return "\n;".join(texts).replace("</script", "<\\/script")
 
 
-# --- sections ---------------------------------------------------------------------------------------------------------
+def _licence(package: Mapping[str, Any]) -> str:
+    return (vendor.FOLDER / next(n for n in package["files"] if n.endswith("LICENSE"))).read_text(encoding="utf-8")
 
 
-def _headline(frame: pd.DataFrame, drawn: Sequence[Drawn], figures: Path, command: str) -> str:
-    """The picture, and a table of cases against routes: finest setting above, the engine as it comes below."""
-    picture = "".join(figure_of(d, figures, command) for d in drawn if d.name == "headline")
-    if frame.empty:
-        return picture
-    rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
-    routes = list(dict.fromkeys(key[1:] for key in rows))
-    head = "".join(f"<th>{escape(solver)}<br>{escape(route)}</th>" for solver, route in routes)
-    body = ""
-    for case in dict.fromkeys(frame["case"]):
-        cells = "".join(f"<td>{_headline_cell(rows.get((case, *route)))}</td>" for route in routes)
-        body += f'<tr><th><a href="#{_anchor(case)}">{escape(case)}</a></th>{cells}</tr>'
-    table = f"<thead><tr><th>case</th>{head}</tr></thead><tbody>{body}</tbody>"
-    return (
-        f'{picture}<div class="scroll"><table class="short">{table}</table></div>'
-        '<p class="note">Above: the worst of all transitions in s where there are several, else the final pose in m, '
-        "at the finest setting, and the accuracy the ladder reaches in it. Small: the error of the first transition's "
-        "time in s, solver minus truth, at the finest setting and for the engine as it comes; where the truth has no "
-        "transition, the largest error of the centre in m; an error inside the truth's own error bar is told as below "
-        'that bar. All of it, with settings and orders: <a href="tables/headline.csv">headline.csv</a>.'
-        f"</p>{remake(command)}"
-    )
+def _json(told: Any) -> str:
+    """For a script of the page: no text in it may end it."""
+    return json.dumps(told, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _headline_cell(row: dict[str, Any] | None) -> str:
-    if row is None:
+def _named(frame: pd.DataFrame) -> dict[str, str]:
+    return {str(column): str(column) for column in frame.columns}
+
+
+def _study(result: Result, drawn: Sequence[Drawn], figures: Path) -> dict[str, Any]:
+    """A study as its template takes it: question, pictures, tables, or why it failed."""
+    told = [
+        {"name": name, "holds": result.words[name].holds, "count": len(frame)}
+        | table(frame.head(_STUDY_ROWS), {c: c.replace("_", " ") for c in map(str, frame.columns)},
+                result.words[name].columns)
+        for name, frame in result.frames.items()
+    ]  # fmt: skip
+    return {
+        "id": result.name,
+        "title": result.study.TITLE,
+        "question": result.study.QUESTION,
+        "failure": result.failure,
+        "command": result.command,
+        "pictures": [picture(d, figures) for d in drawn],
+        "tables": told,
+    }
+
+
+def _points(frame: pd.DataFrame | None, manifest: Mapping[str, Any]) -> Markup | str:
+    """What the plot of work and precision shows, for its script."""
+    if frame is None or not len(frame):
         return ""
-    finest, own = (error_text(row, which) for which in ("finest", "default"))
-    lead, level = lead_text(row, "finest"), reached_text(row)
-    if lead == finest:  # a word, the same for both
-        return escape(lead)
-    small = [f"reaches {level}" if level else "reaches none", f"first: {finest}", f"as it comes: {own}" if own else ""]
-    return "<br>".join([escape(lead), *(f"<small>{escape(text)}</small>" for text in small if text)])
+    names = ("case", "solver", "route", "setting", "quantity", "unit", "lead", "cpu_s", "steps", "absolute_error",
+             "floor_error")  # fmt: skip
+    rows = [[_plain(row[name]) for name in names] for row in records(frame)]
+    options = " ".join(["python -m reports.build", manifest["options"]]).strip()
+    return Markup(_json({"columns": names, "rows": rows, "command": options}))
 
 
-def _study(result: Result, drawn: Sequence[Drawn], figures: Path) -> str:
-    """A study's question, pictures and links to its tables, or why it failed."""
-    pictures = "".join(figure_of(d, figures, result.command) for d in drawn)
-    links = ", ".join(f'<a href="tables/{name}.csv">{name}.csv</a>' for name in result.frames)
-    told = f"<p>{escape(result.study.QUESTION)}</p>" + (f"<p>Tables: {links}.</p>" if links else "")
-    if result.failure:
-        told += f'<div class="warning">This study failed: {escape(result.failure)}</div>'
-    title = escape(result.study.TITLE)
-    return f'<section id="{result.name}"><h2>{title}</h2>{told}{pictures}{remake(result.command)}</section>'
-
-
-def _case(experiment, case: Case, frames, drawn: Sequence[Drawn], figures: Path, manifest) -> str:
-    label, truth = case.label, experiment.truths[case.label]
-    command = command_of(label, manifest)
-    pictures = "".join(figure_of(d, figures, command) for d in drawn if d.case == label and d.name != "headline")
-    body = "" if truth.failure else _case_tables(experiment, label, frames, command)
-    return (
-        f'<section id="{_anchor(label)}">\n<h2>{escape(label)}</h2>\n<p>{escape(_said_of(case))}</p>\n'
-        f"{pictures}{body}</section>"
-    )
-
-
-def _said_of(case: Case) -> str:
-    """The first line of a case function's docstring; of a case made by hand nothing is said."""
-    return cases.entry(case.name).summary if case.name in cases.names() else ""
-
-
-def _case_tables(experiment: Experiment, label: str, frames, command: str) -> str:
-    groups = routes(run for run in experiment.runs if run.case == label).values()
-    shown = {(r.solver, r.route, r.setting) for r in map(finest, groups) if r}
-    events, orders = frames["transitions"], frames["convergence"]
-    told = ""
-    if len(events):
-        keep = [
-            row["case"] == label and (row["solver"], row["route"], row["setting"]) in shown for row in records(events)
-        ]
-        chosen = events[keep]
-        if len(chosen):
-            columns = {c: c.replace("_", " ") for c in events.columns if c not in ("case", "setting")}
-            told += "<h3>Transitions at the finest setting</h3>" + table_of(chosen, columns) + remake(command)
-    chosen = orders[orders["case"] == label] if len(orders) else orders
-    if len(chosen):
-        columns = {c: c.replace("_", " ") for c in orders.columns if c not in ("case", "settings_used")}
-        told += f"<details><summary>Observed orders</summary>{table_of(chosen, columns)}{remake(command)}</details>"
-    return told
-
-
-def _failures(frame: pd.DataFrame) -> str:
-    parts = []
-    words = {"refused": "Refused", "crashed": "Crashed", "timed_out": "Timed out", "wrong": "Wrong"}
-    columns = {"case": "case", "solver": "solver", "route": "route", "setting": "setting", "reason": "reason"}
-    for outcome, title in words.items():
-        rows = frame[frame["outcome"] == outcome] if len(frame) else frame
-        body = table_of(rows, columns) if len(rows) else "<p>None.</p>"
-        parts.append(f"<h3>{title} ({len(rows)})</h3>{body}")
-    return "\n".join(parts)
-
-
-def _whole_table(name: str, frame: pd.DataFrame, words: Table, command: str) -> str:
-    columns = {c: c for c in frame.columns}
-    more = f'<p class="note">The first {_SHOWN_ROWS} of {len(frame)} rows.</p>' if len(frame) > _SHOWN_ROWS else ""
-    links = f'<a href="tables/{name}.csv">{name}.csv</a>, <a href="tables/{name}.md">{name}.md</a>'
-    return (
-        f"<p>{links} — {escape(words.holds)} ({len(frame)} rows)</p>\n"
-        f"<details><summary>Show {name}</summary>{more}{table_of(frame.head(_SHOWN_ROWS), columns, words.columns)}"
-        f"{remake(command)}</details>"
-    )
-
-
-def _manifest(manifest: dict[str, Any]) -> str:
-    rows = [("command", f"<code>{escape(manifest['command'])}</code>"), ("when", escape(manifest["made_at"]))]
-    rows.append(("took", f"{manifest['seconds']:.0f} s"))
-    for key in ("commit", "machine", "python", "solvers", "packages", "settings", "ladders", "compiled"):
-        value = manifest[key]
-        text = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
-        rows.append((key, escape(text)))
-    body = "".join(f"<tr><th>{key}</th><td>{text}</td></tr>" for key, text in rows)
-    return (
-        f'<div class="scroll"><table>{body}</table></div><p class="note">All of it: '
-        '<a href="manifest.json">manifest.json</a>.</p>'
-    )
+def _plain(value: Any) -> Any:
+    """What JSON can hold: no number is null, numbers with four digits, as a picture shows them."""
+    if isinstance(value, float):
+        return float(f"{value:.4g}") if isfinite(value) else None
+    return value if isinstance(value, bool | int) else str(value) if not hasattr(value, "item") else value.item()

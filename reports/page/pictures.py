@@ -9,7 +9,7 @@ from typing import Any
 
 from ..analysis.work_precision import Measured
 from ..drawing import of_cases
-from ..drawing.files import Drawn, Picture
+from ..drawing.files import Drawn, Picture, for_print, printed
 from ..running.calls import Calls
 from ..running.records import Experiment
 from ..studies import Result, study
@@ -26,8 +26,8 @@ def draw(
     drawn = list(of_cases.draw(shown, folder, calls))
     # The longest first. Samples of motions are not drawn there, and need not travel.
     bare = replace(ran, runs=tuple(replace(run, samples={}, off={}) for run in ran.runs))
-    asked: list[tuple] = [(_TIMINGS, bare, measured)] if measured.cases else []
-    asked += [(result.name, result.found) for result in studied if not result.failure]
+    asked: list[tuple] = [(_TIMINGS, printed(), bare, measured)] if measured.cases else []
+    asked += [(result.name, printed(), result.found) for result in studied if not result.failure]
     written: dict[str, list[Drawn]] = {result.name: [] for result in studied}
     for (name, *_), answer in zip(asked, calls.all("other figures", drawn_of, asked, limit=_PATIENCE), strict=True):
         if answer.outcome == "done":
@@ -37,8 +37,9 @@ def draw(
     return drawn + written.pop(_TIMINGS, []), written
 
 
-def drawn_of(name: str, *made_from: Any) -> list[Picture]:
-    """In a worker, whose folder is empty: the pictures of a study from what it found, or of the timings."""
+def drawn_of(name: str, paper: bool, *made_from: Any) -> list[Picture]:
+    """In a worker, whose folder is empty: the pictures of a study from what it found, or of the timings;
+    `paper`: also as PDF."""
     folder = Path.cwd()
     drawn: Iterator[Drawn]
     if name == _TIMINGS:
@@ -47,4 +48,5 @@ def drawn_of(name: str, *made_from: Any) -> list[Picture]:
         drawn = work_precision.draw(made_from[0], made_from[1], folder)
     else:
         drawn = study(name).draw(*made_from, folder)
-    return [Picture.read(one, folder) for one in drawn]
+    with for_print(paper):
+        return [Picture.read(one, folder) for one in drawn]

@@ -1,20 +1,41 @@
-"""What the page is made of: figures, tables, the command that makes them again."""
+"""What the page is made of: templates, figures, tables, the command that makes them again."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from html import escape
+from functools import lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 
 from ..analysis import tables
 from ..drawing.files import Drawn
+from ..running.records import REFERENCE
 from .text import shorten
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_TEMPLATES = Path(__file__).parent / "templates"
+# Words of a table that have a colour of their own.
+_POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
+_VERDICTS = (*tables.OUTCOMES, "matched", "missed", "spurious", "unresolved")
+
+
+@lru_cache(maxsize=1)
+def environment() -> Environment:
+    """The templates of the page; all text is escaped, and a name that is not given is an error."""
+    loader = FileSystemLoader(_TEMPLATES)
+    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+
+
+def _macros() -> Any:
+    return environment().get_template("pieces.html").module
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
@@ -28,21 +49,23 @@ def command_of(label: str, manifest: dict[str, Any]) -> str:
     return f'python -m reports.build {manifest["options"]} --case "{label}"'.replace("  ", " ")
 
 
-def figure_of(drawn: Drawn, folder: Path, command: str) -> str:
-    if not drawn.name:
-        return f'<div class="warning"><strong>{escape(drawn.title)}.</strong> {escape(drawn.caption)}</div>'
-    title = f"{drawn.title}: {drawn.case}" if drawn.case else drawn.title
-    return (
-        f'<figure><a href="figures/{drawn.name}.svg"><img loading="lazy" alt="{escape(title)}" '
-        f'src="{_address((folder / f"{drawn.name}.svg").read_text(encoding="utf-8"))}"></a>'
-        f"<figcaption><strong>{escape(drawn.title)}.</strong> {escape(drawn.caption)}</figcaption></figure>"
-        f"{remake(command)}"
-    )
+def picture(drawn: Drawn, folder: Path, inside: bool = True) -> dict[str, Any]:
+    """A figure as its template takes it: the picture itself is its address, or its file beside the page."""
+    told = {"name": drawn.name, "title": drawn.title, "caption": drawn.caption, "failure": not drawn.name}
+    if drawn.name:
+        told["alt"] = f"{drawn.title}: {drawn.case}" if drawn.case else drawn.title
+        file = folder / f"{drawn.name}.svg"
+        told["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"
+    return told
+
+
+def figure_of(drawn: Drawn, folder: Path, command: str) -> Markup:
+    return _macros().figure(picture(drawn, folder), command)
 
 
 # What an address or an attribute of HTML would take for its own. Escaping no more than that keeps a picture a quarter
 # smaller than base64 would.
-_ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "'", "\n": " "})
+_ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "'", "\n": " ", "<": "%3C", ">": "%3E"})
 
 
 def _address(svg: str) -> str:
@@ -50,39 +73,74 @@ def _address(svg: str) -> str:
     return f"data:image/svg+xml;charset=utf-8,{svg.strip().translate(_ESCAPES)}"
 
 
-def remake(command: str) -> str:
-    return f'<p class="remake">Make it again: <code>{escape(command)}</code></p>'
+def remake(command: str) -> Markup:
+    return _macros().remake(command)
 
 
-def table_of(frame: pd.DataFrame, columns: dict[str, str], words: Mapping[str, str] | None = None) -> str:
-    """Some columns of a table as HTML; a line above each new case, and what a column means as its tip."""
+def table_of(
+    frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None, name: str = "details"
+) -> Markup:
+    """Some columns of a table as HTML."""
+    told = table(frame, columns, words)
+    return _macros().table(told["rows"], told["heads"], name)
+
+
+def table(
+    frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None
+) -> dict[str, list[dict[str, Any]]]:
+    """Heads and rows of some columns, as the template takes them: what a column means is its tip, and a number knows
+    all its digits, by which it is sorted and copied."""
     numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
-    tips = {column: f' title="{escape(text)}"' for column, text in (words or {}).items()}
-    head = "".join(
-        f"<th{class_of('number' if c in numeric else '')}{tips.get(c, '')}>{escape(title)}</th>"
-        for c, title in columns.items()
-    )
-    rows, before = [], None
+    heads = [{"title": title, "number": c in numeric, "tip": (words or {}).get(c, "")} for c, title in columns.items()]
+    rows = []
     for row in records(frame):
-        new = "case" in columns and before is not None and row["case"] != before
-        before = row.get("case")
-        cells = "".join(_cell(row[c], c, numeric) for c in columns)
-        rows.append(f"<tr{class_of('first') if new else ''}>{cells}</tr>")
-    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
+        cells = [_cell(row[c], c, c in numeric) for c in columns]
+        rows.append(
+            {
+                "solver": str(row.get("solver", "")),
+                "route": switch(str(row.get("solver", "")), str(row.get("route", ""))),
+                "cells": cells,
+            }
+        )
+    return {"heads": heads, "rows": rows}
 
 
-def class_of(name: str) -> str:
-    return f' class="{name}"' if name else ""
+def as_written(text: str) -> str:
+    """A number's text as people write it: 1.1e-7 and 0, not 1.1e-07 and 0.0e+00."""
+    return _POWER.sub(lambda m: f"{m[1]}e{m[2].removeprefix('+')}{m[3]}", _ZERO.sub("0", text))
 
 
-def _cell(value: Any, column: str, numeric: set[str]) -> str:
+def switch(solver: str, route: str) -> str:
+    """The route, if it is one that is switched on and off: the reference's methods are not."""
+    return "" if solver == REFERENCE else route
+
+
+def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     text = shorten(value, column)
-    if column in numeric:
-        kind = "number"
-    elif text in (*tables.OUTCOMES, "matched", "missed", "spurious", "unresolved"):
+    if numeric:
+        # What is no number stands at the end of those that grow.
+        whole = isinstance(value, float | np.floating)
+        return {
+            "text": as_written(text),
+            "kind": "number",
+            "order": f"{value:.10g}" if whole and isfinite(value) else None,
+        }
+    if text in _VERDICTS:
         kind = text
     elif "setting" in column:
         kind = "setting"
     else:
         kind = "reason" if column in ("reason", "note", "notes") else ""
-    return f"<td{class_of(kind)}>{escape(text)}</td>"
+    return {"text": text, "kind": kind, "order": None}
+
+
+def in_frame(name: str, inside: str, kind: str = "short") -> str:
+    """A table whose rows are HTML already, in a frame that scrolls and that a keyboard reaches."""
+    return (
+        f'<div class="scroll" tabindex="0" role="region" aria-label="table: {name}">'
+        f'<table{class_of(kind)} data-name="{name}">{inside}</table></div>'
+    )
+
+
+def class_of(name: str) -> str:
+    return f' class="{name}"' if name else ""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,14 @@ if TYPE_CHECKING:
 
 # Columns that hold errors, by the end of their names.
 _ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt", "accuracy")
+
+
+def lost_words(lost: Sequence[str]) -> str:
+    """What is said of calls that something outside ended, "" where there are none."""
+    if not lost:
+        return ""
+    count = "1 call was" if len(lost) == 1 else f"{len(lost)} calls were"
+    return f"{count} ended from outside, and again when made once more ({lost[0]}); the same command makes up for it"
 
 
 def error_text(row: Mapping[str, Any], which: str) -> str:
@@ -51,7 +60,7 @@ def _no_error(row: Mapping[str, Any], which: str) -> str | None:
     if which == "finest" and row["is_truth"]:
         return "is the truth"
     outcome = row[f"{which}_outcome"]
-    return outcome if outcome in ("", "refused", "crashed", "timed_out") else None
+    return outcome if outcome in ("", "refused", "crashed", "timed_out", "not_installed") else None
 
 
 def _unsure(row: Mapping[str, Any], which: str) -> str:
@@ -64,20 +73,50 @@ def reached_text(row: Mapping[str, Any]) -> str:
     return level(row["reached"]) if isfinite(row["reached"]) else ""
 
 
-def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str) -> list[Path]:
+def write(
+    tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str, paper: bool = False
+) -> list[Path]:
     """Each table as NAME.csv (all rows, all digits) and NAME.md (for reading: the top of it, with the words for its
-    columns and the command that makes it again); returns the files. Raises ValueError for an infinite result."""
+    columns and the command that makes it again), for a paper also as NAME.tex; returns the files.
+
+    Raises ValueError for an infinite result.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name, frame in tables.items():
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
         if infinite(frame):
             raise ValueError(f"the table {name} has an infinite result in {', '.join(infinite(frame))}; a word is due")
-        frame.to_csv(files[-2], index=False)
+        inert(frame).to_csv(files[-2], index=False, errors="backslashreplace")
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{words[name].holds}.\n\n{top(name, frame)}\n" + (f"\n{meanings}" if meanings else "")
         files[-1].write_text(f"{text}\nMake it again: `{command}`\n", encoding="utf-8")
+        if paper:
+            files.append(folder / f"{name}.tex")
+            files[-1].write_text(f"% {words[name].holds}. Make it again: {command}\n{latex(frame)}\n", encoding="utf-8")
     return files
+
+
+# What a spreadsheet takes for a formula, or skips to reach one.
+_FORMULA = re.compile(r"\s*[=+\-@]")
+# What a reader of Markdown may take for HTML.
+_TAG = re.compile(r"<(?=[A-Za-z/!?])")
+
+
+def inert(frame: pd.DataFrame) -> pd.DataFrame:
+    """The table with an apostrophe before each text that a spreadsheet would work out; a number in words is none."""
+    texts = [column for column in frame.columns if frame[column].dtype == object or str(frame[column].dtype) == "str"]
+    return frame.assign(**{column: [_inert(value) for value in frame[column]] for column in texts})
+
+
+def _inert(value: Any) -> Any:
+    if not isinstance(value, str) or not _FORMULA.match(value):
+        return value
+    try:
+        float(value)
+    except ValueError:
+        return f"'{value}"
+    return value
 
 
 # What is read of a table: so many rows, and of a cell so many characters; the rest is in the file beside it.
@@ -96,13 +135,26 @@ def markdown(frame: pd.DataFrame) -> str:
     if frame.empty:
         return "No rows."
     columns = [str(column) for column in frame.columns]
-    rows = [[_clipped(shorten(row[c], c)).replace("|", "\\|") for c in columns] for row in frame.to_dict("records")]
+    rows = [[_cell(row[c], c) for c in columns] for row in frame.to_dict("records")]
     # As narrow as it gets: padding is for the terminal.
     return "\n".join(f"| {' | '.join(line)} |" for line in (columns, ["---"] * len(columns), *rows))
 
 
 def _clipped(text: str) -> str:
     return text if len(text) <= _CELL else f"{text[: _CELL - 1].rstrip()}…"
+
+
+def latex(frame: pd.DataFrame) -> str:
+    """The table as a LaTeX `longtable`, numbers shortened for reading."""
+    from tabulate import tabulate
+
+    columns = [str(column) for column in frame.columns]
+    rows = [[shorten(row[c], c) for c in columns] for row in frame.to_dict("records")]
+    return tabulate(rows, headers=columns, tablefmt="latex_longtable", disable_numparse=True)
+
+
+def _cell(value: Any, column: str) -> str:
+    return _TAG.sub("&lt;", _clipped(shorten(value, column)).replace("|", "\\|"))
 
 
 def plain(frame: pd.DataFrame) -> str:

@@ -13,15 +13,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from adapters import Setting
 from adapters.common import exported
 from cases import BadValue, Case, CaseError, Cost, DoesNotFit, Trajectory
 from cases.errors import unknown
 
+from ..judging import noticed
 from .records import Experiment, Run, Truth
 from .tasks import judge, true_motion
 
 ROUTE = "file"
+LONGEST_NAME = 60
 FORM = "--trajectory NAME=FILE.csv, or NAME@CASE=FILE.csv in a report of several cases"
 # NAME, then perhaps @CASE, whose brackets may hold the equals signs of its parameters, then =FILE.
 _FORM = re.compile(r"(?P<name>[^@=]+)(@(?P<case>[^=\[]+(\[[^\]]*\])?))?=(?P<file>.+)", re.DOTALL)
@@ -36,6 +40,8 @@ class External:
     file: str
     digest: str
     motion: Trajectory
+    columns: dict[str, np.ndarray]  # as the file has them
+    route: str = ROUTE
 
 
 def from_options(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[External, ...]:
@@ -48,14 +54,24 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
     if not parts:
         raise BadValue(f"--trajectory is {text!r}; give {FORM}")
     name, file = parts["name"].strip(), Path(parts["file"].strip()).expanduser()
+    if not name.isprintable() or len(name) > LONGEST_NAME or set(name) & set("$<>/\\"):
+        raise BadValue(f"--trajectory names {name!r}; give up to {LONGEST_NAME} letters, digits, spaces and hyphens")
     if name in solvers:
         raise BadValue(f"--trajectory {text!r} takes the name of the solver {name}; give another name")
     case = _case(text, parts["case"], cases)
     try:
-        motion = exported.trajectory_of(case, exported.read_table(file))
+        table = exported.read_table(file)
+        motion = exported.trajectory_of(case, table)
     except CaseError as problem:
         raise type(problem)(f"--trajectory {text!r}: {problem}") from problem
-    return External(name, case, file.name, hashlib.sha256(file.read_bytes()).hexdigest()[:12], motion)
+    # A dollar sign begins a formula in a figure.
+    shown = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
+    return External(name, case, shown, digest(file), motion, exported.columns_of(table))
+
+
+def digest(file: Path) -> str:
+    """What tells one file's content from another's."""
+    return hashlib.sha256(file.read_bytes()).hexdigest()[:12]
 
 
 def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:
@@ -87,19 +103,23 @@ def joined(experiment: Experiment, trajectories: Sequence[External]) -> Experime
 
 def judged(given: External, rung: int, truth: Truth) -> Run:
     """The trajectory's row, judged like any solver's."""
-    row = Run(given.case.label, given.name, ROUTE, Setting.of(file=given.file), rung, outcome="")
+    row = Run(given.case.label, given.name, given.route, Setting.of(file=given.file), rung, outcome="")
     row = replace(row, cost=Cost(steps=len(given.motion.t) - 1), status=given.motion.status)
     try:
-        return judge_external(row, given.case, given.motion, truth)
+        return judge_external(row, given.case, given.motion, truth, given.columns)
     except DoesNotFit as problem:
         return replace(row, outcome="refused", reason=str(problem))
 
 
-def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth) -> Run:
-    """The row with its verdict, ledger and errors; raises DoesNotFit if there is no truth to judge it by."""
+def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, columns: noticed.Columns) -> Run:
+    """The row with its verdict, ledger and errors, and what is noticed about its columns; raises DoesNotFit if there is
+    no truth to judge it by."""
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
-    return judge(row, case, motion, true_motion(case, truth.method), truth)
+    true = true_motion(case, truth.method)
+    run = judge(row, case, motion, true, truth)
+    said = [run.reason, noticed.half_step(columns), noticed.mirrored_axis(columns, true)]
+    return replace(run, reason="; ".join(text for text in said if text))
 
 
 def sources(trajectories: Sequence[External]) -> dict[str, str]:

@@ -3,12 +3,17 @@ workers."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, requires
 from types import ModuleType
 
 import adapters
 
-from . import code
-from .records import REFERENCE
+from . import code, versions
+from .records import REFERENCE, legible
+
+_LONGEST_VERSION = 100
 
 
 def names() -> tuple[str, ...]:
@@ -17,20 +22,52 @@ def names() -> tuple[str, ...]:
 
 
 def solver(name: str) -> ModuleType:
-    """A solver by name, an engine or the reference; raises ImportError if it is not installed."""
+    """A solver by name, an engine or the reference; raises ImportError if it, or the version that its name asks for, is
+    not installed."""
     if name == REFERENCE:
         from . import reference_adapter
 
         return reference_adapter
-    return adapters.engine(name)
+    versions.demand(name)
+    return adapters.engine(versions.parted(name)[0])
+
+
+# The outcome of an engine that is not there: it refuses nothing, and is counted nowhere.
+NOT_INSTALLED = "not_installed"
 
 
 def version(name: str) -> str:
-    """The version of a solver."""
+    """The version of a solver; NOT_INSTALLED and what is missing if it is not there."""
     try:
-        return str(solver(name).version())
-    except ImportError:
-        return "not installed"
+        return legible(solver(name).version(), _LONGEST_VERSION)
+    except ImportError as problem:
+        return f"{NOT_INSTALLED}: {legible(problem.name or problem, _LONGEST_VERSION)}"
+
+
+def is_missing(version: str) -> bool:
+    """Whether what a solver said of its version says that it is not there."""
+    return version.startswith(NOT_INSTALLED)
+
+
+def missing_words(versions: Mapping[str, str]) -> list[str]:
+    """A line for each solver that is not there, and the command that adds those that are extras of this suite."""
+    missing = {name: said.partition(": ")[2] for name, said in versions.items() if is_missing(said)}
+    lines = [f"{name}: {NOT_INSTALLED} (it needs {needs})" for name, needs in missing.items()]
+    extras = sorted({extra for needs in missing.values() if (extra := _extra(needs))})
+    if extras:
+        lines.append(f'make report EXTRAS="{" ".join(extras)}" adds {"them" if len(extras) > 1 else "it"}')
+    return lines
+
+
+def _extra(module: str) -> str:
+    """The extra of this suite that brings a module, "" if none does."""
+    try:
+        needs = requires("slip-to-roll") or []
+    except PackageNotFoundError:
+        return ""
+    found = [re.fullmatch(r"([\w-]+).*;.*extra\s*==\s*['\"](\w+)['\"].*", need) for need in needs]
+    own = {match[1].replace("-", "_"): match[2] for match in found if match}
+    return own.get(module.partition(".")[0], "")
 
 
 def routes(name: str) -> tuple[str, ...]:
@@ -38,4 +75,4 @@ def routes(name: str) -> tuple[str, ...]:
 
     Raises ImportError if what the adapter imports is not installed, LookupError if it has no code to read.
     """
-    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(name)
+    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(versions.parted(name)[0])

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import islice
 from types import ModuleType
 
 import numpy as np
@@ -19,15 +20,16 @@ from adapters import EngineFailure, Setting, other_laws
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, kept_or_new
 
-from ..judging import distances, ledger, transitions
+from ..judging import distances, ledger, soundness, transitions
 from ..judging.slip_phases import Reading
-from .records import TRUTH_RTOL, Offer, Run, Truth, now
-from .solvers import solver
+from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
+from .solvers import NOT_INSTALLED, solver
 
 # What a figure can show; samples beyond are left out at even distances.
 _SHOWN_SAMPLES = 1500
-# A solver that stops no more than this many of its own steps before the end of the truth has ended with it.
-_LAST_STEPS = 2.5
+# What an adapter may have of routes (no more are asked), a ladder or a grid of settings, and a setting of characters:
+# far more than would be run, or read.
+_MOST_ROUTES, _MOST_SETTINGS, _LONGEST_SETTING = 20, 1000, 500
 
 
 def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
@@ -35,26 +37,31 @@ def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
     try:
         module = solver(name)
     except ImportError as problem:
-        return (Offer("", (), "refused", f"{name} is not installed here ({problem})"),)
+        return (Offer("", (), NOT_INSTALLED, f"{name} is not installed here ({problem})"),)
     if not hasattr(module, knobs):
         return ()
-    return tuple(_offer(module, case, str(route), knobs) for route in module.routes)
+    return tuple(_offer(module, case, legible(route), knobs) for route in islice(module.routes, _MOST_ROUTES))
 
 
 def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
     try:
         refusal = module.refuses(case, route)
         if refusal:
-            return Offer(route, (), "refused", str(refusal))
-        return Offer(route, tuple(_plain(setting) for setting in getattr(module, knobs)(case, route)))
-    except Exception as problem:
+            return Offer(route, (), "refused", legible(refusal))
+        offered = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
+        if len(offered) > _MOST_SETTINGS:
+            raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
+        return Offer(route, tuple(map(_plain, offered)))
+    except (Exception, SystemExit) as problem:
         return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}")
 
 
 def _plain(setting: Setting) -> Setting:
-    """The setting, if it is one and holds nothing but numbers and words: only such may travel."""
+    """The setting, if it is one and holds nothing but numbers and words: only such may travel, and stand in a file."""
     if type(setting) is not Setting or any(type(v) not in (int, float, str, bool) for v in dict(setting).values()):
         raise TypeError(f"{setting!r} is no Setting of numbers and words")
+    if legible(setting, _LONGEST_SETTING) != str(setting):
+        raise ValueError(f"a setting is longer than {_LONGEST_SETTING} characters, or cannot be printed")
     return setting
 
 
@@ -139,17 +146,26 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     try:
         motion = timed(solver(row.solver), case, row.route, row.setting)
     except NotSupported as refusal:
-        return replace(row, outcome="refused", reason=str(refusal))
+        return replace(row, outcome="refused", reason=legible(refusal))
     except EngineFailure as failure:
-        return replace(row, outcome="crashed", reason=str(failure))
+        return replace(row, outcome="crashed", reason=legible(failure))
     except (ImportError, MemoryError, OSError):
         raise
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         return replace(row, outcome="crashed", reason=sentence(problem))
-    row = replace(row, status=motion.status, cost=motion.cost)
-    if not sound(motion):
-        return replace(row, outcome="crashed", reason="it gave numbers that are not finite, or times that do not grow")
+    row = replace(row, status=legible(motion.status), cost=motion.cost)
+    if not soundness.sound(motion):
+        return replace(
+            row,
+            outcome="crashed",
+            reason="it gave numbers that are not finite or beyond all sizes, or times that do not grow",
+        )
     return verdict(row, motion)
+
+
+def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:
+    """The motion of one setting of one route, timed and not judged; raises what the solver raises."""
+    return timed(solver(name), case, route, setting)
 
 
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
@@ -178,8 +194,8 @@ def judge(
     gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t)))
     matched = ledger.match(truth.transitions, told.transitions, gap)
     off = distances.differences(trajectory, motion, case)
-    wrong = _faults(told, matched, trajectory, truth)
     away = distances.distance(off)
+    wrong = _faults(case, told, matched, trajectory, motion, truth, away)
     if laws:
         wrong = [*laws, f"its centre is off by {away.centre_max:.2g} m at most", *wrong]
     return replace(
@@ -203,7 +219,15 @@ def reading_of(case: Case, trajectory: Trajectory) -> Reading:
     return transitions.read_motion(case, trajectory)
 
 
-def _faults(told: Reading, matched: tuple[ledger.LedgerRow, ...], trajectory: Trajectory, truth: Truth) -> list[str]:
+def _faults(
+    case: Case,
+    told: Reading,
+    matched: tuple[ledger.LedgerRow, ...],
+    trajectory: Trajectory,
+    motion: Trajectory,
+    truth: Truth,
+    off: distances.Distance,
+) -> list[str]:
     """Why a run is wrong, in phrases; an empty list means right."""
     faults = []
     if told.first_mode != truth.first_mode:
@@ -212,24 +236,14 @@ def _faults(told: Reading, matched: tuple[ledger.LedgerRow, ...], trajectory: Tr
         kinds = [f"{row.before} to {row.after}" for row in matched if row.verdict == verdict]
         if kinds:
             faults.append(f"{len(kinds)} {verdict} ({', '.join(kinds[:3])}{', …' if len(kinds) > 3 else ''})")
-    end, step = float(truth.samples["t"][-1]), float(np.max(np.diff(trajectory.t)))
-    if truth.status != "lift_off" and trajectory.t[-1] < end - _LAST_STEPS * step:
-        faults.append(f"ends at {trajectory.t[-1]:.6g} s, the truth at {end:.6g} s")
-    return faults
-
-
-def sound(trajectory: Trajectory) -> bool:
-    """Whether it is a motion: finite numbers at times that do not go back."""
-    names = ("t", "x", "y", "theta", "vx", "vy", "omega")
-    finite = all(np.all(np.isfinite(getattr(trajectory, name))) for name in names)
-    # In flight there is no slip, and then no place of contact either.
-    finite = finite and bool(np.all(np.isfinite(trajectory.slip) | np.isnan(trajectory.xi1)))
-    return finite and len(trajectory.t) > 1 and bool(np.all(np.diff(trajectory.t) >= 0))
+    begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
+    faults += soundness.untold(trajectory, begin, None if truth.status == "lift_off" else end)
+    return faults + soundness.jumps(case, trajectory, motion, off.centre_max)
 
 
 def _shown(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, and the centre; thinned."""
-    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force")
+    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces; thinned."""
+    names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
     shown = {name: _thin(getattr(trajectory, name)) for name in names}
     with np.errstate(invalid="ignore"):
         shown["lambda"] = shown["normal_force"] / case.track.speed(shown["xi1"])
@@ -244,5 +258,5 @@ def _thin(values: np.ndarray) -> np.ndarray:
 
 def sentence(problem: BaseException) -> str:
     """An exception in one line."""
-    text = " ".join(str(problem).split())
+    text = legible(" ".join(str(problem).split()))
     return f"{type(problem).__name__}: {text}" if text else type(problem).__name__

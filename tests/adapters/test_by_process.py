@@ -1,6 +1,5 @@
 """Engines by the process protocol: the scene they are given, the motion they give, and every way to fail as a row."""
 
-import io
 import json
 import os
 import shutil
@@ -138,7 +137,7 @@ def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
     case = cases.load("bouncing_disc")
     names, rows = export.motion(case)
     assert np.isfinite(rows).all()
-    text = io.StringIO(",".join(names) + "\n" + "\n".join(",".join(map(repr, r)) for r in rows.tolist()))
+    text = ",".join(names) + "\n" + "\n".join(",".join(map(repr, r)) for r in rows.tolist())
     assert exported.trajectory_of(case, exported.parsed(text, "motion")).status == "completed"
 
 

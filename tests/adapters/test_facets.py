@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from adapters.common.facets import chain, is_convex, polygon, sagitta, stretch, sway
+from adapters.common.facets import chain, is_convex, polygon, rim, sagitta, sees_all, stretch, sway
 from cases import Case, Curve, Flight, Gravity, Load, Plate, Start, Unilateral, disc, library
 from cases.contact import start_motion
 from cases.curves import cos, sin
@@ -106,3 +106,20 @@ def test_outlines_that_polygons_of_an_engine_can_be():
     assert is_convex(library.ellipse(0.3, 0.2))
     assert not is_convex(Curve(lambda s: ((0.2 + 0.05 * cos(3 * s)) * cos(s), (0.2 + 0.05 * cos(3 * s)) * sin(s))))
     assert not is_convex(library.catenary(0.3))
+    # Its curvature touches zero four times.
+    assert is_convex(library.superellipse(0.2, 0.15))
+
+
+def test_rim_of_facets_stands_inside_any_outline_by_their_radius():
+    outline = Curve(lambda s: ((0.2 + 0.05 * cos(3 * s)) * cos(s), (0.2 + 0.05 * cos(3 * s)) * sin(s)))
+    s = np.linspace(0.0, 2 * pi, 4001)
+    x, y = rim(outline, 400, inside=0.004)
+    away = [float(np.hypot(outline.point(s)[0] - a, outline.point(s)[1] - b).min()) for a, b in zip(x, y, strict=True)]
+    assert away == pytest.approx([0.004] * 401, abs=2e-5)
+    edge = rim(Curve(lambda s: (s, -0.2), domain=(-0.2, 0.2)), 1, inside=0.01)
+    assert edge == pytest.approx(np.array([[-0.2, 0.2], [-0.19, -0.19]]))
+
+
+def test_outlines_that_a_fan_can_be():
+    assert sees_all(library.ellipse(0.3, 0.2)) and sees_all(Curve(lambda s: (s, -0.2), domain=(-0.2, 0.2)))
+    assert not sees_all(Curve(lambda s: (0.3 + 0.1 * cos(s), 0.1 * sin(s))))

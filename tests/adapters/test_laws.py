@@ -10,9 +10,20 @@ import pytest
 
 import adapters
 from adapters import Setting
-from adapters.laws import LAWS, SCENES, Refused, Route, mechanics
+from adapters.laws import LAWS, SCENES, Refused, Route, effects, judge, mechanics
 from adapters.laws.apart import Apart
-from cases import Case, CoulombFriction, Gravity, Trajectory
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    Trajectory,
+    Unilateral,
+    curves,
+)
 from cases.contact import start_motion
 from cases.shapes import as_line
 
@@ -168,8 +179,78 @@ def drifting():
     return spoiled(x=lambda m: m.x + 0.05 * m.t)
 
 
+def of_another(change, route: str = "assisted"):
+    """pymunk with the case replaced by `change(case)`: an effect that is claimed and modelled by another law."""
+    pymunk = pytest.importorskip("adapters.pymunk")
+    return Hashable(
+        refuses=lambda case, _: pymunk.refuses(change(case), route),
+        ladder=lambda case, _: pymunk.ladder(change(case), route),
+        build=lambda case, _, setting: pymunk.build(change(case), route, setting),
+        run=pymunk.run,
+        read=pymunk.read,
+    )
+
+
+def other_effects(*others, route: str = "assisted"):
+    """pymunk with effects in the place of the case's of their kind, or beside them; a type alone is left out."""
+
+    def change(case: Case) -> Case:
+        kinds = tuple(other if isinstance(other, type) else type(other) for other in others)
+        kept = tuple(effect for effect in case.effects if not isinstance(effect, kinds))
+        return replace(case, effects=(*kept, *(other for other in others if not isinstance(other, type))))
+
+    return of_another(change, route)
+
+
+def osculating():
+    """Every track is replaced by its circle of curvature at the start."""
+
+    def change(case: Case) -> Case:
+        begin = case.start.xi1
+        bend = float(case.track.curvature(begin))
+        centre = case.track.point(begin) + case.track.normal(begin) / bend
+        x, y = (float(c) for c in centre)
+        first = float(case.track.tangent_angle(begin)) - np.pi / 2
+
+        def circle(s):
+            angle = first + (s - begin) * bend
+            return x + curves.cos(angle) / bend, y + curves.sin(angle) / bend
+
+        return replace(case, track=Curve(circle))
+
+    return of_another(change)
+
+
+def never_slowed():
+    """A disc that rolls on for ever, whatever couple resists it."""
+
+    def read(case: Case) -> Trajectory:
+        start, t = start_motion(case), np.linspace(0.0, case.duration, 1001)
+        one, zero = np.ones_like(t), np.zeros_like(t)
+        return Trajectory(
+            t=t, x=start.x + start.vx * t, y=start.y * one, theta=start.theta + start.omega * t, vx=start.vx * one,
+            vy=zero, omega=start.omega * one, slip=zero, normal_force=one, friction_force=zero,
+            xi1=start.xi1 + start.vx * t, xi2=start.xi2 - start.omega * t,
+        )  # fmt: skip
+
+    return closed_form(read)
+
+
 # Law, what its message begins with, and an adapter that breaks it.
 MUTANTS = [
+    ("on_its_track", "on its track: the gap", lambda: spoiled(y=lambda m: m.y + 0.01 * m.t)),
+    ("on_its_track", "on its track: the slip", lambda: spoiled(slip=lambda m: m.slip + 0.2)),
+    ("load", "load: vx", lambda: other_effects(Load)),
+    ("load", "load: vx", lambda: other_effects(Load(fx="-0.9*vx", moment="0.02*sin(4*t)"))),
+    ("load", "load: omega", lambda: other_effects(Load(fx="-0.8*vx", moment="0.02*sin(4.2*t)"))),
+    ("bounce", "bounce: the height", lambda: other_effects(Impact(0.46), route="native")),
+    ("bounce_with_friction", "bounce with friction: vx", lambda: other_effects(CoulombFriction(0.11), route="native")),
+    ("bounce_with_friction", "bounce with friction: vx", lambda: other_effects(Impact(0.4), route="native")),
+    ("landing", "landing: vx", lambda: other_effects(CoulombFriction(0.11))),
+    ("perfectly_rough", "perfectly rough: the spin", lambda: other_effects(PerfectlyRough, CoulombFriction(0.3))),
+    ("guide", "guide: the end of the motion", lambda: other_effects(Unilateral())),
+    ("guide", "guide: the normal force", lambda: spoiled(normal_force=lambda m: np.abs(m.normal_force))),
+    ("rolling_resistance", "rolling resistance: the spin", never_slowed),
     ("friction_torque", "friction torque: the spin", lambda: sliding_disc(torque=0.0)),
     ("friction_torque", "friction torque: the spin", lambda: mutant(never_turning)),
     ("sticking_threshold", "sticking threshold", lambda: mutant(half_the_friction)),
@@ -207,6 +288,26 @@ def test_wrong_adapter_fails_its_law_by_name(law, words, wrong):
     for name in _scenes(law):
         with pytest.raises(AssertionError, match=f"^{words}"):
             LAWS[name](Route(wrong(), "assisted"))
+
+
+def test_a_solver_that_bends_its_tracks_to_circles_is_caught_where_the_curvature_changes():
+    broken = [v.law for v in judge(osculating(), routes=["assisted"]) if v.outcome == "broken"]
+    assert "on_its_track[disc in a valley]" in broken and "momentum_balance[disc in a valley]" in broken
+    # Where tracks are circles there is nothing to find.
+    assert all("valley" in law for law in broken)
+
+
+@pytest.mark.parametrize("name", adapters.engines())
+def test_every_effect_that_an_adapter_claims_has_a_law(name):
+    try:
+        claimed = adapters.engine(name).adapter.KNOWN_EFFECTS
+    except ImportError as problem:
+        pytest.skip(f"{name} is not installed: {problem}")
+    except AttributeError:
+        claimed = adapters.engine(name).KNOWN_EFFECTS
+    laws = {law.partition("[")[0] for law in LAWS}
+    for effect in claimed:
+        assert effects.OF_EFFECT[effect] and laws >= {*effects.OF_EFFECT[effect]}
 
 
 def test_every_law_has_a_wrong_adapter_that_it_catches():

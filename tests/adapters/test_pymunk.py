@@ -108,15 +108,34 @@ def test_what_the_engine_lacks_is_refused_in_one_sentence_that_names_it(route, e
     assert word in reason and reason.endswith(".") and reason.count(". ") == 0
 
 
-def test_native_refuses_a_guide_on_both_sides_and_an_outline_that_is_not_convex():
+def test_native_refuses_a_guide_on_both_sides():
+    assert "both sides" in adapter.refuses(disc_on_hill(), "native")
+    assert adapter.refuses(disc_on_hill(), "assisted") is None
+
+
+def bean_on_line() -> Case:
+    """A plate with a waist, rocking on a line."""
     bean = Curve(
         lambda s: ((0.1 + 0.04 * curves.cos(2 * s)) * curves.cos(s), (0.1 + 0.04 * curves.cos(2 * s)) * curves.sin(s))
     )
-    beaned = Case(Curve(lambda s: (s, 0)), Plate(bean, 1.0, 0.01), (G, PUSH), Start(0.0, 0.0), 1.0)
-    assert "both sides" in adapter.refuses(disc_on_hill(), "native")
-    assert "convex" in adapter.refuses(beaned, "native")
-    assert adapter.refuses(disc_on_hill(), "assisted") is None
-    assert adapter.refuses(beaned, "assisted") is None
+    effects = (G, CoulombFriction(0.5), PUSH)
+    return Case(Curve(lambda s: (s, 0)), Plate(bean, 1.0, 0.004), effects, Start(0.0, xi2=0.05), 0.4)
+
+
+@pytest.mark.parametrize(
+    "case",
+    [bean_on_line(), *map(cases.load, ("superellipse_on_hill", "straight_edge_on_catenary", "spiral_on_incline"))],
+    ids=["a waist", "flat for an instant", "straight and open", "curved and open"],
+)
+def test_any_outline_is_made_of_the_engine_s_shapes(case):
+    exact = reference.simulate(case)
+    off = [
+        float(np.hypot(moved.x[-1] - end.x, moved.y[-1] - end.y))
+        for moved in (play(case, "native", adapter.ladder(case, "native")[place]) for place in (2, 4))
+        for end in [exact(min(moved.t[-1], exact.t[-1]))]
+    ]
+    # A hundredth of the plate's size, with facets and corners of a thousandth.
+    assert off[1] < 0.05 * case.plate.reach, off
 
 
 @pytest.mark.parametrize(

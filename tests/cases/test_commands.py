@@ -50,7 +50,7 @@ def test_new_then_check_then_show_works_without_an_edit(desk, capsys):
     assert run(capsys, "new", "my_valley")[0] == 0
     status, out, _ = run(capsys, "check", "my_valley.py")
     assert status == 0 and "my_valley: fits" in out
-    status, out, _ = run(capsys, "show", "my_valley", "mu=0.2", "--case-file", "my_valley.py")
+    status, out, _ = run(capsys, "show", "my_valley", "mu=0.2")  # it is found where one works
     assert status == 0 and "mu = 0.2" in out and "reference: runs it" in out
     assert (desk / "my_valley.png").stat().st_size > 10_000
 
@@ -70,6 +70,18 @@ def test_check_runs_the_motion_and_says_what_happens(desk, capsys):
     (desk / "my_hill.py").write_text(text)
     status, out, _ = run(capsys, "check", "my_hill.py")
     assert status == 0 and "lift_off" in out and "normal force vanished" in out
+
+
+@pytest.mark.parametrize(("effects", "says"), [("Unilateral()", "gravity pulls it off"), ("", "hangs there")])
+def test_check_notices_a_plate_on_the_wrong_side(desk, capsys, effects, says):
+    """The valley run through from right to left has its left below it; run as the template has it, nothing is said."""
+    text = TEMPLATE.format(name="my_valley").replace(", Unilateral()", f", {effects}")
+    turned = text.replace("(s, -depth", "(-s, -depth").replace("xi1=-1.0", "xi1=1.0")
+    assert turned != text
+    for file, told in (("my_valley", text), ("turned", turned.replace("def my_valley", "def turned"))):
+        (desk / f"{file}.py").write_text(told)
+        status, out, _ = run(capsys, "check", file)
+        assert status == 0 and ("Note: the plate lies on the left" in out) == (says in out) == (file == "turned"), out
 
 
 def test_check_of_a_motion_that_fails_says_so_in_a_line(desk, capsys, monkeypatch):

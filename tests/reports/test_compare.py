@@ -7,9 +7,10 @@ import pytest
 import cases
 import reference
 from adapters.common import exported
+from adapters.interface import engine as adapter_of
 from cases import registry
 from reports import compare
-from reports.judging import residuals
+from reports.judging import noticed, residuals
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
@@ -102,12 +103,14 @@ def test_broken_law_is_told(tmp_path, capsys, spoil, law):
     [
         (lambda frame: frame.drop(columns=["y", "theta"]), "has no column y, theta"),
         (lambda frame: frame.rename(columns=str.upper), "its first line is 'T,X,Y,THETA,"),
-        (lambda frame: frame.assign(t=1e3 * frame.t), "give at least 50, and t in seconds"),
+        (lambda frame: frame.assign(t=1e3 * frame.t), "metres, radians and seconds"),
         (_with("slip", lambda slip: 1e3 * slip), "give it so, in m/s, or leave it out"),
         (_with("slip", lambda slip: -slip), "along the track's increasing parameter"),
         (lambda frame: frame.iloc[::-1], "does not grow"),
-        (lambda frame: frame.iloc[:20], "too coarse"),
-        (lambda frame: frame.iloc[::40], "too coarse"),
+        (lambda frame: frame.iloc[:2], "give at least 3"),
+        (lambda frame: frame.iloc[::200], "too coarse"),
+        (lambda frame: frame.assign(x=-frame.x, vx=-frame.vx), "x is mirrored: give x to the right"),
+        (lambda frame: frame.assign(creep=-1.0), "the creep is -1; give a speed in m/s"),
         (_with("x", lambda x: x.mask(x.index == 7)), "x in line 9 of motion.csv is not a finite number"),
         (lambda frame: frame.assign(x=1e3 * frame.x, y=1e3 * frame.y), "give metres"),
         (_with("theta", np.degrees), "radians"),
@@ -121,6 +124,77 @@ def test_unusable_file_is_told_in_one_sentence(tmp_path, capsys, spoil, sentence
     assert (status, text) == (2, "")
     assert sentence in error
     assert len(error.splitlines()) == 1
+
+
+@pytest.mark.parametrize("every", [10, 16, 40])
+def test_coarse_samples_are_judged_as_those_of_our_own_ladders_are(tmp_path, capsys, every):
+    """Engines as they come step 60 times a second, and are rows; so is a file."""
+    status, text, _ = judged(tmp_path, capsys, table(FULL[:7]).iloc[::every])
+    assert status == 0
+    first = ledger(text)[0]
+    # A part of a step at worst, and seen at the next sample by who looks at step ends.
+    assert abs(float(first[5])) < 0.2e-3 * every
+    assert 0.0 <= float(first[6]) - float(first[3]) <= 1e-3 * every
+
+
+def creeping(speed: float) -> pd.DataFrame:
+    """The motion at a friction of a fifth, which sticks twice, with a slip in stick that is made of creep."""
+    frame = table(motion=reference.simulate(cases.load("disc_in_circle[mu=0.2]"), rtol=1e-12))
+    sticks = frame.slip.abs() < 1e-9
+    return frame.assign(slip=frame.slip + np.where(sticks, speed * np.cos(40 * frame.t), 0.0))
+
+
+@pytest.mark.parametrize("how", ["option", "column", "comment"])
+def test_creep_that_is_declared_is_no_slip(tmp_path, capsys, how):
+    frame, name, file = creeping(5e-3), "disc_in_circle[mu=0.2]", tmp_path / "motion.csv"
+    status, text, _ = judged(tmp_path, capsys, frame, name)
+    assert status == 0 and "spurious" in text
+    words = [name, str(file)]
+    if how == "option":
+        words += ["--creep", "5e-3"]
+    elif how == "column":
+        frame.assign(creep=5e-3).to_csv(file, index=False)
+    else:
+        file.write_text("# made by hand\n# creep = 5e-3 m/s\n" + frame.to_csv(index=False))
+    assert compare.main(words) == 0
+    text = capsys.readouterr().out
+    assert [row[-1] for row in ledger(text)] == ["matched"] * 4
+    assert "above 0.005 m/s" in text
+
+
+@pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
+def test_velocities_half_a_step_beside_the_poses_are_noticed(tmp_path, capsys, shift, when):
+    frame = table(FULL[:7]).iloc[::4]
+    beside = MOTION(np.clip(frame.t + 4e-3 * shift, 0.0, MOTION.t[-1]))
+    moved = frame.assign(vx=beside.vx, vy=beside.vy, omega=beside.omega)
+    assert f"half a step {when} the poses" in judged(tmp_path, capsys, moved)[1]
+    assert "half a step" not in judged(tmp_path, capsys, frame)[1]
+
+
+@pytest.mark.parametrize("engine", ["exudyn", "pymunk"])
+def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
+    adapter, case = adapter_of(engine), cases.load(NAME)
+    model = adapter.build(case, "native", adapter.ladder(case, "native")[2])
+    adapter.run(model)
+    motion = adapter.read(model)
+    columns = {name: getattr(motion, name) for name in FULL[:7]}
+    assert noticed.half_step(columns) == noticed.mirrored_axis(columns, MOTION) == ""
+
+
+def test_mirrored_angle_is_noticed(tmp_path, capsys):
+    frame = table(FULL[:4])
+    status, text, _ = judged(tmp_path, capsys, frame.assign(theta=-frame.theta))
+    assert status == 0
+    assert "theta seems to be mirrored" in text
+    assert "mirrored" not in judged(tmp_path, capsys, frame)[1]
+
+
+def test_axis_that_is_mirrored_about_the_start_is_noticed(tmp_path, capsys):
+    name = "disc_on_line[mu=0.1]"
+    frame = table(FULL[:4], reference.simulate(cases.load(name), rtol=1e-12))
+    status, text, _ = judged(tmp_path, capsys, frame.assign(x=-frame.x, theta=-frame.theta), name)
+    assert status == 0
+    assert "x and theta seem to be mirrored" in text
 
 
 def test_energy_that_grows_is_told(tmp_path, capsys):

@@ -115,7 +115,7 @@ def test_answers_are_the_cheapest_of_each_side(report):
 
 def test_first_sentence_is_true_by_the_tables_beside_it(report):
     page = (report / "index.html").read_text()
-    section = page[page.index('<section id="precision">') :]
+    section = page[page.index('<section class="chapter" id="precision">') :]
     sentence = unescape(re.search(r"<p><strong>(.*?)</strong></p>", section)[1])
     told = read(report, "time_to_accuracy")
     level = told[told.lead & (told.accuracy == conclusions.ASKED) & told.first_call_s.notna()]

@@ -76,7 +76,7 @@ def _cut(moved: Trajectory, count: int) -> Trajectory:
 
 SAMPLED = {"exudyn": regularised, "pymunk": half_stepped}
 # Rungs of the ladders, by solver and route: a middle one and a fine one.
-RUNGS = {("exudyn", "native"): (3, 5), ("exudyn", "assisted"): (3, 5), ("pymunk", "native"): (3, 5),
+RUNGS = {("exudyn", "native"): (3, 5), ("exudyn", "integrator"): (3, 5), ("pymunk", "native"): (3, 5),
          ("pymunk", "assisted"): (2, 5)}  # fmt: skip
 
 

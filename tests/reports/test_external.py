@@ -129,7 +129,6 @@ def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
         ("mine=nowhere.csv", "there is no file 'nowhere.csv'"),
         ("mine=columns.csv", "has no column theta"),
         ("mine=unsorted.csv", "does not grow"),
-        ("mine=coarse.csv", "too coarse"),
         ("mine=millimetres.csv", "give metres"),
     ],
 )
@@ -140,7 +139,6 @@ def test_unusable_trajectory_is_told_in_one_line_before_anything_runs(
     motion.to_csv("mine.csv", index=False)
     motion.drop(columns="theta").to_csv("columns.csv", index=False)
     motion.iloc[::-1].to_csv("unsorted.csv", index=False)
-    motion.iloc[::100].to_csv("coarse.csv", index=False)
     motion.assign(x=1e3 * motion.x, y=1e3 * motion.y).to_csv("millimetres.csv", index=False)
     before = sorted(tmp_path.iterdir())
     assert build.main(["--case", LABEL, "--trajectory", text]) == 2

@@ -73,7 +73,7 @@ def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
         (["disc_on_line"], {}, "is no Case"),
         ([by_hand()], dict(solvers=["pymonk"]), "pymunk"),
         ([by_hand()], dict(effort="some"), "quick"),
-        ([by_hand()], dict(jobs=0), "at least 1"),
+        ([by_hand()], dict(jobs=0), "from 1 to"),
         ([by_hand()], dict(out="."), "inside it"),
     ],
 )

@@ -9,24 +9,31 @@ import cases
 from adapters import Setting
 from adapters.interface import engines
 from reference.paper.closed_form import sliding_disc_in_circle
+from reference.sweeping import plan
 from reports import studies
 from reports.judging.residuals import Residuals
 from reports.running.calls import Calls
 from reports.running.clock import UNTIMED
 from reports.running.records import Run, Truth
-from reports.running.workers import Answer
+from reports.running.serving import Answer
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
+from reports.studies.maps.measure import Map
 from reports.studies.meanings import study as meanings
 from reports.studies.paper import measure as paper
 from reports.studies.published import study as published
 from reports.studies.reference_cost import growth, in_c
 from reports.studies.reference_cost import study as reference_cost
+from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 from reports.studies.stability.sensitivity import Conditioning, Spread
 from reports.studies.stability.step_limit import Bracket
+from reports.sweeping import parts
+from reports.sweeping.parts import Work
 
+ROUTES = (("reference", ""), ("engine", "native"))
+AREA = plan("disc_in_circle", {"mu": "0.1:0.2:2", "xi1": "0:1:2"})
 CASE = cases.load("disc_on_line", mu=0.1)
 ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
 SCENE = stability.Scene(Truth(), Truth(), None, Conditioning(nan, nan, nan), Spread("", nan, nan))
@@ -37,6 +44,7 @@ FOUND = {
     "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.Probe("refused")}, {})],
     "error_parts": [error_parts.Cell(CASE.label, "engine", "native", Setting.of(), "refused", "No such curve.")],
     "formulations": [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations._nothing("crashed", "")],
+    "maps": [Map(*who, AREA, {0: parts.failed(Work(AREA, *who), 0, "crashed", "It blew up.")}) for who in ROUTES],
     "meanings": [dict.fromkeys(meanings.COLUMNS, "")],
     "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
     "published": published.of_one(0)[:1],
@@ -45,6 +53,7 @@ FOUND = {
         reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [HUNG]),
         [reference_cost._cold_row("disc_on_line", HUNG)],
     ),
+    "settings": [settings.Cell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)
     ),

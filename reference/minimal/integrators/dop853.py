@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
-from .segment import BREAKDOWN, Event, Segment, blocks
+from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, Event, Segment, blocks
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
@@ -119,6 +119,9 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
         pieces.append(piece)
         if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
+            return _ended(phase, times, pieces, event, solver.nfev)
+        if len(pieces) >= MOST_LOOKED_AT and solver.status != "finished":
+            event = Event(EXHAUSTED, float(solver.t), tuple(solver.y.tolist()))
             return _ended(phase, times, pieces, event, solver.nfev)
         if solver.status == "finished":
             return _ended(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)

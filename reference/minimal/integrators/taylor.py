@@ -22,7 +22,7 @@ from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..eliminated import Motion
 from ..modes import Phase
 from ..system import System
-from .segment import BREAKDOWN, Event, Segment
+from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, Event, Segment
 
 try:
     import heyoka as hy
@@ -32,6 +32,10 @@ else:
     from .conversion import converted, variables
 
     AVAILABLE = True
+    # What it compiled heyoka keeps for another of the same text, up to 2 GB; here equal systems are one.
+    if hasattr(hy.llvm_state, "set_memcache_limit"):  # versions before it had that cache
+        hy.llvm_state.set_memcache_limit(64 * 2**20)
+    hy.set_logger_level_error()  # a step that is no number ends the phase, with a sentence of ours
     # As numbers: heyoka's own are compared by name, which costs as much as a step.
     SUCCESS, TIME_LIMIT, STEP_LIMIT = (
         int(outcome)
@@ -62,10 +66,11 @@ SMALL = 500
 
 
 @lru_cache(maxsize=128)
-def compiled(system: System, tolerance: float, real: type = float):
-    """The compiled integrator of a system, with one terminal event for each guard."""
-    decided = (tolerance, real.__name__, hy.__version__, _build())
-    return system.kept("integrator", decided, lambda: _compiled(system, tolerance, real))
+def compiled(system: System, tolerance: float, real: type = float, optimised: bool = False):
+    """The compiled integrator of a system, with one terminal event for each guard; `optimised` whatever that takes,
+    for who makes thousands of runs."""
+    decided = (tolerance, real.__name__, hy.__version__, _build(), *(("optimised",) if optimised else ()))
+    return system.kept("integrator", decided, lambda: _compiled(system, tolerance, real, optimised))
 
 
 @lru_cache(maxsize=1)
@@ -75,7 +80,7 @@ def _build() -> tuple[int, int]:
     return found.st_size, found.st_mtime_ns
 
 
-def _compiled(system: System, tolerance: float, real: type):
+def _compiled(system: System, tolerance: float, real: type, optimised: bool):
     known = variables(system)
     equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
@@ -88,7 +93,7 @@ def _compiled(system: System, tolerance: float, real: type):
             tol=real(tolerance),
             fp_type=real,
             compact_mode=False,
-            opt_level=3 if _small(system) else 0,
+            opt_level=3 if optimised or _small(system) else 0,
         )
 
 
@@ -115,7 +120,7 @@ def _nothing_on_disk() -> Iterator[None]:
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     """Compile the phase's equations for that tolerance."""
-    compiled(phase.system, _tolerance(rtol))
+    compiled(phase.system, tolerance_of(rtol))
 
 
 def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
@@ -124,7 +129,7 @@ def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
 
 
 @lru_cache(maxsize=256)
-def _tolerance(rtol: float) -> float:
+def tolerance_of(rtol: float) -> float:
     return float(max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9)))
 
 
@@ -134,19 +139,21 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     The compiled loop carries a phase to its event at once; its steps are taken again, one by one, when they are asked
     for. Where a step may pass something over, or the loop finds no event to end at, they are taken one by one at once.
     """
-    tolerance = _tolerance(rtol)
+    tolerance = tolerance_of(rtol)
     integrator = compiled(phase.system, tolerance)
     ended = None if phase.features else _at_once(integrator, phase, t, y, end)
     if ended is None:
         return _one_by_one(integrator, phase, t, y, end, float, tolerance)
     event, steps = ended
     # No closure: of 10⁵ phases its cells would be a third of all that the garbage collector walks through.
-    return Segment(phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time))
+    return Segment(
+        phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time, steps)
+    )
 
 
-def _again(integrator, phase: Phase, t: float, y, end: float, tolerance: float, ended: float):
-    """Times and dense output of a phase that the compiled loop carried to its end."""
-    again = _one_by_one(integrator, phase, t, y, end, float, tolerance)
+def _again(integrator, phase: Phase, t: float, y, end: float, tolerance: float, ended: float, steps: int):
+    """Times and dense output of a phase that the compiled loop carried to its end, in so many steps."""
+    again = _one_by_one(integrator, phase, t, y, end, float, tolerance, most_steps=steps)
     return np.append(again.times[:-1], ended), again.states
 
 
@@ -170,6 +177,8 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, 
     while guard is None and integrator.time < end:
         outcome, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
         steps, guard = steps + count, _guard(outcome, phase)
+        if guard is None and steps >= MOST_STEPS:
+            guard = EXHAUSTED
         known = guard is not None or int(outcome) in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(integrator.time) or not known:
             return None
@@ -182,7 +191,9 @@ def _guard(outcome, phase: Phase) -> str | None:
     return phase.system.guards.names[number] if 0 <= number < len(phase.system.guards) else None
 
 
-def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Segment:
+def _one_by_one(
+    integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float, most_steps: int = MOST_LOOKED_AT
+) -> Segment:
     """The phase with all its steps."""
     _parametrise(integrator, phase, real)
     series = _series(integrator, t, y, real)
@@ -194,6 +205,9 @@ def _one_by_one(integrator, phase: Phase, t: float, y, end: float, real: type, t
     last, longest = real(end), real(most)
     with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
         while integrator.time < end and guard is None:
+            if len(coefficients) >= most_steps:
+                guard = EXHAUSTED
+                break
             outcome = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
             longest = real(inf)
             coefficients.append(integrator.tc.astype(float))

@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib import pyplot as plt
 
 from ...drawing.files import Drawn, save
-from ...drawing.style import PALETTE, STYLE, logarithmic
+from ...drawing.style import STYLE, logarithmic, ordinal
 from .measure import FORMULATIONS
 
 _WORDS = (
@@ -28,9 +28,9 @@ def draw(told: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
     with matplotlib.rc_context(STYLE):
         figure, axes = plt.subplots(len(names), 3, figsize=(9.6, 3.1 * len(names)), layout="constrained", squeeze=False)
         for line, name in zip(axes, names, strict=True):
-            for i, formulation in enumerate(FORMULATIONS):
+            for i, (formulation, shade) in enumerate(zip(FORMULATIONS, ordinal(len(FORMULATIONS)), strict=True)):
                 own = [row for row in told if (row["scene"], row["formulation"]) == (name, formulation)]
-                look: dict[str, Any] = dict(color=PALETTE[i], marker="os^Dv"[i], markersize=4)
+                look: dict[str, Any] = dict(color=shade, marker="os^Dv"[i], markersize=4)
                 for ax, (x, y) in zip(line, _AXES, strict=True):
                     # Nothing is smaller than a double's rounding of lengths of a metre.
                     ax.plot([r[x] for r in own], [max(r[y], 1e-16) for r in own], **look, label=formulation)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from reference.paper.application import slip_end
 
 from ...drawing.files import Drawn, save
-from ...drawing.style import FAINT, PALETTE, STYLE, logarithmic
+from ...drawing.style import FAINT, STYLE, logarithmic, ordinal
 from .measure import COEFFICIENTS, FIGURED, QUANTITIES, Paper
 
 # Figures 3 and 4 are the slip velocity for the two coefficients, and so on to 11 and 12.
@@ -25,15 +25,16 @@ def diagrams(found: Paper) -> Figure:
         figure, axes = plt.subplots(
             len(QUANTITIES), 2 * len(FIGURED), figsize=(10.4, 9.6), layout="constrained", sharex="col"
         )
+        shades = ordinal(len(FIGURED))
         for i, mu in enumerate(FIGURED):
             paper, ours, stop, after = found.curves[mu]
             for row, (name, label) in enumerate(QUANTITIES.items()):
                 left, right = axes[row, 2 * i], axes[row, 2 * i + 1]
-                left.plot(paper["t"], paper[name], color=PALETTE[i])
+                left.plot(paper["t"], paper[name], color=shades[i])
                 left.set_title(f"figure {_FIRST_FIGURE + 2 * row + i}, μ₀ = {mu:g}")
                 left.set_ylabel(label)
                 right.plot(ours["t"], ours[name], color=FAINT)
-                right.plot(paper["t"], paper[name], color=PALETTE[i])
+                right.plot(paper["t"], paper[name], color=shades[i])
                 right.axvline(stop, color=FAINT, linewidth=0.8, linestyle=":")
                 right.set_title(f"the same, going on: {after}" if row == 0 else "going on")
             for ax in axes[-1, 2 * i : 2 * i + 2]:
@@ -54,11 +55,12 @@ def remark(found: Paper) -> Figure:
             ("xi1", "ξ₁ there / rad"),
             ("needed", "|T| / (μ₀ N) to roll"),
         )
+        reverses, follows = reversed(ordinal(2))
         for ax, (name, label) in zip(axes, panels, strict=True):
             values = np.array([row[name] for row in rows])
             for chosen, colour, what in (
-                (~rolls, PALETTE[1], "then it reverses"),
-                (rolls, PALETTE[0], "then it rolls"),
+                (~rolls, reverses, "then it reverses"),
+                (rolls, follows, "then it rolls"),
             ):
                 ax.plot(mus[chosen], values[chosen], color=colour, label=what)
             for mu in COEFFICIENTS:

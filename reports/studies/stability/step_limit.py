@@ -14,8 +14,9 @@ from adapters import EngineFailure, Setting
 from cases import Case, Gravity, Load, Trajectory, mechanics
 
 from ...judging import residuals
+from ...judging.soundness import sound
 from ...running.solvers import solver
-from ...running.tasks import sentence, sound, timed
+from ...running.tasks import sentence, timed
 
 # A scene without load cannot gain energy; a tenth of all that moves is no inaccuracy any more.
 BLOWN_UP = 0.1

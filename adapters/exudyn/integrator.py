@@ -1,21 +1,21 @@
-"""Our contact geometry inside Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver and step.
+"""Our contact geometry and our contact law in Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver.
 
-The law is that of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that grows
-linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
+The law has the form of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that
+grows linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
 bound: friction grows on, and what rolls creeps with vreg where friction is the plate's weight.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import hypot, isnan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, Load, PerfectlyRough, Unilateral
-from cases.contact import start_motion
 from cases.mechanics import gravity
 
 from ..common.follow import BEYOND, Follower
@@ -29,6 +29,7 @@ from .system import (
     friction_coefficient,
     node_sensors,
     rough_friction,
+    settled_start,
 )
 
 
@@ -133,6 +134,18 @@ class PenaltyContact:
         pressed = normal - np.copysign(self.mu, N) * touch.share * tangent
         return spring * np.outer(pressed, normal) + viscous * np.outer(tangent, tangent)
 
+    def slip_at(self, system) -> Callable[[Any], float]:
+        """The slip velocity (m/s) where a step begins or ends; at its end it is that of the last evaluation."""
+        state, now = system.systemData, exu.ConfigurationType.Current
+
+        def slip(configuration) -> float:
+            if configuration == now:
+                return self.slip
+            pose, velocity = state.GetODE2Coordinates(configuration), state.GetODE2Coordinates_t(configuration)
+            return self.touch(pose.tolist(), velocity.tolist()).slip
+
+        return slip
+
     def follow(self, stored: Stored) -> Contact:
         """The contact along a run that begins at the case's start, as far as it can be found."""
         self.follower = Follower(self.case)
@@ -150,7 +163,7 @@ class PenaltyContact:
 
 def build(case: Case, setting: Setting) -> System:
     """Three coordinates (x, y, θ), the plate's mass matrix, gravity, and the contact as a user function."""
-    start, plate, law = start_motion(case), case.plate, PenaltyContact(case, setting)
+    start, plate, law = settled_start(case, setting), case.plate, PenaltyContact(case, setting)
     container = exu.SystemContainer()
     system = container.AddSystem()
     node = system.AddNode(
@@ -170,7 +183,7 @@ def build(case: Case, setting: Setting) -> System:
             jacobianUserFunction=law.jacobian,  # type: ignore[arg-type]
         )
     )
-    cut_steps(case, setting, system, lambda: law.slip)
+    cut_steps(case, setting, system, law.slip_at(system))
     motion = node_sensors(system, node)
     system.Assemble()
     return System(container, system, motion, None, law.follow)

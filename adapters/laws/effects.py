@@ -1,0 +1,175 @@
+"""Laws of the effects beside gravity, friction and a track that pushes: load, impact, rough contact, guide, resistance.
+
+Each follows from Newton's laws in a line or two, which its docstring has. `OF_EFFECT` says which laws hold an adapter
+to which effect, so that none is claimed without one. Tolerances are those of `adapters.laws.runs`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, sin
+
+import numpy as np
+
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    RollingResistance,
+    Start,
+    Unilateral,
+    curves,
+    disc,
+)
+from cases.contact import start_motion
+
+from .runs import G, Route, Run, hold
+
+LEVEL = Curve(lambda s: (s, 0))
+MASS, RADIUS, INERTIA = 2.0, 0.1, 0.012
+# An inertia of its own keeps the disc from hiding a solver that assumes ½ m r².
+DISC = disc(RADIUS, MASS, inertia=INERTIA)
+# Engines that make impacts of contact forces have their restitution to a hundredth, by what their manuals promise.
+RESTITUTION = 1e-2
+
+
+def load(route: Route) -> None:
+    """A frictionless disc on a level line: m v̇ = −c v, so v = v₀ exp(−c t/m); J ω̇ = M sin(w t)."""
+    drag, moment, rate, begun = 0.8, 0.02, 4.0, 1.0
+    pushed = Load(fx=f"-{drag}*vx", moment=f"{moment}*sin({rate}*t)")
+    run = route.run(Case(LEVEL, DISC, (Gravity(G), pushed, Unilateral()), Start(0.0, slip=begun), duration=1.0))
+    t = run.motion.t
+    # What acts, acts a step early or late.
+    allowed = 2.0 * run.step + 10 * run.rounding * len(t) ** 0.5 + 1e-9
+    hold("load", "vx", run.motion.vx - begun * np.exp(-drag * t / MASS), allowed * drag * begun / MASS)
+    exact = moment / (INERTIA * rate) * (1 - np.cos(rate * t))
+    hold("load", "omega", run.motion.omega - exact, allowed * moment / INERTIA)
+
+
+def _dropped(restitution: float, mu: float, omega: float, duration: float) -> Case:
+    friction = (CoulombFriction(mu),) if mu else ()
+    effects = (Gravity(G), *friction, Unilateral(), Flight(), Impact(restitution))
+    return Case(LEVEL, DISC, effects, Start(0.0, slip=RADIUS * omega, omega=omega, gap=0.2), duration=duration)
+
+
+def _fall(case: Case) -> tuple[float, float]:
+    """When the disc meets the line, and how fast."""
+    speed = (2 * G * (start_motion(case).y - RADIUS)) ** 0.5
+    return speed / G, speed
+
+
+def bounce(route: Route) -> None:
+    """A disc that falls from h on a level line rises to e² h again."""
+    restitution = 0.5
+    case = _dropped(restitution, 0.0, 0.0, duration=0.42)
+    run, (time, speed) = route.run(case), _fall(case)
+    after = run.motion.t > time + 2 * run.step + 0.02
+    top, exact = float(run.motion.y[after].max()) - RADIUS, (restitution * speed) ** 2 / (2 * G)
+    allowed = 2 * restitution * speed * run.kick / G + 2 * RESTITUTION * exact
+    hold("bounce", "the height", top - exact, allowed)
+
+
+def bounce_with_friction(route: Route) -> None:
+    """A spinning disc that slips through its impact: friction takes μ of the impulse, so v_t grows by μ (1 + e) v_n."""
+    restitution, mu, omega = 0.5, 0.1, 60.0
+    case = _dropped(restitution, mu, omega, duration=0.38)
+    run, (time, speed) = route.run(case), _fall(case)
+    after = run.motion.t > time + 2 * run.step + 0.02
+    _spun(
+        "bounce with friction",
+        run,
+        after,
+        -mu * (1 + restitution) * speed,
+        RESTITUTION * mu * (1 + restitution) * speed,
+    )
+
+
+def landing(route: Route) -> None:
+    """A spinning disc that stays where it lands: v_t grows by μ v_n in the impact, and by μ g t from then on."""
+    mu, omega = 0.1, 60.0
+    case = _dropped(0.0, mu, omega, duration=0.4)
+    run, (time, speed) = route.run(case), _fall(case)
+    after = run.motion.t > time + 2 * run.step + 0.02
+    _spun("landing", run, after, -mu * (speed + G * (run.motion.t[after] - time)), RESTITUTION * mu * speed)
+
+
+def _spun(law: str, run: Run, after: np.ndarray, exact, allowed: float) -> None:
+    """Velocity along the line and spin after an impact: friction gave one as much impulse as it took the other."""
+    allowed += run.kick
+    begun = start_motion(run.case)
+    hold(law, "vx", run.motion.vx[after] - begun.vx - exact, allowed)
+    turned = MASS * RADIUS / INERTIA
+    hold(law, "the spin", run.motion.omega[after] - begun.omega - turned * exact, turned * allowed)
+
+
+def perfectly_rough(route: Route) -> None:
+    """A disc rolls down an incline of 69°, whatever friction that takes: (m + J/r²) v̇ = m g sin."""
+    angle, duration = 1.2, 0.5
+    track = Curve(lambda s: (s * curves.cos(angle), -s * curves.sin(angle)))
+    run = route.run(Case(track, DISC, (Gravity(G), PerfectlyRough(), Unilateral()), Start(0.0), duration=duration))
+    growth = G * sin(angle) / (1 + INERTIA / (MASS * RADIUS**2))
+    motion = run.motion
+    hold("perfectly rough", "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step)
+    creep = motion.slip_resolution
+    hold("perfectly rough", "the spin", motion.omega + growth * motion.t / RADIUS, (run.kick + creep) / RADIUS)
+    hold("perfectly rough", "the slip", motion.slip, 2 * creep + run.kick * (1 + MASS * RADIUS**2 / INERTIA))
+
+
+def guide(route: Route) -> None:
+    """A track that also pulls keeps a frictionless disc where it would lift off: N = m g (3 cos φ − 2 cos φ₀)."""
+    begun = 0.2
+    # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
+    track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
+    run = route.run(Case(track, DISC, (Gravity(G),), Start(begun), duration=1.2))
+    motion = run.motion
+    hold("guide", "the end of the motion", float(motion.t[-1]) - 1.2, 2 * run.step)
+    length = 1.0 + RADIUS
+    angle = np.arctan2(motion.x, motion.y)
+    speed = np.sqrt(2 * G * length * (cos(begun) - np.cos(angle)))
+    hold("guide", "the speed", np.hypot(motion.vx, motion.vy) - speed, 2 * run.kick)
+    exact = MASS * G * (3 * np.cos(angle) - 2 * cos(begun))
+    if exact.min() > -0.5 * MASS * G:
+        raise AssertionError("guide: the disc does not come to where it has to be pulled")
+    # The first of them may be told before anything moved; a speed that is off by a kick is a force that is.
+    allowed = 4 * MASS * run.kick * speed[1:] / length + MASS * run.kick + run.grain
+    hold("guide", "the normal force", motion.normal_force[1:] - exact[1:], allowed)
+
+
+def rolling_resistance(route: Route) -> None:
+    """A disc that rolls on a level line against a couple a·N: (m + J/r²) v̇ = −m g a/r, until it rests."""
+    arm, begun, duration = 2e-3, -6.0, 1.0
+    effects = (Gravity(G), CoulombFriction(0.5), RollingResistance(arm), Unilateral())
+    run = route.run(Case(LEVEL, DISC, effects, Start(0.0, omega=begun), duration=duration))
+    slowed = G * arm / (RADIUS**2 * (1 + INERTIA / (MASS * RADIUS**2)))
+    exact = begun + slowed * run.motion.t
+    # The couple acts a step early or late, and what rolls may creep.
+    allowed = (
+        2 * slowed * run.step
+        + (run.motion.slip_resolution + 10 * run.rounding * run.speed * len(exact) ** 0.5) / RADIUS
+    )
+    hold("rolling resistance", "the spin", run.motion.omega - exact, allowed + 1e-9)
+
+
+Law = Callable[[Route], None]
+
+LAWS: dict[str, Law] = {
+    law.__name__: law
+    for law in (load, bounce, bounce_with_friction, landing, perfectly_rough, guide, rolling_resistance)
+}
+
+# The laws that hold an adapter to an effect. (A guide is what there is without `Unilateral`.)
+OF_EFFECT: dict[type, tuple[str, ...]] = {
+    Load: ("load",),
+    Impact: ("bounce", "bounce_with_friction", "landing"),
+    PerfectlyRough: ("perfectly_rough",),
+    RollingResistance: ("rolling_resistance",),
+    Flight: ("free_fall", "landing"),
+    Unilateral: ("lift_off", "guide"),
+    CoulombFriction: ("friction_torque", "sticking_threshold"),
+    Gravity: ("free_fall",),
+}

@@ -1,0 +1,124 @@
+"""Text as an expression. No text is ever evaluated: Python's parser makes a tree of it, whose nodes are looked up in
+two small tables, and every number and power is bounded before SymPy works anything out.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+import warnings
+from collections.abc import Callable, Mapping
+from math import log10
+
+import sympy as sp
+
+from .expressions import DEEPEST, FUNCTIONS, LARGEST_NUMBER, LARGEST_POWER, MOST_PARTS, admitted, sqrt
+
+# A formula on a page or two; Python's own parser takes milliseconds for it.
+LONGEST_TEXT = 4000
+
+_OPERATIONS: dict[type[ast.AST], Callable[..., sp.Expr]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+
+
+class _Refused(Exception):
+    """What is wrong with a text, as the end of a sentence that begins with it."""
+
+
+def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[Exception]) -> sp.Expr:
+    """A text as an expression; only numbers, the variables, arithmetic and `FUNCTIONS` may occur.
+
+    Raises `error` with one sentence that calls the text `what`.
+    """
+    if len(text) > LONGEST_TEXT:
+        raise error(f"{what} has {len(text)} characters; give a formula of at most {LONGEST_TEXT}")
+    shown = repr(text if len(text) <= 80 else f"{text[:60]} … {text[-20:]}")
+    try:
+        with warnings.catch_warnings():  # Python's own about style are no answer to an author
+            warnings.simplefilter("ignore")
+            source = text.strip()
+            tree = ast.parse(source, mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
+        raise error(f"{what} {shown} cannot be read ({getattr(problem, 'msg', problem)})") from None
+    if sum(1 for _ in ast.walk(tree)) > 4 * MOST_PARTS:  # an operation is a node of its own, and so is a name's use
+        raise error(f"{what} {shown} is too long a formula; give one of at most {MOST_PARTS} parts")
+    try:
+        made = _Reader(variables, source).read(tree.body, 0)
+    except _Refused as problem:
+        raise error(f"{what} {shown} {problem}") from None
+    except (ArithmeticError, TypeError, ValueError) as problem:  # no number at all, such as 1/0 within a power
+        raise error(f"{what} {shown} cannot be read ({problem})") from None
+    return admitted(made, variables.values(), f"{what} {shown}", error)
+
+
+class _Reader:
+    """Walks a syntax tree from its leaves up; what is in no table is refused."""
+
+    def __init__(self, variables: Mapping[str, sp.Symbol], source: str):
+        self._variables, self._source = variables, source
+
+    def read(self, node: ast.expr, depth: int) -> sp.Expr:
+        """The expression of one node."""
+        if depth > 2 * DEEPEST:  # a sum of many terms is nested in Python's tree, and flat in SymPy's
+            raise _Refused(f"has more than {2 * DEEPEST} brackets or terms inside each other; shorten it")
+        match node:
+            case ast.Constant(value=bool()):
+                pass
+            case ast.Constant(value=int() | float() as value):
+                return self._number(value, node)
+            case ast.Name():
+                return self._name(node.id)
+            case ast.UnaryOp() if type(node.op) in _OPERATIONS:
+                return _OPERATIONS[type(node.op)](self.read(node.operand, depth + 1))
+            case ast.BinOp(op=ast.BitXor()):
+                raise _Refused("has a ^; write ** for a power")
+            case ast.BinOp(op=ast.Pow()):
+                return _power(self.read(node.left, depth + 1), self.read(node.right, depth + 1))
+            case ast.BinOp() if type(node.op) in _OPERATIONS:
+                return _OPERATIONS[type(node.op)](self.read(node.left, depth + 1), self.read(node.right, depth + 1))
+            case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]):
+                return self._call(name, self.read(argument, depth + 1))
+            case ast.Call(func=ast.Name(id=name)) if name in FUNCTIONS:
+                raise _Refused(f"gives {name} other than one argument; give it one")
+        raise _Refused(f"is more than arithmetic in {', '.join(self._variables)}; write it as an expression")
+
+    def _number(self, value: int | float, node: ast.expr) -> sp.Expr:
+        if not abs(value) <= LARGEST_NUMBER:
+            raise _Refused(f"has a number beyond {LARGEST_NUMBER:g}; give a smaller one")
+        if isinstance(value, int):
+            return sp.Integer(value)
+        # By its digits, as it was written: quadruple precision has use for more than a double holds.
+        return sp.Float((ast.get_source_segment(self._source, node) or repr(value)).replace("_", ""))
+
+    def _name(self, name: str) -> sp.Expr:
+        if name in self._variables:
+            return self._variables[name]
+        if name == "pi":
+            return sp.pi
+        if name in FUNCTIONS:
+            raise _Refused(f"has {name} without its argument; write {name}(…)")
+        raise _Refused(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
+
+    def _call(self, name: str, argument: sp.Expr) -> sp.Expr:
+        if name not in FUNCTIONS or name == "pi":
+            raise _Refused(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
+        return sqrt(argument) if name == "sqrt" else FUNCTIONS[name](argument)
+
+
+def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """A power, worked out only if it is of ordinary size."""
+    if exponent.is_number:
+        size = complex(exponent.evalf(15))
+        if not abs(size) <= LARGEST_POWER:  # NaN is none either
+            raise _Refused(f"has a power that is no number up to {LARGEST_POWER}; write a smaller one")
+        if base.is_number:
+            length = abs(complex(base.evalf(15)))
+            if length > 0.0 and abs(size) * abs(log10(length)) > log10(LARGEST_NUMBER):
+                raise _Refused(f"has a power beyond {LARGEST_NUMBER:g}; give a smaller one")
+    return base**exponent

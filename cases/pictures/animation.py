@@ -1,0 +1,191 @@
+"""A motion that moves: GIF by Pillow, MP4 by ffmpeg, both through Matplotlib."""
+
+from __future__ import annotations
+
+import tempfile
+from base64 import b64encode
+from collections.abc import Callable
+from math import floor, log10
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import animation as movies
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
+
+from ..errors import BadValue, positive, unknown
+from . import MADE_BY
+from . import scene as scenes
+from .plots import LABELS, MODE_WORDS, mark_transitions
+from .scene import Scene
+from .style import FAINT, FORCE, PLATE, Picture, styled
+
+# Frames a second: smooth, and a whole number of the hundredths of a second that a GIF counts.
+FRAMES_A_SECOND = 20
+# Seconds that a motion is made to last when nothing is asked: long enough to see it, short enough to send.
+_SHORTEST, _LONGEST = 4.0, 8.0
+# Dots an inch: a figure of 7 × 3.6 inches is then 560 × 288 pixels.
+_DPI = 80
+# An arrow for a plate's own weight is as long as this share of the plate's size.
+_ARROW = 0.8
+KINDS = (".gif", ".mp4")
+
+
+class Animation:
+    """A motion to look at: `save` writes it, a notebook shows it.
+
+    `factor`: seconds of the motion in one second of film; None: 1 where that makes a film of a few seconds, else a
+    round number that does. `quantity`: what is drawn against time below the scene.
+    """
+
+    def __init__(self, motion: Any, scene: Scene, weight: float, factor: float | None, quantity: str):
+        if quantity not in LABELS:
+            raise unknown("quantity of a motion", quantity, LABELS)
+        self._motion, self._scene, self._weight, self._quantity = motion, scene, weight, quantity
+        lasts = float(motion.t[-1] - motion.t[0])
+        if not lasts > 0.0:
+            raise BadValue(f"the motion of {scene.label} has no duration; there is nothing to animate")
+        self.factor = _round_factor(lasts) if factor is None else positive("factor", factor)
+        self.seconds = lasts / self.factor
+
+    def __repr__(self) -> str:
+        return (
+            f"<Animation of {self._scene.label}: {self.seconds:.3g} s{self._speed()}; save(path) writes .gif or .mp4>"
+        )
+
+    def _repr_html_(self) -> str:
+        with tempfile.TemporaryDirectory() as folder:
+            data = b64encode(self.save(Path(folder) / "film.gif").read_bytes()).decode()
+        return f'<img alt="{self._scene.label} moving" src="data:image/gif;base64,{data}">'
+
+    def save(self, path: str | Path) -> Path:
+        """Write the film; returns its path. Raises BadValue for another ending than .gif and .mp4, and for .mp4 where
+        ffmpeg is missing."""
+        path = Path(path)
+        gif = _check_kind(path)
+        with styled():
+            figure, show = self._frames()
+            times = np.linspace(self._motion.t[0], self._motion.t[-1], max(int(self.seconds * FRAMES_A_SECOND), 2))
+            (_save_gif if gif else _save_mp4)(path, figure, show, [float(time) for time in times])
+        return path
+
+    def _speed(self) -> str:
+        return "" if self.factor == 1 else f", {self.factor:g} × real time"
+
+    def _frames(self) -> tuple[Picture, Callable[[float], None]]:
+        """The first picture, and what changes it into that of another time."""
+        motion, scene = self._motion, self._scene
+        times = motion.times()
+        state = motion(times)
+        figure = Picture(figsize=(7.0, 3.6), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
+        _room(left, scene, np.array([state.x, state.y]), state.xi1)
+        values = getattr(state, self._quantity)
+        right.plot(times, values, color=FAINT, linewidth=1.0)
+        right.set(xlabel="time / s" + self._speed(), ylabel=LABELS[self._quantity])
+        right.margins(x=0)
+        mark_transitions(right, motion.transitions, motion.first_mode, times[[0, -1]], 190.0)
+        left.set_title(scene.label, loc="left", fontweight="bold")
+        moving = _Moving(left, right, scene)
+        size = float(np.ptp(scene.outline.point(np.linspace(*scene.outline.span, scenes.CORNERS)), axis=1).max())
+        scale = _ARROW * size / self._weight if self._weight else 0.0
+
+        def show(time: float) -> None:
+            now = motion(time)
+            moving.show(now, time, getattr(now, self._quantity), scale, _mode_at(motion, time))
+
+        show(float(times[0]))
+        figure.draw_without_rendering()  # where things stand is worked out once, not in every frame
+        figure.set_layout_engine("none")
+        return figure, show
+
+
+class _Moving:
+    """What of the picture changes from frame to frame."""
+
+    def __init__(self, left: Any, right: Any, scene: Scene):
+        self._scene = scene
+        (self._body,) = left.fill([0], [0], facecolor=(PLATE, 0.25), edgecolor=PLATE, linewidth=1.2)
+        (self._spoke,) = left.plot([], [], color=PLATE, linewidth=1.2)
+        (self._rim,) = left.plot([], [], "o", color=PLATE, markersize=4)
+        (self._touch,) = left.plot([], [], "o", color=FORCE, markersize=4)
+        (self._normal,) = left.plot([], [], color=FORCE, linewidth=1.8)
+        (self._friction,) = left.plot([], [], color=FORCE, linewidth=1.8)
+        self._word = left.text(0.99, 1.02, "", transform=left.transAxes, ha="right", color="#555555")
+        self._cursor = right.axvline(0.0, color=FORCE, linewidth=1.0)
+        (self._here,) = right.plot([], [], "o", color=PLATE, markersize=5)
+
+    def show(self, now: Any, time: float, value: float, scale: float, mode: str | None) -> None:
+        corners, spoke = scenes.placed(self._scene, now)
+        self._body.set_xy(corners.T)
+        self._spoke.set_data(*spoke)
+        self._rim.set_data(*spoke[:, 1:])
+        touching = np.isfinite(now.xi1)
+        place = self._scene.track.point(now.xi1) if touching else np.array([np.nan, np.nan])
+        self._touch.set_data(*place[:, None])
+        for arrow, force, along in (
+            (self._normal, now.normal_force, self._scene.track.normal),
+            (self._friction, now.friction_force, self._scene.track.tangent),
+        ):
+            tip = place + scale * force * along(now.xi1) if touching else place
+            arrow.set_data(*np.column_stack([place, tip]))
+        self._word.set_text(MODE_WORDS[mode] if mode else "")
+        self._cursor.set_xdata([time, time])
+        self._here.set_data([time], [value])
+
+
+def _mode_at(motion: Any, time: float) -> str | None:
+    mode = motion.first_mode
+    for transition in motion.transitions:
+        if transition.time <= time:
+            mode = transition.after
+    return mode
+
+
+def _room(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray) -> None:
+    """The track, and axes wide enough for the plate wherever it comes."""
+    X, Y = scene.track.point(scenes.visible(scene, path, xi1))
+    ax.plot(X, Y, color="black", linewidth=1.6)
+    reach = float(np.hypot(*scene.outline.point(np.linspace(*scene.outline.span, scenes.CORNERS))).max())
+    room = 0.3 * reach
+    ax.set_xlim(min(X.min(), path[0].min() - reach) - room, max(X.max(), path[0].max() + reach) + room)
+    ax.set_ylim(min(Y.min(), path[1].min() - reach) - room, max(Y.max(), path[1].max() + reach) + room)
+    scenes.finish(ax, scene)
+
+
+def _round_factor(lasts: float) -> float:
+    """1 for a motion of a few seconds, else the number of the kind 1, 2, 5 × 10ⁿ that makes it one."""
+    if _SHORTEST / 2 <= lasts <= _LONGEST:
+        return 1.0
+    wanted = lasts / _SHORTEST
+    power = 10.0 ** floor(log10(wanted))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9))
+
+
+def _check_kind(path: Path) -> bool:
+    """Whether it is to be a GIF; raises BadValue for what cannot be written."""
+    if path.suffix.lower() not in KINDS:
+        raise BadValue(f"{path.name} ends in {path.suffix or 'nothing'!r}; end it in .gif or .mp4")
+    if path.suffix.lower() == ".mp4" and not movies.FFMpegWriter.isAvailable():
+        raise BadValue("ffmpeg is not installed, without which there is no MP4; install it, or write a .gif")
+    return path.suffix.lower() == ".gif"
+
+
+def _save_gif(path: Path, figure: Picture, show: Callable[[float], None], times: list[float]) -> None:
+    figure.set_dpi(_DPI)
+    canvas, frames = FigureCanvasAgg(figure), []
+    for time in times:
+        show(time)
+        canvas.draw()
+        frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    lasts = 1000 // FRAMES_A_SECOND  # ms
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=lasts, loop=0, comment=MADE_BY.encode())
+
+
+def _save_mp4(path: Path, figure: Picture, show: Callable[[float], None], times: list[float]) -> None:
+    writer = movies.FFMpegWriter(fps=FRAMES_A_SECOND, metadata={"comment": MADE_BY})
+    with writer.saving(figure, str(path), _DPI):
+        for time in times:
+            show(time)
+            writer.grab_frame()

@@ -1,0 +1,94 @@
+"""A motion as a picture: the scene, and quantities against time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import unknown
+from . import scene as scenes
+from .scene import Instant, Scene
+from .style import FAINT, PLATE, Picture, styled
+
+# What may be drawn against time, as the axis says it.
+LABELS = {
+    "x": "X / m",
+    "y": "Y / m",
+    "theta": "rotation θ / rad",
+    "vx": "X velocity / (m/s)",
+    "vy": "Y velocity / (m/s)",
+    "omega": "angular velocity / (rad/s)",
+    "slip": "slip velocity v / (m/s)",
+    "normal_force": "normal force / N",
+    "friction_force": "friction force / N",
+    "xi1": "track parameter ξ₁",
+    "xi2": "outline parameter ξ₂",
+}
+MODE_WORDS = {
+    "slide": "slides",
+    "slip_forward": "slip v > 0",
+    "slip_backward": "slip v < 0",
+    "roll": "rolls",
+    "rest": "rests",
+    "flight": "flies",
+}
+# Points that a letter of eight points takes, in the mean.
+_LETTER = 5.0
+# The width of a panel of time below, in points.
+_PANEL = 270.0
+
+
+def plot(motion: Any, scene: Scene | None, quantities: Iterable[str], colour: str = PLATE) -> Picture:
+    """The scene (where the case is known) beside the quantities against time, lines at the transitions.
+
+    Raises UnknownName for a quantity a motion does not have.
+    """
+    names = tuple(quantities)
+    for name in names:
+        if name not in LABELS:
+            raise unknown("quantity of a motion", name, LABELS)
+    times = motion.times()
+    state = motion(times)
+    with styled():
+        figure = Picture(figsize=(9.2 if scene else 5.0, max(1.5 * len(names), 3.4)), layout="constrained")
+        right: Any = figure
+        if scene is not None:
+            left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.15), squeeze=False)[0]
+            _scene(left.subplots(), scene, motion, times, state)
+        axes = right.subplots(max(len(names), 1), 1, sharex=True, squeeze=False)[:, 0]
+        for i, (ax, name) in enumerate(zip(axes, names, strict=False)):
+            ax.plot(times, getattr(state, name), color=colour)
+            ax.set_ylabel(LABELS[name])
+            ax.margins(x=0)
+            mark_transitions(ax, motion.transitions, motion.first_mode, times[[0, -1]], _PANEL if i == 0 else 0.0)
+        axes[-1].set_xlabel("time / s")
+        right.align_ylabels()
+    return figure
+
+
+def _scene(ax: Any, scene: Scene, motion: Any, times: np.ndarray, state: Any) -> None:
+    chosen = scenes.instants(times, [t.time for t in motion.transitions][:6])
+    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in chosen]
+    scenes.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses)
+    ax.set_title(scene.label, loc="left", fontweight="bold")
+
+
+def mark_transitions(ax: Any, transitions: Sequence, first_mode: str | None, span, width: float = 0.0) -> None:
+    """Lines at the transitions; over an axis about `width` points wide also the modes between, in words."""
+    times = [t.time for t in transitions]
+    for time in times:
+        ax.axvline(time, color=FAINT, linewidth=0.7, zorder=0.5)
+    if not width:
+        return
+    edges = [float(span[0]), *times, float(span[1])]
+    modes = [first_mode, *(t.after for t in transitions)]
+    for mode, left, right in zip(modes, edges[:-1], edges[1:], strict=False):
+        word = MODE_WORDS[mode] if mode is not None else ""
+        # A stretch narrower than its word goes without.
+        if word and (right - left) * width > _LETTER * len(word) * (edges[-1] - edges[0]):
+            ax.annotate(
+                word, (0.5 * (left + right), 1.0), (0, 3), xycoords=("data", "axes fraction"),
+                textcoords="offset points", ha="center", color="#555555", fontsize=8,
+            )  # fmt: skip

@@ -1,0 +1,121 @@
+"""What came of many scenarios, as columns: one value a scenario, and the transitions of all in one flat list."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Mode, State, Transition, geometry
+from cases.contact import start_motion
+from cases.mechanics import energy
+
+from ..minimal.decision import Undecidable
+from ..minimal.hybrid import CAUSES, slip_and_spin, undecidable
+from ..minimal.modes import FLIGHT, Phase, full_state, start_state
+from ..solve import INTEGRATORS, METHODS, first_regime, prepare, solved
+from .scenes import Scenes
+
+MODES = tuple(Mode)
+PHRASES = tuple(dict.fromkeys(CAUSES.values()))
+NUMBER = {mode: number for number, mode in enumerate(MODES)}
+
+
+class Events(NamedTuple):
+    """Transitions: whose, when (s), from which mode to which, where, and why; modes and phrases by their numbers."""
+
+    who: np.ndarray
+    time: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    xi1: np.ndarray
+    xi2: np.ndarray
+    cause: np.ndarray
+
+    @classmethod
+    def joined(cls, some: list[Events], keep: np.ndarray) -> Events:
+        """All of them by scenario, in time's order as they were noted; only of scenarios to `keep`."""
+        types = (int, float, int, int, float, float, int)
+        columns = [np.concatenate([np.empty(0, t), *(e[i] for e in some)]) for i, t in enumerate(types)]
+        order = np.argsort(columns[0], kind="stable")
+        order = order[keep[columns[0][order]]]
+        return cls(*(column[order] for column in columns))
+
+
+@dataclass(eq=False)
+class Motions:
+    """n scenarios: `first` the number of the first mode (-1: none), `status` and `reason` as in Trajectory, `end` (s),
+    energies at start and end (J), steps, and whether it was simulated `alone`."""
+
+    first: np.ndarray
+    status: np.ndarray
+    reason: np.ndarray
+    end: np.ndarray
+    energy_start: np.ndarray
+    energy_end: np.ndarray
+    steps: np.ndarray
+    alone: np.ndarray
+    events: Events
+
+    @classmethod
+    def none(cls, n: int) -> Motions:
+        """Of n scenarios nothing yet."""
+
+        def words() -> np.ndarray:
+            return np.full(n, "", dtype=object)
+
+        def numbers() -> np.ndarray:
+            return np.full(n, np.nan)
+
+        events = Events.joined([], np.zeros(n, dtype=bool))
+        steps, alone = np.zeros(n, dtype=int), np.zeros(n, dtype=bool)
+        return cls(np.full(n, -1), words(), words(), numbers(), numbers(), numbers(), steps, alone, events)
+
+
+def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> None:
+    """Scenarios as `simulate` does them, one after the other, in the place of what is noted of them."""
+    keep, everybody = (np.ones(len(moved.first), dtype=bool) for _ in range(2))
+    keep[who] = False
+    noted = [Events.joined([moved.events], keep)]
+    for i in who.tolist():
+        transitions = _simulated(scenes.alone(i), rtol, moved, i)
+        numbers = [
+            (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions
+        ]
+        noted += [Events(*(np.array(column) for column in zip(*numbers, strict=True)))] if numbers else []
+    moved.events = Events.joined(noted, everybody)
+
+
+@np.errstate(all="ignore")  # as in `simulate`
+def _simulated(case: Case, rtol: float, moved: Motions, i: int) -> list[Transition]:
+    """What `simulate` finds, without samples, into row i; returns the transitions."""
+    prepare(case, None, rtol)
+    start = start_state(case)
+    try:
+        segments, transitions, ending = solved(case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1])
+    except Undecidable:
+        segments, transitions, ending = [], [], undecidable(0.0)
+    moved.status[i], moved.reason[i] = ending
+    moved.alone[i], moved.steps[i] = True, sum(segment.steps for segment in segments)
+    moved.first[i] = NUMBER[segments[0].phase.regime.mode] if segments else -1
+    moved.energy_start[i] = moved.energy_end[i] = energy(case, start_motion(case))
+    moved.end[i] = 0.0
+    if segments:
+        last = segments[-1]
+        moved.end[i], moved.energy_end[i] = (
+            last.event.time,
+            energy(case, _motion_in(case, last.phase, last.event.state)),
+        )
+    return transitions
+
+
+def _motion_in(case: Case, now: Phase, own) -> geometry.Motion | State:
+    """A phase's own state as pose and velocities."""
+    if now.regime == FLIGHT:
+        nan = float("nan")
+        nothing = nan, 0.0, 0.0, nan, nan
+        return State(*(float(v) for v in own), *nothing)  # type: ignore[call-arg]
+    y = full_state(case, now, own)
+    slip, omega = slip_and_spin(case, y)
+    return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip, omega)

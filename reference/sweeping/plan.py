@@ -1,0 +1,288 @@
+"""Which scenarios: a case, what is fixed, and what varies and how. Scenarios have numbers; any stretch of them can be
+worked out by itself, on any machine, so that nothing has to be sent or kept but the plan.
+"""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from math import prod
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+import cases
+from cases import BadValue, Case
+from cases.errors import finite, unknown, whole
+from cases.registry import parse
+
+# How parameters vary: every combination, or as many points in all of their ranges together.
+SAMPLES = ("grid", "random", "sobol")
+# Numbers of scenarios are 64-bit integers.
+MOST = 2**62
+# Points of SciPy's Sobol sequence.
+MOST_SOBOL = 2**30
+# Philox gives four numbers a step.
+_WORDS = 4
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What one parameter does: some values, or a range to draw from; `count` is None for a range.
+
+    With `log` values are spaced, or drawn, evenly in their logarithm.
+    """
+
+    name: str
+    low: float = 0.0
+    high: float = 0.0
+    count: int | None = None
+    log: bool = False
+    values: tuple[float, ...] = ()
+
+    @cached_property
+    def all(self) -> np.ndarray:
+        """Its values."""
+        if self.values:
+            return np.array(self.values)
+        spaced = np.geomspace if self.log else np.linspace
+        return spaced(self.low, self.high, self.count or 0)
+
+    def __len__(self) -> int:
+        return len(self.values) or self.count or 0
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def drawn(self, part: np.ndarray) -> np.ndarray:
+        """Values at parts between 0 and 1 of the range."""
+        if self.log:
+            return self.low * (self.high / self.low) ** part
+        return self.low + (self.high - self.low) * part
+
+    @classmethod
+    def of(cls, name: str, given: Any) -> Axis:
+        """From text ("0.01:0.5:200", "0.01:0.5:200:log", "0.1,0.2"), numbers, or a pair for a range."""
+        if isinstance(given, Axis):
+            return given
+        if isinstance(given, str):
+            return _from_text(name, given)
+        if isinstance(given, Real):
+            return cls(name, values=(finite(name, given),))
+        try:
+            values = [finite(name, value) for value in (given.tolist() if isinstance(given, np.ndarray) else given)]
+        except TypeError:
+            raise BadValue(
+                f"{name} is {given!r}; give a number, a list of numbers or text such as 0.01:0.5:200"
+            ) from None
+        if not values:
+            raise BadValue(f"{name} has no value; give at least one")
+        return cls(name, values=tuple(values))
+
+    def as_range(self) -> Axis:
+        """The same as something to draw from: two values are the ends of a range."""
+        if len(self.values) == 1:
+            return Axis(self.name, self.values[0], self.values[0])
+        if self.values and len(self.values) != 2:
+            raise BadValue(f"{self.name} has {len(self.values)} values; to be drawn from, give low:high")
+        if self.values:
+            return _range(self.name, self.values[0], self.values[1], log=False)
+        return Axis(self.name, self.low, self.high, None, self.log)
+
+
+def _from_text(name: str, text: str) -> Axis:
+    how = f"{name}={text!r} cannot be read; write {name}=low:high:count, {name}=low:high:count:log, or {name}=a,b,c"
+    parts = text.split(":")
+    log = parts[-1] == "log"
+    parts = parts[:-1] if log else parts
+    try:
+        if len(parts) == 1 and not log:
+            return Axis.of(name, [float(part) for part in parts[0].split(",") if part.strip()])
+        numbers = [float(part) for part in parts]
+    except ValueError as problem:
+        if isinstance(problem, BadValue):
+            raise
+        raise BadValue(how) from None
+    if len(numbers) not in (2, 3):
+        raise BadValue(how)
+    found = _range(name, numbers[0], numbers[1], log=log)
+    if len(numbers) == 2:
+        return found
+    count = whole(f"the count of {name}", numbers[2], 1, MOST)
+    return Axis(name, found.low, found.high, count, log)
+
+
+def _range(name: str, low: float, high: float, log: bool) -> Axis:
+    low, high = finite(f"the start of {name}", low), finite(f"the end of {name}", high)
+    if not low < high:
+        raise BadValue(f"{name} runs from {low:g} to {high:g}, which is empty; give the smaller number first")
+    if log and low <= 0.0:
+        raise BadValue(f"{name} runs from {low:g} by powers; give a start above zero")
+    return Axis(name, low, high, None, log)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sweep: a case by name (or its function), fixed parameters, axes, how they are sampled, and the tolerance.
+
+    `files` are case files to load first. Raises CaseError, in one sentence, for what makes no sense.
+    """
+
+    case: str | Callable[..., Case]
+    axes: tuple[Axis, ...]
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    sample: str = "grid"
+    number: int | None = None
+    seed: int = 0
+    rtol: float = 1e-10
+    files: tuple[str, ...] = ()
+
+    def __post_init__(self):
+        if self.sample not in SAMPLES:
+            raise unknown("sampling", str(self.sample), SAMPLES)
+        known = self.parameters
+        names = [axis.name for axis in self.axes]
+        for name in (*names, *self.fixed):
+            if name not in known:
+                raise unknown(f"parameter of {self.name}", name, known)
+        for name in names:
+            if names.count(name) > 1 or name in self.fixed:
+                raise BadValue(f"{name} is given twice; give each parameter once")
+            if isinstance(known[name], str | bool) or not isinstance(known[name], Real):
+                raise BadValue(f"{name} of {self.name} is {known[name]!r}, no number; only numbers can vary")
+        if not names:
+            raise BadValue(f"nothing varies; give at least one parameter of {self.name}: {', '.join(known)}")
+        if not isinstance(self.rtol, float | int) or not 1e-14 <= self.rtol <= 1e-2:
+            raise BadValue(f"rtol is {self.rtol!r}; give a number between 1e-14 and 1e-2")
+        self._check_sample()
+
+    def _check_sample(self) -> None:
+        if self.sample == "grid":
+            if self.number is not None:
+                raise BadValue(
+                    "a grid has as many scenarios as its axes say; leave the number out, or sample at random"
+                )
+            for axis in self.axes:
+                if not len(axis):
+                    raise BadValue(f"{axis.name} has no count; write {axis.name}={axis.low:g}:{axis.high:g}:count")
+        else:
+            if self.number is None:
+                raise BadValue(f"sampling {self.sample} needs the number of scenarios; give one")
+            object.__setattr__(self, "axes", tuple(axis.as_range() for axis in self.axes))
+            whole("the number of scenarios", self.number, 1, MOST_SOBOL if self.sample == "sobol" else MOST)
+            whole("seed", self.seed, 0, 2**63)
+        if len(self) > MOST:
+            raise BadValue(f"the grid has {len(self):.3g} scenarios; give fewer")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A plan travels as what it says, without what was worked out of it."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @property
+    def name(self) -> str:
+        """The case's name."""
+        return self.case if isinstance(self.case, str) else getattr(self.case, "__name__", "the case")
+
+    @cached_property
+    def _entry(self):
+        for file in self.files:
+            if isinstance(self.case, str) and self.case not in cases.names():
+                cases.load_file(file)
+        return cases.entry(self.case) if isinstance(self.case, str) else None
+
+    @cached_property
+    def parameters(self) -> dict[str, Any]:
+        """The case's parameters and their defaults."""
+        if self._entry is not None:
+            return self._entry.parameters
+        return {name: p.default for name, p in inspect.signature(self.function).parameters.items()}
+
+    def __len__(self) -> int:
+        return prod(map(len, self.axes)) if self.sample == "grid" else int(self.number or 0)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of a grid, its axes' lengths; the last runs fastest."""
+        return tuple(map(len, self.axes))
+
+    def make(self, **parameters: float) -> Case:
+        """One scenario as a case; raises CaseError."""
+        if self._entry is not None:
+            return cases.load(self.name, **{**self.fixed, **parameters})
+        return self.case(**{**self.fixed, **parameters})  # type: ignore[operator]
+
+    @property
+    def function(self) -> Callable[..., Case]:
+        """The case's own function."""
+        return self._entry.function if self._entry is not None else self.case  # type: ignore[return-value]
+
+    def columns(self, start: int, stop: int) -> dict[str, np.ndarray]:
+        """The parameters of scenarios start … stop − 1, each of shape (stop − start,)."""
+        if self.sample == "grid":
+            places = np.unravel_index(np.arange(start, stop), self.shape)
+            return {axis.name: axis.all[place] for axis, place in zip(self.axes, places, strict=True)}
+        parts = _random(self, start, stop) if self.sample == "random" else _sobol(self, start, stop)
+        return {axis.name: axis.drawn(part) for axis, part in zip(self.axes, parts.T, strict=True)}
+
+    def as_text(self) -> dict[str, Any]:
+        """All that decides the rows, in a form that can be written down and compared."""
+        axes = [[a.name, *map(repr, (a.low, a.high, a.count, a.log)), list(map(repr, a.values))] for a in self.axes]
+        fixed = {name: repr(value) for name, value in sorted(self.fixed.items())}
+        sampled = {"sample": self.sample, "number": self.number, "seed": self.seed if self.sample != "grid" else None}
+        return {"case": self.name, "fixed": fixed, "axes": axes, **sampled, "rtol": repr(self.rtol)}
+
+
+def plan(
+    case: str | Case | Callable[..., Case],
+    vary: Mapping[str, Any],
+    sample: str = "grid",
+    number: int | None = None,
+    seed: int = 0,
+    rtol: float = 1e-10,
+    files: Sequence[str] = (),
+) -> Plan:
+    """The plan of what a user says; a single number fixes a parameter. Raises CaseError."""
+    name, fixed = _named(case)
+    axes = [Axis.of(key, value) for key, value in vary.items()]
+    single = {axis.name: axis.values[0] for axis in axes if len(axis.values) == 1}
+    varying = tuple(axis for axis in axes if axis.name not in single)
+    fixed = {key: value for key, value in fixed.items() if key not in vary} | single
+    return Plan(name, varying, fixed, sample, number, seed, rtol, tuple(files))
+
+
+def _named(case) -> tuple[str | Callable[..., Case], dict[str, Any]]:
+    if isinstance(case, str):
+        bare, fixed = parse(case)
+        cases.entry(bare)  # raises UnknownName
+        return bare, dict(fixed)
+    if isinstance(case, Case):
+        if case.name not in cases.names() or cases.load(case.name, **case.parameters) != case:
+            raise BadValue(f"the case {case.label} was made by hand; give the function that makes it, and what varies")
+        return case.name, dict(case.parameters)
+    if callable(case):
+        return case, {}
+    raise BadValue(f"{case!r} is no case; give its name, for example 'disc_in_circle', or a function that makes it")
+
+
+def _random(plan: Plan, start: int, stop: int) -> np.ndarray:
+    """Numbers in [0, 1) by Philox, whose state at any place is known at once: shape (stop − start, axes)."""
+    blocks = -(-len(plan.axes) // _WORDS)  # each scenario begins a step of the generator
+    generator = np.random.Philox(key=plan.seed).advance(start * blocks)
+    drawn = np.random.Generator(generator).random((stop - start, blocks * _WORDS))
+    return drawn[:, : len(plan.axes)]
+
+
+def _sobol(plan: Plan, start: int, stop: int) -> np.ndarray:
+    """Owen-scrambled points of Sobol's sequence, by SciPy."""
+    from scipy.stats import qmc  # slow to import
+
+    sequence = qmc.Sobol(len(plan.axes), scramble=True, rng=np.random.default_rng(plan.seed))
+    if start:
+        sequence.fast_forward(start)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of stretches that are no power of two: the whole may be one
+        return sequence.random(stop - start)

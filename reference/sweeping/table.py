@@ -1,0 +1,175 @@
+"""A sweep's rows: one a scenario, in Arrow's columns, which Parquet keeps and pandas reads."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Mapping
+
+import numpy as np
+import pyarrow as pa
+
+from cases import BadValue, CaseError, Mode
+
+from .motions import MODES, Motions, simulated
+from .plan import Plan
+from .scenes import Bad, Scenes, scenes, straight
+from .waves import move
+
+# What stands between the modes of a sequence.
+ARROW = ">"
+# The outcomes that no motion has: parameters no scene can have, and a scenario that the solver could not do.
+BAD, FAILED = "bad_case", "failed"
+
+_WORDS = pa.dictionary(pa.int32(), pa.string())
+# Every column after the parameters, with what it means.
+COLUMNS: dict[str, tuple[pa.DataType, str]] = {
+    "outcome": (_WORDS, "how the motion ended: the trajectory's status, bad_case, or failed"),
+    "reason": (_WORDS, "what ended it, in a sentence"),
+    "sequence": (_WORDS, "its modes, one after the other"),
+    "transitions": (pa.int32(), "how many changes of mode"),
+    "first_time": (pa.float64(), "when the first is, s"),
+    "first_xi1": (pa.float64(), "and where on the track"),
+    "first_after": (_WORDS, "the mode that follows it"),
+    "times": (pa.list_(pa.float64()), "the times of all, s"),
+    "at_xi1": (pa.list_(pa.float64()), "their places on the track"),
+    "at_xi2": (pa.list_(pa.float64()), "and on the outline"),
+    "error_bars": (pa.list_(pa.float64()), "how sure the times are, s, where they were certified"),
+    "end": (pa.float64(), "when the motion ends, s"),
+    "energy_start": (pa.float64(), "kinetic energy and potential of gravity at the start, J"),
+    "energy_end": (pa.float64(), "and at the end, J"),
+    "steps": (pa.int32(), "the integrator's steps"),
+    "cpu_s": (pa.float64(), "CPU time, s: that of its part of the sweep, shared evenly"),
+    "alone": (pa.bool_(), "whether it was simulated by itself, not in a wave"),
+}
+
+
+def check_names(plan: Plan) -> None:
+    """Raises BadValue if a parameter is called like a column of ours."""
+    for axis in plan.axes:
+        if axis.name in COLUMNS or axis.name == "scenario":
+            raise BadValue(f"the parameter {axis.name} is called like a column of the table; give it another name")
+
+
+def solved(plan: Plan, start: int, stop: int, optimised: bool = False, certified: bool = False) -> pa.Table:
+    """The rows of scenarios start … stop − 1."""
+    return rows(plan, plan.columns(start, stop), start, optimised, certified)
+
+
+def rows(
+    plan: Plan, parameters: Mapping[str, np.ndarray], start: int = 0, optimised: bool = False, certified: bool = False
+) -> pa.Table:
+    """The rows of scenarios of the plan's case with any parameters, numbered from `start`."""
+    began, n = time.process_time(), len(next(iter(parameters.values())))
+    groups, bad = scenes(plan.make, parameters, straight(plan.function))
+    moved = [(group, _moved(group, plan.rtol, optimised)) for group in groups]
+    columns = _columns(n, moved, bad)
+    columns["error_bars"] = _bars(plan, parameters, columns) if certified else pa.nulls(n, COLUMNS["error_bars"][0])
+    columns["cpu_s"] = np.full(n, (time.process_time() - began) / n)
+    known = {"scenario": np.arange(start, start + n), **parameters}
+    arrays = [pa.array(column) for column in known.values()]
+    arrays += [_arrow(columns[name], kind) for name, (kind, _) in COLUMNS.items()]
+    return pa.Table.from_arrays(arrays, schema=schema(plan))
+
+
+def schema(plan: Plan) -> pa.Schema:
+    """The columns of a plan's rows."""
+    fields = [("scenario", pa.int64()), *((axis.name, pa.float64()) for axis in plan.axes)]
+    return pa.schema([*fields, *((name, kind) for name, (kind, _) in COLUMNS.items())])
+
+
+def _arrow(column, kind: pa.DataType) -> pa.Array:
+    if isinstance(column, pa.Array):
+        return column
+    if kind == _WORDS:
+        return pa.array(column, pa.string()).dictionary_encode()
+    return pa.array(column, kind, from_pandas=True)  # what is not known is null, not NaN
+
+
+def _moved(group: Scenes, rtol: float, optimised: bool) -> Motions:
+    """The motions of a group; where the solver fails, of each that it can do."""
+    try:
+        return move(group, rtol, optimised)
+    except Exception as problem:  # one scenario takes no other with it
+        logging.getLogger("reference").warning("a wave failed (%s: %s); one by one", type(problem).__name__, problem)
+    moved = Motions.none(len(group.rows))
+    for i in range(len(group.rows)):
+        try:
+            simulated(group, np.array([i]), rtol, moved)
+        except Exception as problem:
+            moved.status[i], moved.reason[i] = FAILED, f"{type(problem).__name__}: {problem}"
+    return moved
+
+
+def _columns(n: int, moved: list[tuple[Scenes, Motions]], bad: list[Bad]) -> dict:
+    """What came of n scenarios, from their groups."""
+    nan, nothing = np.full(n, np.nan), np.full(n, "", dtype=object)
+    columns: dict = {name: nothing.copy() for name in ("outcome", "reason", "sequence", "first_after")}
+    columns |= {name: nan.copy() for name in ("first_time", "first_xi1", "end", "energy_start", "energy_end")}
+    columns |= {
+        "transitions": np.zeros(n, dtype=int),
+        "steps": np.zeros(n, dtype=int),
+        "alone": np.zeros(n, dtype=bool),
+    }
+    for row, reason in bad:
+        columns["outcome"][row], columns["reason"][row] = BAD, reason
+    owners, events = [np.empty(0, dtype=int)], [np.empty((3, 0))]
+    for group, found in moved:
+        rows, all_of_it = group.rows, found.events
+        columns["outcome"][rows], columns["reason"][rows] = found.status, found.reason
+        for name in ("end", "energy_start", "energy_end", "steps", "alone"):
+            columns[name][rows] = getattr(found, name)
+        who, first = np.unique(all_of_it.who, return_index=True)
+        columns["transitions"][rows] = np.bincount(all_of_it.who, minlength=len(rows))
+        columns["first_time"][rows[who]], columns["first_xi1"][rows[who]] = all_of_it.time[first], all_of_it.xi1[first]
+        names = np.array([*map(str, MODES)], dtype=object)
+        columns["first_after"][rows[who]] = names[all_of_it.after[first]]
+        columns["sequence"][rows] = _sequences(found, len(rows))
+        owners.append(rows[all_of_it.who])
+        events.append(np.array([all_of_it.time, all_of_it.xi1, all_of_it.xi2]))
+    owner, flat = np.concatenate(owners), np.concatenate(events, axis=1)
+    order = np.argsort(owner, kind="stable")
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=n))]).astype(np.int32)
+    for name, row in zip(("times", "at_xi1", "at_xi2"), flat, strict=True):
+        columns[name] = pa.ListArray.from_arrays(offsets, row[order])
+    return columns
+
+
+def _sequences(found: Motions, n: int) -> np.ndarray:
+    """The modes of each, as text."""
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(found.events.who, minlength=n))]).tolist()
+    after, texts = found.events.after.tolist(), np.full(n, "", dtype=object)
+    known: dict[tuple[int, ...], str] = {}
+    for i, first in enumerate(found.first.tolist()):
+        codes = (first, *after[offsets[i] : offsets[i + 1]])
+        if codes not in known:
+            known[codes] = ARROW.join(str(MODES[code]) for code in codes if code >= 0)
+        texts[i] = known[codes]
+    return texts
+
+
+def _bars(plan: Plan, parameters: Mapping[str, np.ndarray], columns: dict) -> pa.Array:
+    """The certified error bars of each scenario's transitions; none where the witnesses do not agree with it."""
+    from ..certification.certificate import certify  # a second formulation beside this one
+
+    bars: list[list[float] | None] = []
+    for i, sequence in enumerate(columns["sequence"].tolist()):
+        bars.append(None)
+        if columns["outcome"][i] in (BAD, FAILED):
+            continue
+        try:
+            certificate = certify(plan.make(**{name: float(column[i]) for name, column in parameters.items()}))
+        except CaseError as problem:
+            columns["reason"][i] += f" Not certified: {problem}"
+            continue
+        modes = [str(after) for _, after, *_ in certificate.transitions]
+        if modes == sequence.split(ARROW)[1:]:
+            bars[-1] = [time.bar for _, _, time, _ in certificate.transitions]
+        else:
+            columns["reason"][i] += f" Not certified: the witnesses say {ARROW.join(modes) or 'no transition'}."
+    return pa.array(bars, COLUMNS["error_bars"][0])
+
+
+def rolls(mode: str) -> bool:
+    """Whether a mode is without slip."""
+    return mode in (Mode.ROLL, Mode.REST)

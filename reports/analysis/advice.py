@@ -1,0 +1,123 @@
+"""Whom to trust for rolling contact, and at what cost: the answer table of the page's first screen, and its sentence.
+
+Errors say how far a route is off in the middle of all cases; trust counts in how many of the cases that roll its ladder
+reached an accuracy so that no finer setting and no doubt contradicts it (`reached`); cost is of whole calls as used
+from Python, the median over the timed cases in which it was reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, nan
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+from cases import Mode
+
+from ..running.records import REFERENCE, Experiment, Truth
+from . import answers
+from .time_to_accuracy import REACHED, cost
+from .words import level, seconds
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+HOLDS = "Whom to trust, and at what cost: a row for each solver and route, over all cases"
+# What a game and what an engineer asks for.
+ACCURACIES = (1e-2, 1e-4)
+# The accuracies in the names of columns.
+COLUMN = {1e-2: "1e_2", 1e-4: "1e_4"}
+# Once, as a user tries an engine; for a sweep or a training.
+RUNS = {"once": 1, "thousand": 1000}
+ASKED = 1e-4
+_REACHED, _TIMED, _ONCE = (f"{word}_1e_4{unit}" for word, unit in (("reached", ""), ("timed", ""), ("once", "_s")))
+
+
+def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
+    """The rows of `answers`, whose errors' names say here that they are medians, the most trustworthy engine first and
+    the reference last, with
+
+    `rolling_cases`: those it was asked whose truth rolls; and for 1e-2 and 1e-4 `reached_…`: in how many of these it
+    reached it; `once_…_s`, `thousand_…_s` (s): whole calls, the first from cold, the median over the `timed_…` cases
+    that have such a time."""
+    rolling = {label for label, truth in experiment.truths.items() if _rolls(truth)}
+    headline, told = _records(frames.get("headline")), _records(frames.get("time_to_accuracy"))
+    found = []
+    for row in answers.rows(experiment, frames):
+        if not row["route"]:
+            continue  # it could not be asked
+        row |= {f"middle_{which}_error": row.pop(f"{which}_error") for which in ("default", "finest")}
+        who = (row["solver"], row["route"])
+        mine = [r for r in headline if (r["solver"], r["route"]) == who and r["case"] in rolling]
+        row["rolling_cases"] = len(mine)
+        for accuracy in ACCURACIES:
+            name = COLUMN[accuracy]
+            row[f"reached_{name}"] = sum(r["reached"] <= accuracy for r in mine)
+            spent = [r for r in told if (r["solver"], r["route"]) == who and r["accuracy"] == accuracy and r["lead"]]
+            spent = [r for r in spent if r["case"] in rolling and r["award"] == REACHED and isfinite(cost(r, 1))]
+            row[f"timed_{name}"] = len(spent)
+            for word, runs in RUNS.items():
+                row[f"{word}_{name}_s"] = median(cost(r, runs) for r in spent) if spent else nan
+        found.append(row)
+    return sorted(found, key=_trust)
+
+
+def sentences(told: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Whom to trust for rolling contact at 1e-4 and what it costs, from these rows; one of the engines, then one of
+    the reference."""
+    asked = [row for row in told if row["rolling_cases"]]
+    engines = [row for row in asked if row["solver"] != REFERENCE]
+    own = min((row for row in asked if row["solver"] == REFERENCE), key=_trust, default=None)
+    lines = []
+    best = min(engines, key=_trust, default=None)
+    if best is not None and best[_REACHED]:
+        lines.append(f"For rolling contact at {level(ASKED)}, trust {_who(best)}: {_reach(best)}{_costs(best)}.")
+        lines += [_rivals(engines, best)]
+    elif best is not None:
+        lines.append(
+            f"For rolling contact at {level(ASKED)}, trust no engine: none reaches it in any of the cases that roll."
+        )
+    if own is not None:
+        lines.append(f"The reference ({own['route']}): {_reach(own)}{_costs(own)}.")
+    return [line for line in lines if line]
+
+
+def _rivals(engines: Sequence[Mapping[str, Any]], best: Mapping[str, Any]) -> str:
+    """The other routes of the engines: in how many cases they reach it, and the cost of one call."""
+    told = []
+    for row in engines:
+        if row is not best:
+            spent = f", {seconds(row[_ONCE])} once" if row[_TIMED] else ""
+            told.append(f"{_who(row)} {row[_REACHED]} of {row['rolling_cases']}{spent}")
+    return f"The other engines and routes: {'; '.join(told)}." if told else ""
+
+
+def _who(row: Mapping[str, Any]) -> str:
+    return f"{row['solver']} {row['route']}".strip()
+
+
+def _reach(row: Mapping[str, Any]) -> str:
+    return f"it reaches that in {row[_REACHED]} of {row['rolling_cases']} cases that roll"
+
+
+def _costs(row: Mapping[str, Any]) -> str:
+    if not row[_TIMED]:
+        return "; what that costs was not timed"
+    once, many = (seconds(row[f"{word}_{COLUMN[ASKED]}_s"]) for word in RUNS)
+    return f", in {once} for one call from cold and {many} for a thousand (median of {row[_TIMED]} timed cases)"
+
+
+def _trust(row: Mapping[str, Any]) -> tuple:
+    """Engines before the reference; then by the share of cases at the accuracy asked for and at the others, by cost,
+    by error."""
+    shares = [-row[f"reached_{COLUMN[a]}"] / max(row["rolling_cases"], 1) for a in (ASKED, *ACCURACIES)]
+    last = (row[_ONCE], row["middle_finest_error"])
+    return (row["solver"] == REFERENCE, *shares, *(value if isfinite(value) else float("inf") for value in last))
+
+
+def _rolls(truth: Truth) -> bool:
+    return truth.first_mode == Mode.ROLL or any(event.after == Mode.ROLL for event in truth.transitions)
+
+
+def _records(frame: pd.DataFrame | None) -> list[dict[str, Any]]:
+    return [] if frame is None else [{str(k): v for k, v in row.items()} for row in frame.to_dict("records")]

@@ -1,0 +1,38 @@
+"""`python -m reports.animate CASE [mu=0.3 …] [--out FILE.gif]`: the true motion as a film, GIF or MP4.
+
+A film plays in real time where that takes a few seconds, else by a round factor, which it says.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import options
+from .drawing.files import file_name
+from .show import case_of, check_ours
+
+COMMAND = "reports.animate"
+
+
+def run(words: Sequence[str]) -> None:
+    """Write the film; raises CaseError if what was asked for makes no sense, or there is no ffmpeg for an MP4."""
+    case, out, force = case_of(COMMAND, words, "A case as a film: GIF, or MP4 where ffmpeg is installed.")
+    path = out or Path(f"{file_name(case.label)}.gif")
+    check_ours(path, force)
+    import reference
+
+    film = reference.simulate(case).animate()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    film.save(path)
+    print(f"{film.seconds:.3g} s of film, {film.factor:g} × real time, {path.stat().st_size / 1e3:.0f} kB: {path}")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """The command; returns its exit status."""
+    return options.status(COMMAND, run, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,131 @@
+"""Solvers compared in a script or a notebook: `compare(case, pymunk="assisted", mine="motion.csv")`.
+
+The judgement is that of the report. Engines run in a process of their own, so that one that crashes takes nothing
+with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import adapters
+from adapters import EngineFailure, Setting
+from adapters.common.exported import columns_of, read_table, trajectory_of
+from cases import BadValue, Case, DoesNotFit, NotSupported, Trajectory
+from cases.errors import unknown
+
+from .running import tasks
+from .running.calls import Calls
+from .running.external import judge_external
+from .running.records import Run, Truth, first_error
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from cases.pictures.style import Picture
+
+
+def motion_of(case: Case, solver: str, route: str, setting: Setting | Mapping | None = None) -> Trajectory:
+    """The motion an engine makes of a case, by a setting of its own (None: the finest of its ladder).
+
+    Raises UnknownName; NotSupported where the route refuses the case or is not there; EngineFailure where it crashed
+    or ran out of time.
+    """
+    if solver not in adapters.engines():
+        raise unknown("engine", solver, adapters.engines())
+    with Calls(jobs=1) as calls:
+        (asked,) = calls.all("survey", tasks.survey, [(case, solver)])
+        offers = asked.value if asked.outcome == "done" else ()
+        if asked.outcome != "done":
+            raise EngineFailure(f"{solver} cannot be asked: {asked.reason}")
+        offer = next((offer for offer in offers if offer.route in (route, "")), None)
+        if offer is None:
+            raise unknown(f"route of {solver}", route, [offer.route for offer in offers])
+        if offer.outcome or not offer.settings:
+            raise NotSupported(f"{solver}, {route}: {offer.reason or 'it offers no setting'}")
+        chosen = offer.settings[-1] if setting is None else _setting(setting)
+        (made,) = calls.all("run", tasks.motion_of, [(case, solver, route, chosen)])
+    if made.outcome != "done":
+        raise EngineFailure(f"{solver}, {route}: {made.failure[1]}")
+    return replace(made.value, case=case)
+
+
+def _setting(given: Setting | Mapping) -> Setting:
+    return given if isinstance(given, Setting) else Setting.of(**given)
+
+
+def compare(case: Case, **given: str | Path | Trajectory) -> Comparison:
+    """The motions judged by the certified truth. Of each solver, by its name: a Trajectory; the path of an exported
+    one, ending in .csv; or a route of an engine of that name, run at its finest setting.
+
+    Raises CaseError where there is no truth, or what is given is no motion of the case.
+    """
+    truth = tasks.find_truth(case)
+    if truth.failure:
+        raise DoesNotFit(f"there is no truth to judge by: {truth.failure}")
+    motions, runs = {}, []
+    for name, what in given.items():
+        motions[name], run = _judged(case, truth, name, what)
+        runs.append(run)
+    return Comparison(case, truth, motions, tuple(runs))
+
+
+def _judged(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -> tuple[Trajectory, Run]:
+    """A motion of what is given, and its row."""
+    row = Run(case.label, name, "", Setting.of(), 0, outcome="")
+    if not isinstance(what, Trajectory | str | Path):
+        raise BadValue(f"{name} is {what!r}; give a Trajectory, the path of a .csv, or a route of the engine {name}")
+    if str(what).endswith(".csv"):
+        table = read_table(str(what))
+        motion = trajectory_of(case, table)
+        return motion, judge_external(replace(row, status=motion.status), case, motion, truth, columns_of(table))
+    if isinstance(what, Trajectory):
+        motion = what
+    else:
+        motion, row = motion_of(case, name, str(what)), replace(row, route=str(what))
+    row = replace(row, status=motion.status)
+    return motion, tasks.judge(row, case, motion, tasks.true_motion(case, truth.method), truth)
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """Motions of one case beside its truth: `runs` are their rows of the report, in the order given."""
+
+    case: Case
+    truth: Truth
+    motions: Mapping[str, Trajectory]
+    runs: tuple[Run, ...]
+
+    def __repr__(self) -> str:
+        told = "; ".join(f"{run.solver} {run.outcome}" for run in self.runs)
+        return f"<Comparison on {self.case.label}: {told}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        from .page.text import shorten
+
+        frame = self.to_frame()
+        head = "".join(f"<th>{escape(str(name))}</th>" for name in frame)
+        rows = [[escape(shorten(row[name], str(name))) for name in frame] for row in frame.to_dict("records")]
+        lines = "".join("<tr>" + "".join(f"<td>{text}</td>" for text in row) + "</tr>" for row in rows)
+        return f"<b>{escape(self.case.label)}</b><table><tr>{head}</tr>{lines}</table>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row per motion: outcome, error of the first transition (s), distances from the truth (m, rad, m/s)."""
+        import pandas as pd
+
+        rows = []
+        for run in self.runs:
+            told = {"solver": run.solver, "route": run.route, "outcome": run.outcome, "reason": run.reason}
+            rows.append(told | {"first_transition_error": first_error(run)} | run.distance._asdict())
+        return pd.DataFrame(rows)
+
+    def plot(self, quantity: str = "slip") -> Picture:
+        """A quantity of all motions against time, and below how far each is from the truth."""
+        from .drawing.comparison import plot
+
+        return plot(self.case.label, self.truth, self.runs, quantity)

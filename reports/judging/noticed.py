@@ -1,0 +1,86 @@
+"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way.
+
+Pure functions; each gives a sentence, or nothing. Nothing is mended: the motion is judged as it was given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+
+import numpy as np
+
+from cases import Trajectory
+
+# Velocities stand half a step beside the poses if they are so far from there, in steps; and if, moved there, they are
+# off by no more than this part.
+HALF, MENDED = (0.25, 0.75), 0.3
+# An axis is mirrored if the mirrored motion is off the truth by no more than this part.
+MIRRORED = 0.1
+
+# The signs of x, y and theta in each image of a motion.
+_IMAGES = {
+    "x": (-1, 1, 1),
+    "y": (1, -1, 1),
+    "theta": (1, 1, -1),
+    "x and theta": (-1, 1, -1),
+    "y and theta": (1, -1, -1),
+    "x and y": (-1, -1, 1),
+}
+
+Columns = Mapping[str, np.ndarray]
+
+
+def half_step(columns: Columns) -> str:
+    """Whether the velocities of a table stand half a step before or after its poses, as semi-implicit steps leave them.
+
+    To first order v(t + s h) = v + s h v̇: the share s is fitted to what the given rates differ by from the slopes of
+    the poses.
+    """
+    t, shifts = columns["t"], dict[str, float]()
+    for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
+        if rate not in columns:
+            continue
+        slope = np.gradient(columns[name], t, edge_order=2)
+        growth, off = np.gradient(slope, t) * np.gradient(t), columns[rate] - slope
+        # Kinks of the motion are few and large: the middle nine tenths decide.
+        usual = np.abs(off) <= np.quantile(np.abs(off), 0.9)
+        off, growth = off[usual], growth[usual]
+        size = float(growth @ growth)
+        if size == 0.0:
+            continue
+        shift = float(off @ growth) / size
+        left = off - shift * growth
+        if HALF[0] <= abs(shift) <= HALF[1] and left @ left <= MENDED**2 * (off @ off):
+            shifts[rate] = shift
+    if not shifts:
+        return ""
+    when = "before" if sum(shifts.values()) < 0.0 else "after"
+    return (
+        f"{', '.join(shifts)} seem to stand half a step {when} the poses, as a semi-implicit step leaves them: slip, "
+        "and what is read from it, is off by what half a step changes; write velocities of the poses' times"
+    )
+
+
+def mirrored_axis(columns: Columns, truth: Trajectory) -> str:
+    """Whether the poses of a table, with an axis turned round, come much nearer to the truth."""
+    inside = columns["t"] <= truth.t[-1]
+    true = truth(columns["t"][inside])
+    x, y, theta = (columns[name][inside] for name in ("x", "y", "theta"))
+    # A turn counts as much as the way that goes with it.
+    size = float(np.hypot(np.ptp(true.x), np.ptp(true.y))) / max(float(np.ptp(true.theta)), 1e-9)
+
+    def off(signs: tuple[int, int, int]) -> float:
+        turned = signs[2] * theta - true.theta
+        turned = size * (turned - 2 * pi * np.round(turned[0] / (2 * pi)))
+        away = np.hypot(signs[0] * x - true.x, signs[1] * y - true.y)
+        return float(np.sqrt(np.mean(away**2 + turned**2)))
+
+    name = min(_IMAGES, key=lambda image: off(_IMAGES[image]))
+    if not off(_IMAGES[name]) < MIRRORED * off((1, 1, 1)):
+        return ""
+    verb = "seem" if " and " in name else "seems"
+    return (
+        f"{name} {verb} to be mirrored: turned round, the motion comes much nearer to the truth; give x to the right, "
+        "y upwards, and theta counter-clockwise"
+    )

@@ -1,0 +1,59 @@
+// One chapter at a time, one case at a time; what is seen first is woken first.
+(() => {
+  const root = document.documentElement, chapters = [...document.querySelectorAll("main > .chapter")];
+  const cases = [...document.querySelectorAll("#motions article")], links = [...document.querySelectorAll("nav.chapters a")];
+  const hide = (node, away) => { if (away) node.setAttribute("hidden", "until-found"); else node.removeAttribute("hidden"); };
+  const awake = new Set();
+
+  async function wake(node) {
+    if (awake.has(node)) return;
+    awake.add(node);
+    for (const place of node.querySelectorAll(".player")) {
+      if (node.id === "motions") continue; // its articles wake their own
+      const player = await suite.player(place), plots = place.closest("article")?.querySelector(".plots");
+      if (player && plots) suite.plots(plots, player);
+    }
+    node.querySelectorAll(".precision").forEach((place) => suite.precision(place));
+    if (node.id !== "motions") node.querySelectorAll("table.data").forEach((table) => { if (!table.closest("details:not([open])")) suite.table(table); });
+  }
+  document.querySelectorAll("details").forEach((one) => one.addEventListener("toggle", () => one.open && one.querySelectorAll("table.data").forEach((table) => suite.table(table))));
+
+  function show(scroll = true) {
+    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    const chapter = target?.closest("main > .chapter") ?? chapters[0];
+    chapters.forEach((one) => hide(one, one !== chapter));
+    links.forEach((one) => { if (one.hash === `#${chapter.id}`) one.setAttribute("aria-current", "page"); else one.removeAttribute("aria-current"); });
+    wake(chapter);
+    if (chapter.id === "motions") {
+      const article = target?.closest("article") ?? cases.find((one) => !one.hidden) ?? cases[0];
+      cases.forEach((one) => hide(one, one !== article));
+      document.querySelectorAll(".index a").forEach((one) => { if (one.hash === `#${article?.id}`) one.setAttribute("aria-current", "true"); else one.removeAttribute("aria-current"); });
+      if (article) wake(article);
+    }
+    if (scroll) { if (target && target !== chapter && target.tagName !== "ARTICLE") target.scrollIntoView(); else scrollTo(0, 0); }
+  }
+  addEventListener("hashchange", () => show());
+  // What the browser's own search finds in another chapter, it may show.
+  document.addEventListener("beforematch", (event) => {
+    const found = event.target.closest("article") ?? event.target.closest(".chapter");
+    if (found) { history.replaceState(null, "", `#${found.id}`); show(false); }
+  });
+
+  const field = document.querySelector(".index input");
+  field?.addEventListener("input", () => {
+    const asked = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+    document.querySelectorAll(".index li").forEach((one) => { one.hidden = !asked.every((word) => one.dataset.words.includes(word)); });
+    document.querySelectorAll(".index section").forEach((one) => { one.hidden = ![...one.querySelectorAll("li")].some((row) => !row.hidden); });
+  });
+
+  const theme = document.querySelector(".theme");
+  theme?.addEventListener("click", () => {
+    const dark = getComputedStyle(root).colorScheme === "dark" || (getComputedStyle(root).colorScheme !== "light" && matchMedia("(prefers-color-scheme: dark)").matches);
+    root.dataset.theme = dark ? "light" : "dark";
+    suite.announce();
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => suite.announce());
+  cases.forEach((one, i) => hide(one, i > 0));
+  root.classList.add("ready");
+  show(Boolean(location.hash));
+})();

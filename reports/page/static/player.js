@@ -1,0 +1,224 @@
+// A motion to look at: the plate on its track, every solver's as a ghost, a timeline of modes. By hand, in SVG.
+suite.player = async (place) => {
+  const motion = await suite.motion(place.dataset.case);
+  if (!motion) return null;
+  const NS = "http://www.w3.org/2000/svg", { truth, t, track, outline } = motion, listeners = [];
+  const make = (name, parent, attributes = {}) => {
+    const node = document.createElementNS(NS, name);
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+    return parent.appendChild(node);
+  };
+  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const span = motion.end - motion.start;
+
+  // --- what stands around the picture ---
+  const icon = (path) => `<svg class="icon" viewBox="0 0 16 16" aria-hidden="true"><path d="${path}"/></svg>`;
+  const ICONS = { play: icon("M3 2l11 6-11 6z"), pause: icon("M3 2h4v12H3zM9 2h4v12H9z"), back: icon("M2 2h2v12H2zM14 2v12L5 8z"), next: icon("M12 2h2v12h-2zM2 2v12l9-6z") };
+  place.innerHTML = `
+    <div class="stage" tabindex="0" role="group" aria-label="Motion of ${motion.label.replace(/["<&]/g, "")}. Space plays, arrows scrub, comma and full stop go to transitions.">
+      <svg role="img"></svg><p class="readout" aria-hidden="true"></p></div>
+    <div class="modes" role="group" aria-label="Modes of the contact; each goes to its beginning"></div>
+    <div class="controls">
+      <button type="button" data-do="play" aria-label="play">${ICONS.play}</button>
+      <button type="button" data-do="back" aria-label="previous transition">${ICONS.back}</button>
+      <button type="button" data-do="next" aria-label="next transition">${ICONS.next}</button>
+      <input type="range" class="time" min="0" max="1000" value="0" step="1" aria-label="time">
+      <output class="now"></output>
+    </div>
+    <div class="controls more">
+      <label>speed <select class="speed" aria-label="speed"></select></label>
+      <label>differences <input type="range" class="larger" min="0" max="9" step="0.25" value="0" aria-label="differences enlarged"> <output class="factor">× 1</output></label>
+      <label><input type="checkbox" class="forces" checked> forces</label>
+      <label><input type="checkbox" class="follow"> follow</label>
+    </div>`;
+  const part = (selector) => place.querySelector(selector);
+  const svg = part(".stage svg"), scrub = part(".time"), speed = part(".speed"), larger = part(".larger");
+
+  // --- the scene ---
+  const up = motion.down ? 1 : -1, world = make("g", svg, { transform: `scale(1 ${up})` });
+  const polyline = (xs, ys) => {
+    let text = "", open = false;
+    for (let i = 0; i < xs.length; i++) {
+      if (Number.isFinite(xs[i])) { text += `${open ? "L" : "M"}${xs[i]} ${ys[i]}`; open = true; } else open = false;
+    }
+    return text;
+  };
+  const range = (values) => values.reduce(([a, b], v) => (Number.isFinite(v) ? [Math.min(a, v), Math.max(b, v)] : [a, b]), [Infinity, -Infinity]);
+  const reach = outline.x.reduce((most, x, i) => Math.max(most, Math.hypot(x, outline.y[i])), 0);
+  const flying = (values) => values.map((v, i) => (Number.isFinite(truth.xi1[i]) ? NaN : v));
+  make("path", world, { d: polyline(track.x, track.y), class: "track" });
+  make("path", world, { d: polyline(flying(truth.x), flying(truth.y)), class: "flight" });
+  const shape = `${polyline(outline.x, outline.y)}Z`, mark = `M0 0L${outline.x[0]} ${outline.y[0]}`;
+  const plateOf = (parent, kind) => {
+    const group = make("g", parent, { class: kind });
+    make("path", group, { d: shape });
+    make("path", group, { d: mark });
+    make("circle", group, { cx: 0.72 * outline.x[0], cy: 0.72 * outline.y[0], r: 0.09 * reach });
+    return group;
+  };
+  const plate = plateOf(world, "plate");
+  const ghosts = motion.runs.map((run) => {
+    const group = plateOf(world, "ghost");
+    group.style.color = `var(--of-${run.solver.replace(/[^A-Za-z0-9_-]/g, "_")})`;
+    group.dataset.solver = run.solver;
+    group.dataset.route = run.route;
+    if (run.route !== "native") group.classList.add("dashed");
+    return { run, group };
+  });
+  const arrows = make("g", world, { class: "arrows" });
+  const normal = make("path", arrows, { class: "normal" }), friction = make("path", arrows, { class: "friction" });
+  const touch = make("circle", arrows, { class: "touch", r: 0.07 * reach });
+
+  const xs = range([...track.x, ...truth.x.map((x) => x - reach), ...truth.x.map((x) => x + reach)]);
+  const ys = range([...track.y, ...truth.y.map((y) => y - reach), ...truth.y.map((y) => y + reach)]);
+  const width = xs[1] - xs[0], height = ys[1] - ys[0], room = 0.04 * Math.max(width, height);
+  const whole = [xs[0] - room, (up > 0 ? ys[0] : -ys[1]) - room, width + 2 * room, height + 2 * room];
+  part(".follow").checked = Math.max(width, height) > 24 * reach;
+
+  // Where a contact parameter lies on the track, and the tangent there.
+  const onTrack = (xi) => {
+    if (!Number.isFinite(xi)) return null;
+    const length = track.high - track.low, count = track.x.length - 1;
+    let place = (xi - track.low) / length;
+    if (track.period) place -= Math.floor(place);
+    place = Math.min(1, Math.max(0, place)) * count;
+    const i = Math.min(count - 1, Math.floor(place)), dx = track.x[i + 1] - track.x[i], dy = track.y[i + 1] - track.y[i];
+    const size = Math.hypot(dx, dy) || 1;
+    return { x: track.x[i] + (place - i) * dx, y: track.y[i] + (place - i) * dy, tx: dx / size, ty: dy / size };
+  };
+  const forces = Array.from(truth.normal).filter(Number.isFinite).map(Math.abs).sort((a, b) => a - b);
+  const usual = forces[Math.floor(0.9 * forces.length)] || 1;
+  const arrow = (from, dx, dy) => {
+    const size = Math.hypot(dx, dy);
+    if (!(size > 0.02 * reach)) return "";
+    const head = Math.min(0.25 * reach, 0.5 * size), ux = dx / size, uy = dy / size, x = from.x + dx, y = from.y + dy;
+    return `M${from.x} ${from.y}L${x} ${y}M${x - head * (ux + 0.5 * uy)} ${y - head * (uy - 0.5 * ux)}L${x} ${y}L${x - head * (ux - 0.5 * uy)} ${y - head * (uy + 0.5 * ux)}`;
+  };
+
+  // --- time ---
+  let time = motion.start, playing = false, before = 0;
+  const now = (values) => suite.at(t, values, time);
+  const modeAt = () => motion.modes.filter(([begins]) => begins <= time + 1e-12 * span).at(-1) ?? motion.modes[0];
+  const words = (mode) => mode.replaceAll("_", " ");
+
+  function draw() {
+    const x = now(truth.x), y = now(truth.y), angle = now(truth.angle), factor = 10 ** +larger.value;
+    const put = (group, a, b, c) => group.setAttribute("transform", `translate(${a} ${b}) rotate(${(c * 180) / Math.PI})`);
+    put(plate, x, y, angle);
+    for (const { run, group } of ghosts) {
+      const [dx, dy, turn] = ["x", "y", "angle"].map((name) => now(run.off[name]));
+      const there = suite.on(run.solver, run.route) && Number.isFinite(dx);
+      group.style.display = there ? "" : "none";
+      if (there) put(group, x + factor * dx, y + factor * dy, angle + factor * turn);
+    }
+    const at = onTrack(now(truth.xi1)), shown = part(".forces").checked && at;
+    arrows.style.display = at ? "" : "none";
+    if (at) {
+      touch.setAttribute("cx", at.x);
+      touch.setAttribute("cy", at.y);
+      const scale = (1.6 * reach) / usual, n = scale * now(truth.normal), f = scale * now(truth.friction);
+      normal.setAttribute("d", shown ? arrow(at, -n * at.ty, n * at.tx) : "");
+      friction.setAttribute("d", shown ? arrow(at, f * at.tx, f * at.ty) : "");
+    }
+    const wide = 12 * reach;
+    svg.setAttribute("viewBox", (part(".follow").checked ? [x - wide / 2, up * y - wide / 3, wide, (2 * wide) / 3] : whole).join(" "));
+    const mode = modeAt();
+    scrub.value = span ? (1000 * (time - motion.start)) / span : 0;
+    scrub.setAttribute("aria-valuetext", `${suite.digits(time)} seconds, ${words(mode[1])}`);
+    part(".now").textContent = `${suite.digits(time, 5)} s`;
+    part(".readout").textContent = `${words(mode[1])} · v = ${suite.digits(now(truth.slip))} m/s · N = ${suite.digits(now(truth.normal))} N`;
+    part(".factor").textContent = `× ${factor < 1e4 ? suite.digits(factor, 2) : factor.toExponential(0)}`;
+    place.querySelectorAll(".modes button").forEach((one, i) => one.toggleAttribute("data-now", motion.modes[i] === mode));
+    place.dataset.time = time;
+    listeners.forEach((act) => act(time));
+  }
+  const describe = () => svg.setAttribute("aria-label", `${motion.label} at ${suite.digits(time)} s: ${words(modeAt()[1])}; centre at ${suite.digits(now(truth.x))}, ${suite.digits(now(truth.y))} m, turned by ${suite.digits(now(truth.angle))} rad`);
+  const seek = (to) => {
+    time = Math.min(motion.end, Math.max(motion.start, to));
+    draw();
+    if (!playing) describe();
+  };
+  function play(go = !playing) {
+    playing = go;
+    if (go && time >= motion.end) time = motion.start;
+    const button = part("[data-do=play]");
+    button.innerHTML = go ? ICONS.pause : ICONS.play;
+    button.setAttribute("aria-label", go ? "pause" : "play");
+    place.toggleAttribute("data-playing", go);
+    before = 0;
+    if (go) requestAnimationFrame(step); else describe();
+  }
+  function step(stamp) {
+    if (!playing) return;
+    if (!place.isConnected || place.offsetParent === null) return play(false);
+    // A page that was in the background goes on where it was.
+    const passed = before ? Math.min(0.1, (stamp - before) / 1000) : 0;
+    before = stamp;
+    time += passed * +speed.value;
+    if (time >= motion.end) {
+      if (place.dataset.loop === undefined) { seek(motion.end); return play(false); }
+      time = motion.start;
+    }
+    draw();
+    requestAnimationFrame(step);
+  }
+  const begins = motion.modes.map(([when]) => when);
+  const jump = (forward) => {
+    const near = 1e-9 * span;
+    const to = forward ? begins.find((b) => b > time + near) ?? motion.end : begins.filter((b) => b < time - near).at(-1) ?? motion.start;
+    play(false);
+    seek(to);
+  };
+
+  // --- the timeline and the controls ---
+  const modes = part(".modes"), percent = (when) => (100 * (when - motion.start)) / (span || 1);
+  motion.modes.slice(0, 120).forEach(([from, mode, cause], i) => {
+    const to = motion.modes[i + 1]?.[0] ?? motion.end, one = document.createElement("button");
+    one.type = "button";
+    one.className = `mode ${mode}`;
+    one.style.left = `${percent(from)}%`;
+    one.style.width = `max(6px, ${percent(to) - percent(from)}%)`;
+    one.textContent = percent(to) - percent(from) > 9 ? words(mode) : "";
+    one.title = `${words(mode)} from ${from.toPrecision(9)} s${cause ? `: ${cause}` : ""}`;
+    one.setAttribute("aria-label", one.title);
+    one.dataset.at = from;
+    one.addEventListener("click", () => { play(false); seek(from); });
+    modes.append(one);
+  });
+  const ticks = document.createElement("div");
+  ticks.className = "ticks";
+  ticks.setAttribute("aria-hidden", "true");
+  motion.runs.forEach((run) => {
+    const row = ticks.appendChild(document.createElement("div"));
+    row.dataset.solver = run.solver;
+    row.dataset.route = run.route;
+    row.title = `transitions of ${run.solver} ${run.route}`;
+    row.style.color = `var(--of-${run.solver.replace(/[^A-Za-z0-9_-]/g, "_")})`;
+    run.events.filter((e) => e <= motion.end).forEach((e) => { row.appendChild(document.createElement("i")).style.left = `${percent(e)}%`; });
+  });
+  modes.after(ticks);
+  const needle = modes.appendChild(document.createElement("span"));
+  needle.className = "needle";
+  listeners.push(() => { needle.style.left = `${percent(time)}%`; });
+
+  const speeds = [0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 100];
+  const fitting = speeds.reduce((best, s) => (Math.abs(Math.log(s / (span / 6))) < Math.abs(Math.log(best / (span / 6))) ? s : best), 1);
+  const usualSpeed = span >= 1.5 && span <= 15 ? 1 : fitting;
+  speeds.forEach((s) => speed.add(new Option(`${s} ×`, s, s === usualSpeed, s === usualSpeed)));
+  part("[data-do=play]").addEventListener("click", () => play());
+  part("[data-do=back]").addEventListener("click", () => jump(false));
+  part("[data-do=next]").addEventListener("click", () => jump(true));
+  scrub.addEventListener("input", () => { play(false); seek(motion.start + (span * scrub.value) / 1000); });
+  [larger, part(".forces"), part(".follow")].forEach((one) => one.addEventListener("input", draw));
+  part(".stage").addEventListener("keydown", (event) => {
+    const keys = {
+      " ": () => play(), ArrowLeft: () => seek(time - span / 200), ArrowRight: () => seek(time + span / 200),
+      ",": () => jump(false), ".": () => jump(true), Home: () => seek(motion.start), End: () => seek(motion.end),
+    };
+    if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
+  });
+  suite.whenSwitched(draw);
+  seek(motion.start);
+  if (place.dataset.loop !== undefined && !still) play(true);
+  return { motion, seek, play, whenMoved: (act) => { listeners.push(act); act(time); } };
+};

@@ -1,0 +1,74 @@
+// Work and precision of the timed cases, logarithmic both ways; a point tells its setting and the command.
+suite.precision = (place) => {
+  const block = document.getElementById("precision-points");
+  if (!block) return;
+  const { columns, rows, command } = JSON.parse(block.textContent);
+  const points = rows.map((row) => Object.fromEntries(columns.map((name, i) => [name, row[i]])));
+  const cases = [...new Set(points.map((p) => p.case))], quantities = [...new Set(points.map((p) => p.quantity))];
+  const options = (all) => all.map((one) => `<option>${one.replace(/[<&]/g, "")}</option>`).join("");
+  place.innerHTML = `<div class="controls"><label>case <select class="case">${options(cases)}</select></label>
+    <label>error of <select class="quantity">${quantities.map((q) => `<option value="${q}">${q.replaceAll("_", " ")}</option>`).join("")}</select></label>
+    <label>against <select class="work"><option value="cpu_s">CPU time of a run, s</option><option value="steps">steps</option></select></label></div>
+    <svg viewBox="0 0 900 420" tabindex="0" role="application" aria-label="Error against work. Arrow keys go from point to point."></svg>
+    <p class="told" aria-live="polite">Point at a setting, or use the arrow keys: it and its command are told here.</p>`;
+  const svg = place.querySelector("svg"), told = place.querySelector(".told"), of = (name) => place.querySelector(`.${name}`).value;
+  const NS = "http://www.w3.org/2000/svg", box = { left: 70, right: 880, top: 14, bottom: 372 };
+  const make = (name, attributes, parent = svg) => {
+    const node = parent.appendChild(document.createElementNS(NS, name));
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+    return node;
+  };
+  let marks = [], chosen = -1;
+
+  function tell(i) {
+    marks.forEach(({ node }, k) => node.classList.toggle("chosen", k === i));
+    chosen = i;
+    const { p } = marks[i];
+    told.innerHTML = "";
+    const add = (name, text) => { const node = told.appendChild(document.createElement(name)); node.textContent = text; return node; };
+    add("strong", `${p.solver} ${p.route}, ${p.setting}`);
+    told.append(`: error ${suite.digits(p.absolute_error, 2)} ${p.unit}, ${suite.digits(p.cpu_s, 2)} s, ${p.steps} steps. `);
+    add("code", `${command} --case "${p.case}" --solver ${p.solver}`);
+  }
+
+  function draw() {
+    svg.replaceChildren();
+    marks = [];
+    chosen = -1;
+    const work = of("work"), shown = points.filter((p) => p.case === of("case") && p.quantity === of("quantity") && p[work] > 0 && p.absolute_error !== null && suite.on(p.solver, p.route));
+    if (!shown.length) { make("text", { x: 450, y: 190, "text-anchor": "middle" }).textContent = "nothing is timed here, or all is switched off"; return; }
+    const least = 1e-17, value = (p) => Math.max(p.absolute_error, least);
+    const bounds = (values) => { const logs = values.map(Math.log10); return [Math.floor(Math.min(...logs)), Math.max(Math.ceil(Math.max(...logs)), Math.floor(Math.min(...logs)) + 1)]; };
+    const [x0, x1] = bounds(shown.map((p) => p[work])), [y0, y1] = bounds(shown.map(value));
+    const X = (v) => box.left + ((Math.log10(v) - x0) / (x1 - x0)) * (box.right - box.left), Y = (v) => box.bottom - ((Math.log10(v) - y0) / (y1 - y0)) * (box.bottom - box.top);
+    const every = Math.ceil((y1 - y0) / 9);
+    for (let k = x0; k <= x1; k++) { make("line", { x1: X(10 ** k), x2: X(10 ** k), y1: box.top, y2: box.bottom, class: "grid" }); make("text", { x: X(10 ** k), y: box.bottom + 18, "text-anchor": "middle" }).textContent = `1e${k}`; }
+    for (let k = y0; k <= y1; k += every) { make("line", { x1: box.left, x2: box.right, y1: Y(10 ** k), y2: Y(10 ** k), class: "grid" }); make("text", { x: box.left - 8, y: Y(10 ** k) + 4, "text-anchor": "end" }).textContent = `1e${k}`; }
+    make("text", { x: 475, y: 412, "text-anchor": "middle" }).textContent = work === "steps" ? "steps" : "CPU time of a run / s";
+    make("text", { x: 16, y: 195, "text-anchor": "middle", transform: "rotate(-90 16 195)" }).textContent = `error / ${shown[0].unit}`;
+    const floor = shown[0].floor_error;
+    if (floor > 10 ** y0) make("rect", { x: box.left, width: box.right - box.left, y: Y(floor), height: box.bottom - Y(floor), class: "floor" }).appendChild(document.createElementNS(NS, "title")).textContent = "below this the truth is not known";
+    const routes = new Map();
+    shown.forEach((p) => { const key = `${p.solver} ${p.route}`; routes.set(key, [...(routes.get(key) ?? []), p]); });
+    for (const [, group] of routes) {
+      const colour = `var(--of-${group[0].solver.replace(/[^A-Za-z0-9_-]/g, "_")})`, ladder = group.filter((p) => p.setting !== "rung=defaults");
+      make("path", { d: ladder.map((p, i) => `${i ? "L" : "M"}${X(p[work])} ${Y(value(p))}`).join(""), fill: "none", stroke: colour, "stroke-dasharray": group[0].route === "native" || group[0].solver === "reference" ? "none" : "6 3" });
+      const last = group.reduce((a, b) => (value(b) < value(a) ? b : a));
+      make("text", { x: Math.min(X(last[work]) + 8, box.right - 90), y: Y(value(last)) + 14, style: `fill:${colour}` }).textContent = `${last.solver} ${last.route}`;
+      for (const p of group) {
+        const node = make("circle", { cx: X(p[work]), cy: Y(value(p)), r: 5, fill: p.setting === "rung=defaults" ? "var(--ground)" : colour, stroke: colour, class: "point" });
+        const i = marks.push({ p, node }) - 1;
+        make("title", {}, node).textContent = `${p.solver} ${p.route}, ${p.setting}`;
+        node.addEventListener("pointerenter", () => tell(i));
+      }
+    }
+  }
+  svg.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (step && marks.length) { event.preventDefault(); tell((chosen + step + marks.length) % marks.length); }
+  });
+  place.querySelectorAll("select").forEach((one) => one.addEventListener("change", draw));
+  place.querySelector(".quantity").value = points.find((p) => p.case === cases[0] && p.lead)?.quantity ?? quantities[0];
+  suite.whenSwitched(draw);
+  draw();
+};

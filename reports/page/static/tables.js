@@ -1,0 +1,43 @@
+// Tables that sort, filter, copy and save as CSV what they show; each is woken when its chapter is first seen.
+suite.table = (table) => {
+  if (table.dataset.awake) return;
+  table.dataset.awake = "yes";
+  const rows = table.tBodies[0]?.rows.length ?? 0, name = table.dataset.name || "table";
+  new DataTable(table, {
+    paging: false, info: rows > 12, searching: rows > 6, order: [], autoWidth: false, typeDetect: true,
+    layout: { topStart: rows > 6 ? { search: { placeholder: "filter rows" } } : null, topEnd: null, bottomStart: rows > 12 ? "info" : null, bottomEnd: null },
+    language: { search: "", info: "_TOTAL_ rows", infoFiltered: "of _MAX_", infoEmpty: "no rows" },
+  });
+  const text = (cell) => cell.innerText.replace(/\s*\n\s*/g, " ").replace(/[⇅▲▼]/g, "").trim();
+  const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
+  // What is shown, all digits where the cell knows them.
+  const csv = () => [table.tHead.rows[table.tHead.rows.length - 1], ...table.tBodies[0].rows].filter((row) => getComputedStyle(row).display !== "none")
+    .map((row) => [...row.cells].filter((cell) => getComputedStyle(cell).display !== "none").map((cell) => quoted(cell.dataset.order ?? text(cell))).join(",")).join("\n") + "\n";
+  const tools = document.createElement("div");
+  tools.className = "tools";
+  const button = (label, act) => {
+    const one = tools.appendChild(document.createElement("button"));
+    one.type = "button";
+    one.textContent = label;
+    one.setAttribute("aria-label", `${label}: ${name}`);
+    one.addEventListener("click", () => act(one));
+  };
+  button("copy", async (one) => {
+    try { await navigator.clipboard.writeText(csv()); one.textContent = "copied"; } catch { one.textContent = "not allowed"; }
+    setTimeout(() => { one.textContent = "copy"; }, 1500);
+  });
+  button("CSV", () => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([csv()], { type: "text/csv" }));
+    link.download = `${name}.csv`;
+    link.click();
+    URL.revokeObjectURL(link.href);
+  });
+  const search = table.closest(".dt-container").querySelector(".dt-search");
+  if (search) {
+    search.querySelector("input").setAttribute("aria-label", `filter rows of ${name}`);
+    search.querySelector("label")?.remove();
+    tools.prepend(search);
+  }
+  (table.closest(".scroll") ?? table).before(tools);
+};

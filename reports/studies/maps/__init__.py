@@ -1,0 +1,1 @@
+"""Maps of the paper's application over friction and start, and where engines get it wrong."""

@@ -1,0 +1,1 @@
+"""Whether every rung of a ladder pays: a study; `study` says how."""

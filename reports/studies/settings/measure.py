@@ -1,0 +1,168 @@
+"""Whether every rung pays: each route's ladder beside a grid of all its knobs, over several scenes.
+
+A setting is good if nothing cheaper is as good. Over the scenes that it gives a motion of, a setting has a mean error
+and a mean cost (geometric; the cost in parts of the scene's own median). A setting of the grid beats a rung if it is
+cheaper by MARGIN and no less accurate, or no dearer and by MARGIN² more accurate, in every quantity. The first rung,
+the engine as it comes, is not for the choosing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import exp, isfinite, log, nan
+from statistics import median
+from time import process_time
+from typing import Any, NamedTuple
+
+from adapters import Setting
+from cases import Case
+
+from ...judging import ledger
+from ...running.calls import Calls
+from ...running.experiment import find_truths, offers
+from ...running.records import Truth
+from ...running.solvers import solver
+from ...running.tasks import reading_of, timed
+
+# Slip that ends, begins, and begins at once; on a line, in a circle and on a hill; with a load that turns it.
+CASES = (
+    "disc_in_circle[mu=0.1]",
+    "disc_in_circle[mu=0.2]",
+    "disc_on_line[mu=0.1]",
+    "rolling_loop[ratio=3.5]",
+    "disc_rolling_off_hill",
+    "eccentric_disc_on_line",
+    "driven_disc",
+)
+QUANTITIES = ("first_transition", "all_transitions")
+# Times of one run are good to a tenth or so, the least of three to less: what differs by less is no better.
+MARGIN, REPEATS = 1.25, 3
+# No error below this is one: what reading the samples adds, s.
+LEAST_ERROR = 1e-9
+# A motion with transitions missed or invented has none of their errors; it counts as one that is off by this, s.
+WRONG = 0.1
+LIMIT_SECONDS = 120.0
+
+
+class Cell(NamedTuple):
+    """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU s of the fastest run, errors in s."""
+
+    case: str
+    solver: str
+    route: str
+    place: str
+    setting: Setting
+    outcome: str
+    cpu_s: float = nan
+    errors: tuple[float, ...] = (nan,) * len(QUANTITIES)
+
+
+class Point(NamedTuple):
+    """A setting over all cases: geometric means of its relative cost and of its errors, and in how many it is right."""
+
+    place: str
+    settings: tuple[Setting, ...]
+    cost: float
+    errors: tuple[float, ...]
+    right: int
+    cases: int
+
+
+def measure(chosen: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[Cell]:
+    """Run ladder and grid of every route on every case, one run at a time."""
+    truths, by_label = find_truths(chosen, calls), {case.label: case for case in chosen}
+    todo: list[tuple[str, tuple[Case, str, str, Setting, Truth]]] = []
+    for knobs, word in (("ladder", "rung"), ("wide_grid", "grid")):
+        for (label, name), of_routes in offers(chosen, solvers, calls, knobs).items():
+            for offer in of_routes:
+                for place, setting in enumerate(offer.settings):
+                    if not (setting.is_default or truths[label].failure or not truths[label].transitions):
+                        case = by_label[label]
+                        todo.append((f"{word} {place}", (case, name, offer.route, setting, truths[label])))
+    with calls.alone() as alone:
+        answers = alone.all("settings", run_setting, [call for _, call in todo], limit=LIMIT_SECONDS)
+    cells = []
+    for (where, (case, name, route, setting, _)), answer in zip(todo, answers, strict=True):
+        told = answer.value if answer.outcome == "done" else (answer.failure[0],)
+        cells.append(Cell(case.label, name, route, where, setting, *told))
+    return cells
+
+
+def run_setting(
+    case: Case, name: str, route: str, setting: Setting, truth: Truth
+) -> tuple[str, float, tuple[float, ...]]:
+    """Outcome, CPU time (s) of the fastest of some runs, and errors; in a worker."""
+    module = solver(name)
+    motion, seconds = timed(module, case, route, setting), list[float]()
+    for _ in range(REPEATS):
+        model = module.build(case, route, setting)
+        begun = process_time()
+        module.run(model)
+        seconds.append(process_time() - begun)
+    rows = ledger.match(truth.transitions, reading_of(case, motion).transitions)
+    first = next((abs(row.error) for row in rows if row.event == 1 and row.verdict == "matched"), WRONG)
+    wrong = any(row.verdict != "matched" for row in rows)
+    every = WRONG if wrong else max(abs(row.error) for row in rows)
+    return ("wrong" if wrong else "right"), min(seconds), (first, every)
+
+
+def points(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
+    """Of each solver and route the settings over all cases that ran whole: rungs and grid, by their places."""
+    found: dict[tuple[str, str], list[Point]] = {}
+    for who in dict.fromkeys(cell[1:3] for cell in cells):
+        own = [cell for cell in cells if cell[1:3] == who and isfinite(cell.cpu_s)]
+        usual = {case: median(c.cpu_s for c in own if c.case == case) for case in {c.case for c in own}}
+        # Ladders and grids that differ from case to case have their common places compared.
+        places = [p for p in dict.fromkeys(c.place for c in own) if sum(c.place == p for c in own) == len(usual)]
+        found[who] = [_point([c for c in own if c.place == place], usual) for place in places]
+    return found
+
+
+def _point(cells: Sequence[Cell], usual: dict[str, float]) -> Point:
+    errors = tuple(_mean([max(c.errors[i], LEAST_ERROR) for c in cells]) for i in range(len(QUANTITIES)))
+    return Point(
+        cells[0].place,
+        tuple(c.setting for c in cells),
+        _mean([max(c.cpu_s, 1e-9) / max(usual[c.case], 1e-9) for c in cells]),
+        errors,
+        sum(c.outcome == "right" for c in cells),
+        len(cells),
+    )
+
+
+def _mean(values: Sequence[float]) -> float:
+    return exp(sum(map(log, values)) / len(values))
+
+
+def beats(one: Point, other: Point) -> bool:
+    """Whether a setting makes another pointless (see the module), and is right as often."""
+    if one.right < other.right:
+        return False
+    shares = [mine / theirs for mine, theirs in zip(one.errors, other.errors, strict=True)]
+    cost = one.cost / other.cost
+    return (cost <= 1 / MARGIN and max(shares) <= 1.0) or (cost <= 1.0 and max(shares) <= 1 / MARGIN**2)
+
+
+def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
+    """A row for every rung and every setting of a grid; of a rung also the setting that beats it, if one does."""
+    found = []
+    for (name, route), own in points(cells).items():
+        grid = [point for point in own if point.place.startswith("grid")]
+        for point in own:
+            better = min((other for other in grid if beats(other, point)), key=lambda p: p.cost, default=None)
+            rung = point.place.startswith("rung")
+            found.append(
+                {
+                    "solver": name,
+                    "route": route,
+                    "place": point.place,
+                    "setting": str(point.settings[0]),
+                    "cost": point.cost,
+                    **dict(zip(QUANTITIES, point.errors, strict=True)),
+                    "right": point.right,
+                    "cases": point.cases,
+                    "on_envelope": better is None,
+                    "beaten_by": str(better.settings[0]) if rung and better else "",
+                }
+            )
+    return found

@@ -1,0 +1,58 @@
+"""`python -m reports.submit FOLDER`: check motions that are to be handed in, and judge them as the report will.
+
+Exit status: 0 if all of them could be judged, whatever came out; 2, with one sentence, for the first that could not.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import options
+
+if TYPE_CHECKING:
+    from .running.records import Run
+    from .running.submissions import Submission
+
+COMMAND = "reports.submit"
+
+
+def judged(folder: str | Path) -> tuple[Submission, list[Run]]:
+    """A submission and the rows of its motions. Raises CaseError, in one sentence, for what is not in the form."""
+    from .running import external, submissions
+    from .running.tasks import find_truth
+
+    submission = submissions.read(Path(folder).expanduser())
+    motions = [submissions.motion(submission, label) for label in submission.files]
+    return submission, [external.judged(given, 1, find_truth(given.case)) for given in motions]
+
+
+def _text(submission: Submission, runs: Sequence[Run]) -> str:
+    from tabulate import tabulate
+
+    rows = []
+    for run in runs:
+        counts = {
+            verdict: sum(r.verdict == verdict for r in run.ledger) for verdict in ("matched", "missed", "spurious")
+        }
+        error = next((r.error for r in run.ledger if r.event == 1), float("nan"))
+        rows.append((run.case, run.outcome, *counts.values(), error, run.reason))
+    head = ("case", "outcome", "matched", "missed", "spurious", "first transition's error / s", "why")
+    return f"{submission.name}, by {submission.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """The command; returns its exit status."""
+
+    def work(words: list[str]) -> None:
+        positional = {"FOLDER": "submissions/ENGINE/VERSION, with submission.toml and a CASE.csv for each case"}
+        parser = options.parser(COMMAND, "Check and judge motions that are to be handed in.", words=positional)
+        print(_text(*judged(parser.parse_args(words).FOLDER)))
+
+    return options.status(COMMAND, work, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,118 @@
+"""`python -m reports.sweep CASE --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200`: one row a scenario, and the map."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from cases import BadValue
+from cases.errors import finite
+
+from . import options
+
+COMMAND = "reports.sweep"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """The command; returns its exit status."""
+    return options.status(COMMAND, _work, argv)
+
+
+def _work(words: list[str]) -> None:
+    parser = options.parser(
+        COMMAND, "Simulate a case over its parameters: a row for every scenario, in Parquet, and a map.", "vary",
+        "sample", "number", "seed", "rtol", "certify", "refine", "solver", "case_file", "out", "jobs", "dask", "fresh",
+        words={"CASE": "a case, or name[parameter=value,…]"}, out="sweep",
+        example=f"python -m {COMMAND} disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
+    )  # fmt: skip
+    given = parser.parse_args(words)
+    files, _ = options.load_files(given.case_file)
+    plan = _plan(given, files)
+    solvers = [name for name in options.chosen_solvers(given.solver or ["reference"]) if name != "reference"]
+    if versioned := next((name for name in solvers if "@" in name), ""):
+        raise BadValue(f"a sweep runs what is installed, not {versioned}; reports.build has versions beside each other")
+    jobs, out = options.whole_jobs(given.jobs), Path(given.out).expanduser().resolve()
+    if out == Path.cwd() or out in Path.cwd().parents:
+        raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example sweep")
+    width = None if given.refine is None else _width(given.refine, plan)
+    _sweep(plan, solvers, jobs, out, given, width, options.command(COMMAND, words))
+
+
+def _plan(given, files: Sequence[str]):
+    """The plan of the options; raises CaseError, in one sentence."""
+    try:
+        from reference.sweeping import plan, table
+    except ImportError as problem:
+        raise BadValue(f"sweeps keep their rows in Parquet ({problem}); install it: pip install pyarrow") from None
+
+    vary = {}
+    for text in given.vary:
+        name, equals, values = text.partition("=")
+        if not equals or not name.strip() or not values.strip():
+            raise BadValue(f"--vary {text!r} cannot be read; write --vary parameter=low:high:count")
+        if name.strip() in vary:
+            raise BadValue(f"--vary {name.strip()} is given twice; give each parameter once")
+        vary[name.strip()] = values.strip()
+    number = None if given.number is None else int(_number("--number", given.number))
+    seed, rtol = int(_number("--seed", given.seed)), _number("--rtol", given.rtol)
+    found = plan(given.CASE, vary, given.sample, number, seed, rtol, files)
+    table.check_names(found)
+    return found
+
+
+def _number(option: str, text: str) -> float:
+    try:
+        return finite(option, float(text))
+    except ValueError as problem:
+        if isinstance(problem, BadValue):
+            raise
+        raise BadValue(f"{option} is {text!r}; give a number") from None
+
+
+def _width(text: str, plan) -> float:
+    width = _number("--refine", text)
+    if not width > 0.0:
+        raise BadValue(f"--refine is {width:g}; give a width above zero")
+    from .sweeping import refine
+
+    refine.check(plan)
+    return width
+
+
+def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: float | None, command: str) -> None:
+    """Make the rows, the boundaries and the maps, and say where they are."""
+    from .drawing.files import embed_command
+    from .running.progress import Display
+    from .sweeping import cluster, maps, refine, run
+    from .sweeping.folder import Folder
+
+    if given.dask is not None:
+        cluster.check(given.dask)
+
+    ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not there
+    folder = Folder.opened(out, run.asked(plan, given.certify), given.fresh)
+    folder.tell({"command": command})
+    try:
+        with Display() as display:
+            machines = run.Machines(jobs, given.dask, display)
+            made = run.run(plan, folder, given.certify, machines)
+            engines: dict[str, str] = {}
+            for name in solvers:
+                engines |= run.run_engine(plan, folder, name, ways[name], machines)
+        edges = refine.run(plan, folder, width) if width is not None else None
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"what is done is in {out}; give the same command to go on") from None
+    counts = maps.counts(folder)
+    for drawn in maps.draw(plan, folder, engines, edges):
+        embed_command(out, drawn, command)
+        print(f"{drawn.title}: {out / f'{drawn.name}.svg'}")
+    print(f"{len(plan)} scenarios of {plan.name}, {made} of them made now; rows: {out / run.ROWS}")
+    for what, count in counts.most_common(12):
+        print(f"  {count:>12,}  {what}")
+    if edges is not None:
+        print(f"boundaries: {out / refine.FILE} ({edges.points} points, {edges.scenarios} more scenarios)")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Sweeps: one case with many parameters, in parts that any machine can do by itself, and their maps."""

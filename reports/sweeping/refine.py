@@ -1,0 +1,177 @@
+"""Boundaries between what follows: a quadtree where the verdict changes, then bisection along its edges.
+
+The plan's grid is where it begins. A cell whose corners differ is cut in four, down to cells of a 256th of the ranges;
+then every edge of them whose ends differ holds a point of a boundary, and all of these are bisected together. A motion
+of a third kind inside an edge makes two boundaries of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow as pa
+
+from cases import BadValue
+from reference.sweeping import Plan, table
+
+from . import parts
+from .folder import Folder
+from .maps import kind
+
+FILE = "boundary.parquet"
+# Cells to a side of the ranges where the quadtree ends.
+CELLS = 256
+# The integrator's tolerance beside the width that is asked for: verdicts hang on a cone that is known as well.
+FINER, FINEST = 1e-2, 1e-14
+# Scenarios that go in one wave.
+TOGETHER = 4000
+
+Place = tuple[int, ...]
+
+
+class Edges(NamedTuple):
+    """Points of boundaries and the kinds beside them, how many scenarios it took, how wide each is."""
+
+    x: np.ndarray
+    y: np.ndarray
+    kinds: tuple[tuple[str, str], ...]
+    width: np.ndarray
+    scenarios: int
+
+    @property
+    def points(self) -> int:
+        """How many there are."""
+        return len(self.x)
+
+
+class _Bracket(NamedTuple):
+    """Two places in parts of the ranges, in one direction, between which the kind changes."""
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    before: str
+    after: str
+
+
+def check(plan: Plan) -> None:
+    """Raises BadValue for a plan whose boundaries cannot be looked for."""
+    if plan.sample != "grid" or len(plan.axes) > 2:
+        raise BadValue("--refine needs a grid of one or two parameters to begin with")
+    for axis in plan.axes:
+        if axis.values or len(axis) < 2:
+            raise BadValue(
+                f"--refine needs a range to cut; write {axis.name}=low:high:count, with a count of 2 or more"
+            )
+
+
+def run(plan: Plan, folder: Folder, width: float) -> Edges:
+    """Find the boundaries to that width of the first parameter (of the second: the same part of its range), and keep
+    them in the folder."""
+    edges = found(plan, width)
+    columns = {plan.axes[0].name: edges.x}
+    columns |= {plan.axes[1].name: edges.y} if len(plan.axes) == 2 else {}
+    columns |= {"width": edges.width}
+    columns |= {
+        name: np.array([pair[i] for pair in edges.kinds], dtype=object) for i, name in enumerate(("low", "high"))
+    }
+    folder.keep(FILE, parts.packed(pa.table(columns)))
+    return edges
+
+
+def found(plan: Plan, width: float) -> Edges:
+    """The boundaries of a plan to that width."""
+    check(plan)
+    search = _Search(replace(plan, rtol=min(plan.rtol, max(FINER * width, FINEST))))
+    brackets = search.brackets()
+    part = width / (plan.axes[0].high - plan.axes[0].low)
+    while True:
+        wide = [b for b in brackets if _length(b) > max(part, 4 * np.spacing(1.0))]
+        if not wide:
+            break
+        brackets = [b for b in brackets if _length(b) <= max(part, 4 * np.spacing(1.0))] + search.halved(wide)
+    brackets.sort()
+    middles = np.array([0.5 * (np.array(b.low) + b.high) for b in brackets]).reshape(-1, len(plan.axes))
+    places = [axis.drawn(middles[:, i]) for i, axis in enumerate(plan.axes)]
+    wide_by = np.array([_length(b) for b in brackets]) * (plan.axes[0].high - plan.axes[0].low)
+    kinds = tuple((b.before, b.after) for b in brackets)
+    return Edges(places[0], places[-1], kinds, wide_by, search.scenarios)
+
+
+def _length(bracket: _Bracket) -> float:
+    return max(b - a for a, b in zip(bracket.low, bracket.high, strict=True))
+
+
+class _Search:
+    """The kinds of motion at places, in parts of the ranges, and what it took to know them."""
+
+    def __init__(self, plan: Plan):
+        self.plan, self.scenarios = plan, 0
+        # Of the lattice of the finest cells: a CELLSth of the ranges, or the grid's own where that is finer.
+        self.level = max(0, *(int(np.ceil(np.log2(CELLS / (len(axis) - 1)))) for axis in plan.axes))
+        self.size = tuple((len(axis) - 1) << self.level for axis in plan.axes)
+        self.known: dict[Place, str] = {}
+
+    def kinds(self, places: np.ndarray) -> list[str]:
+        """What happens at places (n, axes) in parts of the ranges."""
+        told: list[str] = []
+        for start in range(0, len(places), TOGETHER):
+            some = places[start : start + TOGETHER]
+            columns = {axis.name: axis.drawn(some[:, i]) for i, axis in enumerate(self.plan.axes)}
+            rows = table.rows(self.plan, columns)
+            self.scenarios += len(some)
+            pairs = zip(rows.column("sequence").to_pylist(), rows.column("outcome").to_pylist(), strict=True)
+            told += [kind(sequence or "", outcome) for sequence, outcome in pairs]
+        return told
+
+    def look(self, places: Iterable[Place]) -> None:
+        """Find out what happens at places of the lattice."""
+        new = sorted({place for place in places if place not in self.known})
+        if new:
+            self.known |= zip(new, self.kinds(np.array(new) / self.size), strict=True)
+
+    def brackets(self) -> list[_Bracket]:
+        """The edges of the quadtree's last cells whose ends differ."""
+        step = 1 << self.level
+        cells = [tuple(place) for place in product(*(range(0, size, step) for size in self.size))]
+        while True:
+            self.look(corner for cell in cells for corner in _corners(cell, step))
+            cells = [cell for cell in cells if len({self.known[corner] for corner in _corners(cell, step)}) > 1]
+            if step == 1 or not cells:
+                break
+            step //= 2
+            cells = [
+                tuple(map(sum, zip(cell, part, strict=True)))
+                for cell in cells
+                for part in _corners((0,) * len(cell), step)
+            ]
+        edges = {edge for cell in cells for edge in _edges(cell, step)}
+        return [self._bracket(*edge) for edge in sorted(edges) if self.known[edge[0]] != self.known[edge[1]]]
+
+    def _bracket(self, low: Place, high: Place) -> _Bracket:
+        ends = [tuple(float(i / size) for i, size in zip(place, self.size, strict=True)) for place in (low, high)]
+        return _Bracket(ends[0], ends[1], self.known[low], self.known[high])
+
+    def halved(self, brackets: list[_Bracket]) -> list[_Bracket]:
+        """The halves in which the kind changes."""
+        middles = [tuple(0.5 * (a + b) for a, b in zip(k.low, k.high, strict=True)) for k in brackets]
+        halves = []
+        for bracket, middle, there in zip(brackets, middles, self.kinds(np.array(middles)), strict=True):
+            if there != bracket.before:
+                halves.append(_Bracket(bracket.low, middle, bracket.before, there))
+            if there != bracket.after:
+                halves.append(_Bracket(middle, bracket.high, there, bracket.after))
+        return halves
+
+
+def _corners(cell: Place, step: int) -> list[Place]:
+    return [tuple(place) for place in product(*((i, i + step) for i in cell))]
+
+
+def _edges(cell: Place, step: int) -> list[tuple[Place, Place]]:
+    """A cell's edges, each from its lower end to its upper one."""
+    corners = _corners(cell, step)
+    return [(a, b) for a in corners for b in corners if a < b and sum(i != j for i, j in zip(a, b, strict=True)) == 1]

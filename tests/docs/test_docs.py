@@ -1,0 +1,111 @@
+"""What README, the pages and the gallery show is run: code as it stands there, commands by their names and options."""
+
+import importlib.util
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+import cases
+from cases import registry
+from cases.pictures import animation
+from reports import options
+
+ROOT = Path(__file__).parent.parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+_NOT_RUN = re.compile(r"<!-- not run: .*? -->\s*```python\n.*?```", flags=re.S)
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch):
+    """A folder to write into, a catalogue that forgets what is added to it, and films of few pictures."""
+    monkeypatch.chdir(tmp_path)
+    cases.names()
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    monkeypatch.setattr(animation, "FRAMES_A_SECOND", 1)
+    return tmp_path
+
+
+def codes(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", _NOT_RUN.sub("", page.read_text(encoding="utf-8")), flags=re.S)
+
+
+WITH_CODE = [page for page in PAGES if codes(page, "python")]
+
+
+@pytest.mark.parametrize("page", WITH_CODE, ids=lambda page: page.name)
+def test_the_code_of_a_page_runs_from_top_to_bottom(page, desk):
+    names: dict = {"__name__": "page"}
+    for number, code in enumerate(codes(page, "python"), start=1):
+        exec(compile(code, f"{page.name}, block {number}", "exec"), names)
+
+
+def test_there_are_pages_with_code():
+    assert {page.name for page in WITH_CODE} >= {"README.md", "index.md", "add_a_case.md", "truth.md", "equations.md"}
+
+
+COMMANDS = [
+    (page.name, line.partition("#")[0].strip())
+    for page in PAGES
+    for block in codes(page, "sh")
+    for line in block.splitlines()
+    if line.startswith("python -m")
+]
+
+
+@pytest.mark.parametrize(("page", "line"), COMMANDS, ids=[line for _, line in COMMANDS])
+def test_a_command_of_a_page_exists_and_takes_its_options(page, line):
+    module = line.split()[2]
+    assert importlib.util.find_spec(module) is not None
+    known = {f"--{name.replace('_', '-')}" for name in options._OPTIONS}
+    assert set(re.findall(r"--[a-z-]+", line)) <= known
+
+
+def test_links_lead_somewhere():
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_the_site_leaves_no_page_out():
+    told = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    for page in (ROOT / "docs").iterdir():
+        assert page.suffix not in (".md", ".ipynb") or f": {page.name}\n" in told, page.name
+
+
+def test_the_gallery_runs_and_shows_itself(desk):
+    """Cell by cell, and what each ends with shows itself as a notebook asks for it."""
+    cells = json.loads((ROOT / "docs" / "gallery.ipynb").read_text(encoding="utf-8"))["cells"]
+    names: dict = {"__name__": "gallery"}
+    shown = []
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            *before, last = "".join(cell["source"]).split("\n")
+            exec("\n".join(before), names)
+            thing = eval(last, names)
+            rich = [getattr(thing, name)() for name in ("_repr_html_", "_repr_png_") if hasattr(thing, name)]
+            shown += [type(thing).__name__]
+            assert any(text and len(text) > 100 for text in rich), type(thing)
+            assert len(repr(thing)) < 1000
+    assert {"Case", "Trajectory", "Picture", "Animation", "Comparison", "DataFrame"} <= set(shown)
+
+
+def test_the_film_in_the_readme_is_small():
+    film = ROOT / "docs" / "disc_in_circle.gif"
+    assert "docs/disc_in_circle.gif" in PAGES[0].read_text(encoding="utf-8") and film.stat().st_size < 1_000_000
+
+
+@pytest.mark.slow
+def test_the_site_is_built(tmp_path):
+    """mkdocs is strict: a page it does not know, or a name without a docstring's home, is an error."""
+    pytest.importorskip("mkdocstrings")
+    import subprocess
+    import sys
+
+    assert shutil.which("git")  # the site's pages are those of the repository
+    argv = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(tmp_path / "site")]
+    done = subprocess.run(argv, cwd=ROOT, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert "simulate" in (tmp_path / "site" / "api.html").read_text(encoding="utf-8")

@@ -1,0 +1,71 @@
+"""Words of command lines. Commands plan and refuse here; what takes minutes is not begun."""
+
+import os
+import tempfile
+from contextlib import ExitStack
+from unittest import mock
+
+from cases import commands
+from reports import build, compare, study
+
+from ..harness import Kind, run_command
+
+WORDS = (
+    "stability", "formulations", "effect_costs", "--fresh", "--case", "--case-file", "--solver", "--quick", "--full",
+    "--jobs", "--list", "--out", "--store", "disc_on_line", "mu=0.3", "disc_on_line[mu=0.1]", "disc_on_line[mu=-1]",
+    "no_such", "reference", "exudyn", "0", "-1", "2", "nan", "99999999999", "", " ", "--", "-x", "--colour",
+    "/dev/null",
+    "/nowhere/at/all", ".", "..", "/", "[", "]", "\n", "é" * 300, "*", "new", "check", "show", "export",
+    "my case", "--out=",
+    "--jobs=two", "--jobs=99999999999", "@file", "numpy", "cases", "random", "cos", "x" * 5000, "a\0b",
+    "~nosuchuser", "--force",
+    "/proc", "/proc/self/mem", "loop", "--trajectory", "a=b.csv", "<b>=b.csv", "a@disc_on_line=/dev/null", "--no-cache",
+    "\ud800", "١", "valid_name", "--store=loop", "--out=~nosuchuser/r", "disc_on_line[v0=1e308]",
+)  # fmt: skip
+COMMANDS = {"build": build.main, "compare": compare.main, "cases": commands.main, "study": study.main}
+
+
+def called(name: str, words: list[str]):
+    """The command in an empty folder with a link that leads to itself."""
+
+    def call():
+        here = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+            stack.enter_context(mock.patch.object(build, "_build", lambda *_: 0))
+            stack.enter_context(mock.patch.object(build, "listing", lambda *_: "listed"))
+            stack.enter_context(mock.patch.object(compare, "compare", lambda *_: "judged"))
+            stack.enter_context(mock.patch.object(study, "_make", lambda *_: None))
+            stack.enter_context(mock.patch.object(commands, "_of_others", lambda *_: None))
+            stack.enter_context(mock.patch.dict(os.environ))
+            os.chdir(folder)
+            try:
+                os.symlink("loop", "loop")
+                run_command(COMMANDS[name], words)
+            finally:
+                os.chdir(here)
+
+    return call
+
+
+def draw(chance):
+    name = chance.choice(sorted(COMMANDS))
+    words = [chance.choice(WORDS) for _ in range(chance.randint(0, 5))]
+    return f"{name} {words!r}", called(name, words)
+
+
+FOUND = tuple(
+    (f"{name} {words!r}", called(name, words))
+    for name, words in (
+        ("build", ["--jobs", "99999999999"]),
+        ("build", ["--out", "~nosuchuser/x"]),
+        ("build", ["--out", "x" * 5000]),
+        ("build", ["--store", "loop/x"]),
+        ("cases", ["new", "numpy"]),
+        ("cases", ["new", "cos"]),
+        ("cases", ["new", "x" * 5000]),
+        ("cases", ["check", "a\0b"]),
+        ("compare", ["disc_on_line", "loop"]),
+        ("study", ["stability", "--jobs", "nan"]),
+    )
+)
+KIND = Kind("command_lines", draw, 450, 60, FOUND)

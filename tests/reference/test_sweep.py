@@ -1,0 +1,207 @@
+"""Sweeps: every row is what `simulate` says, verdicts are the analytic ones, and any stretch can be made by itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from cases import BadValue, CaseError, UnknownName
+from reference.paper.application import rolls_beyond, slip_end
+from reference.sweeping import plan, table
+from reference.sweeping.table import ARROW, BAD
+
+# Families with a mode, an end or an effect each that the others have not, and what is drawn of them. The last two
+# differ in their curves from scenario to scenario.
+FAMILIES = {
+    "disc_in_circle": dict(mu="0.005:0.6", xi1="0:1.55"),
+    "ellipse_in_circle": dict(mu="0.01:0.8", xi1="-2.8:-1.7", tilt="-0.5:0.5"),
+    "disc_in_cosine": dict(mu="0.01:0.6", xi1="-1.4:-0.3"),
+    "disc_rolling_to_rest": dict(v0="-2:2", mu="0.01:0.6", arm="0.001:0.02"),
+    "disc_on_spring": dict(mu="0.02:0.3", stretch="0.05:0.4"),
+    "disc_sliding_off_hill": dict(angle="0.1:0.8"),
+    "disc_on_line": dict(v0="-3:3", mu="0.01:0.8", r="0.05:0.2"),
+    "disc_in_circle[xi1=0]": dict(mu="0.005:0.6", R="0.5:2"),
+}
+# s. Both integrate to 1e-10 by steps of their own; each is then within some 1e-12 of the truth, as simulate is.
+APART = 1e-11
+
+
+def differences(name: str, number: int, seed: int) -> tuple[list[str], float]:
+    """Scenarios whose row is not what simulate says, and by how much times differ at most."""
+    asked = plan(name, FAMILIES[name], "random", number, seed, rtol=1e-10)
+    rows, wrong, apart = table.solved(asked, 0, number).to_pylist(), [], 0.0
+    for row in rows:
+        try:
+            case = asked.make(**{axis.name: row[axis.name] for axis in asked.axes})
+        except CaseError as problem:
+            assert (row["outcome"], row["reason"]) == (BAD, str(problem))
+            continue
+        motion = reference.simulate(case, rtol=1e-10)
+        sequence = ARROW.join(
+            [*([motion.first_mode] if motion.first_mode else []), *(e.after for e in motion.transitions)]
+        )
+        if (row["sequence"], row["outcome"]) != (sequence, motion.status):
+            wrong.append(f"{case.label}: {row['sequence']} ({row['outcome']}), not {sequence} ({motion.status})")
+            continue
+        times = [e.time for e in motion.transitions]
+        apart = max([apart, *np.abs(np.subtract(row["times"], times))])
+    return wrong, apart
+
+
+@pytest.mark.parametrize("name", [*FAMILIES][:4])
+def test_rows_are_what_simulate_says(name, accuracy):
+    wrong, apart = differences(name, 60, seed=1)
+    assert not wrong
+    accuracy(case=name, solver="sweep", route="waves", quantity="times against simulate", error=apart, tolerance=APART)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FAMILIES)
+def test_rows_are_what_simulate_says_of_many(name, accuracy):
+    wrong, apart = differences(name, 900, seed=2)  # 7200 in all
+    assert not wrong
+    accuracy(case=name, solver="sweep", route="waves", quantity="times against simulate", error=apart, tolerance=APART)
+
+
+def verdicts(number: int, seed: int) -> tuple[int, int]:
+    """How many sampled scenarios have the verdict of Coulomb's inequality at the exact first zero, and how many do not;
+    those whose margin is below 1e-9 count as neither."""
+    rows = reference.sweep("disc_in_circle", "sobol", number, seed, mu=(0.01, 0.6), xi1=(0.0, 1.5))
+    right = wrong = 0
+    for mu, xi1, sequence in zip(rows.mu, rows.xi1, rows.sequence, strict=True):
+        margin = 3.0 * mu * np.tan(xi1) - 1.0
+        expected = "roll" if margin > 0.0 else "slip_forward"
+        if margin <= 0.0:
+            end = slip_end(mu, xi1)
+            margin = 1.0 - end.needed
+            expected += f"{ARROW}roll" if margin > 0.0 else f"{ARROW}slip_backward"
+        if abs(margin) > 1e-9:
+            same = sequence.split(ARROW)[: expected.count(ARROW) + 1] == expected.split(ARROW)
+            right, wrong = right + same, wrong + (not same)
+    return right, wrong
+
+
+def test_verdicts_are_those_of_the_inequality_at_the_exact_zero():
+    right, wrong = verdicts(64, seed=3)
+    assert (wrong, right) == (0, 64)
+
+
+@pytest.mark.slow
+def test_ten_thousand_verdicts_are_those_of_the_inequality():
+    right, wrong = verdicts(2**14, seed=4)
+    assert wrong == 0 and right > 10_000
+
+
+def test_short_slips_near_the_cone_are_not_missed():
+    """Let go a little outside the cone of rolling the disc slips for as short as one likes, and rolls."""
+    edge = np.arctan(1.0 / (3.0 * 0.2))
+    starts = edge - np.geomspace(1e-8, 1e-2, 80)
+    rows = reference.sweep("disc_in_circle", mu=0.2, xi1=starts)
+    assert {tuple(sequence.split(ARROW)[:2]) for sequence in rows.sequence} == {("slip_forward", "roll")}
+    assert np.all(np.diff(rows.first_time.to_numpy()) > 0.0)
+
+
+def test_a_grid_runs_its_last_parameter_fastest_and_every_sample_has_its_place():
+    asked = plan("disc_in_circle", dict(mu="0.1:0.3:3", xi1="0.1:0.2:2"))
+    assert len(asked) == 6
+    columns = asked.columns(0, 6)
+    assert columns["mu"].tolist() == pytest.approx([0.1, 0.1, 0.2, 0.2, 0.3, 0.3], abs=1e-15)
+    assert columns["xi1"].tolist() == [0.1, 0.2] * 3
+    for sample in ("grid", "random", "sobol"):
+        vary = dict(mu="0.1:0.3:25:log", xi1="0:1:40") if sample == "grid" else dict(mu="0.1:0.3:log", xi1="0:1")
+        asked = plan("disc_in_circle", vary, sample, None if sample == "grid" else 1000, seed=5)
+        whole, piece = asked.columns(0, 1000), asked.columns(300, 417)
+        for name, column in whole.items():
+            assert np.array_equal(column[300:417], piece[name])
+            assert np.ptp(column) > 0.0 and (0.0 if name == "xi1" else 0.1) <= column.min()
+            assert column.max() <= (1.0 if name == "xi1" else 0.3 * (1 + 1e-15))
+
+
+def test_parts_of_a_sweep_are_the_whole():
+    asked = plan("disc_in_circle", dict(mu="0.05:0.3:12", xi1="0:1.5:12"))
+    whole = table.solved(asked, 0, 144).drop_columns(["cpu_s"]).to_pylist()
+    pieces = [row for a, b in ((0, 50), (50, 51), (51, 144)) for row in table.solved(asked, a, b).to_pylist()]
+    for row, piece in zip(whole, pieces, strict=True):
+        piece.pop("cpu_s")
+        for name in ("times", "at_xi1", "at_xi2"):  # alone or in company, the last digits may differ
+            assert row.pop(name) == pytest.approx(piece.pop(name), abs=APART)
+        same = {name for name in row if name not in ("alone", "steps", "energy_start", "energy_end")}
+        assert {n: row[n] for n in same} == pytest.approx({n: piece[n] for n in same}, abs=APART)
+
+
+def test_a_bad_scenario_is_a_row_and_harms_no_other():
+    rows = reference.sweep("disc_in_circle", r=[0.1, 0.2, 1.5, -0.1], mu=[0.1, -1.0])
+    assert rows.outcome.tolist() == ["completed", BAD, "completed", BAD, BAD, BAD, BAD, BAD]
+    assert (
+        "does not fit" in rows.reason[4] and "greater than zero" in rows.reason[6] and "zero or more" in rows.reason[1]
+    )
+    assert rows.first_time.isna().tolist() == [False, True, False, True, True, True, True, True]
+
+
+def test_a_branch_in_the_case_is_seen():
+    """A function that does something else beyond some value is not taken for one that does the same."""
+
+    def scene(mu=0.1, xi1=0.0):
+        return cases.load("disc_in_circle", mu=mu, xi1=xi1, R=2.0 if 0.3 < mu < 0.301 else 1.0)
+
+    rng = np.random.default_rng(0)
+    mus = np.sort(rng.uniform(0.1, 0.5, 400))
+    mus[123] = 0.3005
+    rows = reference.sweep(scene, mu=np.unique(mus))
+    there = rows[(rows.mu > 0.3) & (rows.mu < 0.301)]
+    assert len(there) >= 1
+    for mu, time in zip(there.mu, there.first_time, strict=True):
+        assert time == pytest.approx(slip_end(mu).time * np.sqrt(1.9 / 9.81), abs=1e-9)
+
+
+def test_without_heyoka_each_goes_by_itself(monkeypatch):
+    from reference.minimal.integrators import taylor
+    from reference.sweeping import motions
+
+    fast = reference.sweep("disc_in_circle", mu=[0.01, 0.1, 0.2], xi1=[0.0, 0.5])
+    monkeypatch.setattr(taylor, "AVAILABLE", False)
+    monkeypatch.setattr(motions, "METHODS", ("dop853",))
+    slow = reference.sweep("disc_in_circle", mu=[0.01, 0.1, 0.2], xi1=[0.0, 0.5])
+    assert slow.alone.all() and not fast.alone.any()
+    assert slow.sequence.tolist() == fast.sequence.tolist()
+    assert slow.first_time.tolist() == pytest.approx(fast.first_time.tolist(), abs=1e-10)
+
+
+def test_certified_rows_have_error_bars():
+    asked = plan("disc_in_circle", dict(mu=[0.1, 0.2]))
+    (row, _) = table.solved(asked, 0, 2, certified=True).to_pylist()
+    assert len(row["error_bars"]) == len(row["times"]) and 0.0 < max(row["error_bars"]) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("vary", "how", "error", "words"),
+    [
+        (dict(nu="0:1:3"), {}, UnknownName, "there is no parameter of disc_in_circle 'nu'"),
+        (dict(mu="0.5:0.1:3"), {}, BadValue, "which is empty; give the smaller number first"),
+        (dict(mu="0.1:0.1:3"), {}, BadValue, "which is empty"),
+        (dict(mu="0.1:0.5:0"), {}, BadValue, "the count of mu is 0"),
+        (dict(mu="0:0.5:9:log"), {}, BadValue, "by powers; give a start above zero"),
+        (dict(mu="a:b:c"), {}, BadValue, "cannot be read; write mu=low:high:count"),
+        (dict(mu=[]), {}, BadValue, "mu has no value"),
+        (dict(mu="0.1:0.5"), {}, BadValue, "mu has no count; write mu=0.1:0.5:count"),
+        (dict(), {}, BadValue, "nothing varies"),
+        (dict(mu="0.1:0.5"), dict(sample="random"), BadValue, "needs the number of scenarios"),
+        (dict(mu="0.1:0.5"), dict(sample="grit"), UnknownName, "there is no sampling 'grit'"),
+        (dict(mu="0.1:0.5:3"), dict(number=5), BadValue, "a grid has as many scenarios as its axes say"),
+        (dict(mu="0.1:0.5:3"), dict(rtol=1.0), BadValue, "rtol is 1.0"),
+        (dict(mu=[0.1, float("nan")]), {}, BadValue, "give a finite number"),
+    ],
+)
+def test_what_makes_no_sense_is_said_before_anything_runs(vary, how, error, words):
+    with pytest.raises(error, match=words.replace("(", r"\(")):
+        reference.sweep_chunks("disc_in_circle", **how, **vary)
+
+
+def test_the_boundary_of_the_application_is_where_the_paper_says():
+    """Rolling follows beyond `rolls_beyond(μ₀)`: just above it rolls, just below it reverses."""
+    for mu in (0.03, 0.1):
+        edge = rolls_beyond(mu)
+        rows = reference.sweep("disc_in_circle", mu=mu, xi1=[edge - 1e-8, edge + 1e-8])
+        assert rows.first_after.tolist() == ["slip_backward", "roll"]

@@ -1,0 +1,130 @@
+"""What the page is made of: the answer table, motions for the player, vendored libraries."""
+
+from __future__ import annotations
+
+import hashlib
+import zlib
+from base64 import b64decode
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cases
+from adapters import Setting
+from cases import Mode, Transition
+from reports.analysis import advice
+from reports.page import motions, vendor
+from reports.page.pieces import as_written, table
+from reports.running.records import Experiment, Run, Truth
+
+ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
+SLIDES = Truth(method="taylor", first_mode=Mode.SLIP_FORWARD)
+
+
+def run(case, solver, route, outcome="right"):
+    return Run(case, solver, route, Setting.of(h=0.01), 1, outcome)
+
+
+def told(case, solver, route, accuracy, once, call):
+    row = {"case": case, "solver": solver, "route": route, "accuracy": accuracy, "lead": True, "award": "reached"}
+    return row | {"first_call_s": once, "call_s": call}
+
+
+def experiment():
+    labels = ("a", "b", "c")
+    runs = tuple(run(label, *who) for label in labels for who in (("fast", "native"), ("sure", "native")))
+    runs += (run("a", "reference", "dop853"), Run("a", "ghost", "", Setting.of(), 0, "refused"))
+    return Experiment((), {"a": ROLLS, "b": ROLLS, "c": SLIDES}, runs, 0.0)
+
+
+def frames():
+    reached = {("a", "fast"): 1e-2, ("b", "fast"): 1e-2, ("c", "fast"): 1e-12, ("a", "sure"): 1e-6, ("b", "sure"): 1e-4}
+    headline = [
+        {"case": case, "solver": solver, "route": "native", "reached": level}
+        for (case, solver), level in reached.items()
+    ]
+    spent = [told("a", "sure", "native", 1e-4, 2.0, 0.5), told("b", "sure", "native", 1e-4, 4.0, 0.1)]
+    spent += [told("c", "sure", "native", 1e-4, 9.0, 9.0)]  # a case that does not roll
+    return {"headline": pd.DataFrame(headline), "time_to_accuracy": pd.DataFrame(spent)}
+
+
+def test_the_answer_counts_the_cases_that_roll_and_takes_the_median_of_their_costs():
+    rows = advice.rows(experiment(), frames())
+    assert [(row["solver"], row["route"]) for row in rows] == [
+        ("sure", "native"), ("fast", "native"), ("reference", "dop853")
+    ]  # fmt: skip
+    sure, fast, _ = rows
+    assert (sure["rolling_cases"], sure["reached_1e_2"], sure["reached_1e_4"]) == (2, 2, 2)
+    assert (fast["reached_1e_2"], fast["reached_1e_4"], fast["timed_1e_4"]) == (2, 0, 0)
+    assert sure["timed_1e_4"] == 2 and sure["once_1e_4_s"] == 3.0
+    assert sure["thousand_1e_4_s"] == pytest.approx(0.5 * (2.0 + 999 * 0.5 + 4.0 + 999 * 0.1))
+
+
+def test_the_verdict_names_who_reaches_it_most_often_and_says_when_nobody_does():
+    first = advice.sentences(advice.rows(experiment(), frames()))[0]
+    assert first == (
+        "For rolling contact at 1e-4, trust sure native: it reaches that in 2 of 2 cases that roll, in 3 s for one "
+        "call from cold and 300 s for a thousand (median of 2 timed cases)."
+    )
+    poor = frames()
+    poor["headline"]["reached"] = 1e-2
+    assert "trust no engine" in advice.sentences(advice.rows(experiment(), poor))[0]
+
+
+def unpacked(text: str) -> np.ndarray:
+    data = np.frombuffer(zlib.decompress(b64decode(text)), np.uint8)
+    return np.ascontiguousarray(data.reshape(4, -1).T).view("<f4").ravel()
+
+
+def test_numbers_travel_with_five_digits_and_times_with_seven():
+    values = np.concatenate(
+        [[0.0, -0.0, np.nan], np.random.default_rng(1).normal(size=500) * 10.0 ** np.arange(-250, 250)]
+    )
+    values = values[np.isnan(values) | (abs(values) < 3e38)]
+    for whole, bound in ((False, 2.0**-16), (True, 2.0**-23)):
+        found = unpacked(motions.packed(values, whole))
+        sound = abs(values) > 1e-37  # smaller ones have fewer digits in 32 bits
+        assert np.all(abs(found[sound] - values[sound]) <= bound * abs(values[sound]))
+        assert np.array_equal(np.isnan(found), np.isnan(values))
+
+
+def test_samples_of_a_motion_hold_its_transitions():
+    case = cases.load("disc_in_circle[mu=0.2]")
+    t = np.linspace(0.0, 2.5, 1500)
+    samples = {"t": t, **{name: np.sin(t) for name in motions.TRUE}}
+    truth = replace(ROLLS, samples=samples, first_mode=Mode.SLIP_FORWARD)
+    said = motions.motion(Experiment((case,), {case.label: truth}, (), 0.0), case)
+    times = unpacked(said["t"])
+    assert len(times) == motions.SAMPLES and np.float32(0.5) in times
+    assert said["modes"] == [(0.0, "slip_forward", ""), (0.5, "roll", "")]
+    assert np.allclose(unpacked(said["truth"]).reshape(len(motions.TRUE), -1)[0], np.sin(times), atol=2e-5)
+    assert motions.motion(Experiment((case,), {case.label: Truth(failure="none")}, (), 0.0), case) is None
+
+
+def test_cases_stand_in_the_families_of_the_catalogue():
+    assert motions.family(cases.load("bouncing_disc")) == "Bounces and flights"
+    assert motions.family(replace(cases.load("bouncing_disc"), name="mine")) == "Your own"
+
+
+def test_libraries_are_the_files_that_were_fetched_each_with_its_licence():
+    packages = vendor.vendored()
+    assert {one["package"] for one in packages} == {"uplot", "datatables.net"}
+    for one in packages:
+        assert one["licence"] == "MIT" and any(name.endswith("LICENSE") for name in one["files"])
+        for name, digest in one["files"].items():
+            assert hashlib.sha256((vendor.FOLDER / name).read_bytes()).hexdigest() == digest, name
+
+
+def test_numbers_stand_as_people_write_them_and_are_sorted_by_all_their_digits():
+    assert [as_written(text) for text in ("1.1e-07", "-3.0e+05", "0.0e+00", "2.5e-12")] == [
+        "1.1e-7",
+        "-3.0e5",
+        "0",
+        "2.5e-12",
+    ]
+    frame = pd.DataFrame({"solver": ["pymunk"], "route": ["native"], "error": [1.23456789e-07], "note": ["<b>"]})
+    (row,) = table(frame, {"error": "error", "note": "note"})["rows"]
+    assert row["solver"], row["route"] == ("pymunk", "native")
+    assert row["cells"][0] == {"text": "1.2e-7", "kind": "number", "order": "1.23456789e-07"}

@@ -1,0 +1,53 @@
+"""Every rung lies on the lower envelope of a grid over the knobs; and a rung that does not is found."""
+
+import pytest
+
+from adapters import Setting
+from reports import studies
+from reports.running.calls import Calls
+from reports.studies.settings import measure
+from reports.studies.settings.measure import Cell, beats, points
+
+
+def cell(place: str, cpu: float, error: float, case: str = "a", outcome: str = "right") -> Cell:
+    return Cell(case, "engine", "native", place, Setting.of(h=cpu), outcome, cpu, (error, error))
+
+
+def on_envelope(*cells: Cell) -> dict[str, bool]:
+    return {row["place"]: row["on_envelope"] for row in measure.rows(cells) if row["place"].startswith("rung")}
+
+
+def test_rung_that_costs_twice_as_much_as_one_as_good_is_found():
+    assert on_envelope(cell("rung 1", 2.0, 1e-5), cell("grid 0", 1.0, 1e-5)) == {"rung 1": False}
+    assert on_envelope(cell("rung 1", 1.0, 1e-4), cell("grid 0", 1.0, 1e-5)) == {"rung 1": False}
+
+
+def test_rung_that_is_cheaper_or_better_or_nearly_as_good_stands():
+    for rival in (cell("grid 0", 2.0, 1e-6), cell("grid 0", 0.1, 1e-3), cell("grid 0", 0.9, 1e-5)):
+        assert on_envelope(cell("rung 1", 1.0, 1e-5), rival) == {"rung 1": True}
+
+
+def test_setting_that_is_right_less_often_beats_nothing():
+    rung, rival = cell("rung 1", 2.0, 1e-4), cell("grid 0", 1.0, 1e-6, outcome="wrong")
+    assert on_envelope(rung, rival) == {"rung 1": True}
+
+
+def test_scenes_count_alike_whatever_they_cost():
+    cells = [
+        cell(place, cpu * scale, error, case)
+        for case, scale in (("cheap", 1e-3), ("dear", 10.0))
+        for place, cpu, error in (("rung 1", 2.0, 1e-5), ("grid 0", 1.0, 1e-5))
+    ]
+    (found,) = points(cells).values()
+    rung, rival = found
+    assert rung.cost / rival.cost == pytest.approx(2.0) and beats(rival, rung)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["exudyn", "pymunk"])
+def test_every_rung_of_the_native_ladders_lies_on_the_envelope_of_its_grid(name):
+    with Calls() as calls:
+        calls.ask_versions([name])
+        cells = studies.study("settings").run(studies.Request(solvers=(name,)), calls)
+    beaten = [row for row in measure.rows(cells) if row["route"] == "native" and row["beaten_by"]]
+    assert not beaten, beaten

@@ -1,0 +1,132 @@
+"""Motions that others hand in: the form is held, a motion of each kind is judged, the report has them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cases
+import reference
+from cases import CaseError
+from reports import build, submit
+from reports.running import submissions
+
+CASE = cases.load("disc_on_line", mu=0.1)
+HEAD = dict(engine="mine", version="1.0", who="Somebody", machine="a machine", settings="h = 1 ms")
+
+
+@pytest.fixture(scope="module")
+def poses() -> pd.DataFrame:
+    motion = reference.simulate(CASE, rtol=1e-12)
+    t = np.linspace(0.0, float(motion.t[-1]), 1501)
+    state = motion(t)
+    return pd.DataFrame({"t": t, "x": state.x, "y": state.y, "theta": state.theta})
+
+
+@pytest.fixture
+def hand_in(tmp_path):
+    def write(table: pd.DataFrame, **head):
+        words = HEAD | head
+        folder = tmp_path / "submissions" / "mine" / "1.0"
+        folder.mkdir(parents=True)
+        lines = [f"{name} = {json.dumps(value)}" for name, value in words.items() if value is not None]
+        (folder / "submission.toml").write_text("\n".join(lines))
+        table.to_csv(folder / f"{CASE.label}.csv", index=False)
+        return folder
+
+    return write
+
+
+def wrong(poses):
+    """It rolls from the start at the speed it has at the end."""
+    speed = (poses.x.iloc[-1] - poses.x.iloc[-2]) / (poses.t.iloc[-1] - poses.t.iloc[-2])
+    return poses.assign(x=speed * poses.t, theta=-speed * poses.t / CASE.plate.radius + poses.theta.iloc[0])
+
+
+def creeping(poses):
+    """It goes on slipping at 5 mm/s where it should roll."""
+    stuck = np.maximum(poses.t - reference.simulate(CASE).transitions[0].time, 0.0)
+    return poses.assign(x=poses.x + 5e-3 * stuck)
+
+
+def test_a_right_motion_is_right(hand_in, poses, capsys):
+    assert submit.main([str(hand_in(poses))]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("mine 1.0, by Somebody\n")
+    assert f"{CASE.label}  right" in told
+
+
+def test_a_wrong_motion_is_a_result(hand_in, poses):
+    _, (run,) = submit.judged(hand_in(wrong(poses)))
+    assert run.outcome == "wrong" and any(row.verdict == "missed" for row in run.ledger)
+
+
+def test_creep_counts_as_rolling_where_it_is_declared(hand_in, poses, tmp_path):
+    table = creeping(poses)
+    _, (quiet,) = submit.judged(hand_in(table))
+    assert any(row.verdict == "missed" for row in quiet.ledger)
+    head = tmp_path / "submissions" / "mine" / "1.0" / "submission.toml"
+    head.write_text(head.read_text() + "\ncreep = 6e-3\n")
+    _, (declared,) = submit.judged(head.parent)
+    assert [row.verdict for row in declared.ledger] == ["matched"]
+
+
+def test_a_mirrored_motion_is_told(hand_in, poses, capsys):
+    folder = hand_in(poses.assign(x=-poses.x, theta=2 * poses.theta.iloc[0] - poses.theta))
+    status = submit.main([str(folder)])
+    told = capsys.readouterr()
+    assert "mirror" in (told.out + told.err) and (status == 2 or "wrong" in told.out)
+
+
+def test_millimetres_are_told(hand_in, poses, capsys):
+    assert submit.main([str(hand_in(poses.assign(x=1e3 * poses.x, y=1e3 * poses.y)))]) == 2
+    assert "metres" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ({"who": None}, "does not say who"),
+        ({"engine": "another"}, "call both alike"),
+        ({"engine": "=cmd()"}, "give letters"),
+        ({"settings": ["h"]}, "does not say settings"),
+        ({"machine": "a\nb"}, "no single line"),
+        ({"machine": "a" * 400}, "shorten it"),
+        ({"creep": "5e-3"}, "without quotation marks"),
+        ({"colour": "red"}, "means nothing here"),
+    ],
+)
+def test_a_head_out_of_form_is_one_sentence(hand_in, poses, head, said, capsys):
+    assert submit.main([str(hand_in(poses, **head))]) == 2
+    told = capsys.readouterr().err
+    assert said in told and told.count("\n") == 1
+
+
+def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):
+    folder = hand_in(poses)
+    (folder / f"{CASE.label}.csv").rename(folder / "disc_in_a_square.csv")
+    with pytest.raises(CaseError, match="disc_in_a_square"):
+        submit.judged(folder)
+    (folder / "disc_in_a_square.csv").unlink()
+    with pytest.raises(CaseError, match=r"has no CASE\.csv"):
+        submissions.read(folder)
+    with pytest.raises(CaseError, match="there is no folder"):
+        submissions.read(tmp_path / "nowhere")
+    (folder / "submission.toml").write_bytes(b"who = \xff")
+    with pytest.raises(CaseError, match="is no TOML"):
+        submissions.read(folder)
+    (folder / "submission.toml").write_text("#" * 20_000)
+    with pytest.raises(CaseError, match="give at most"):
+        submissions.read(folder)
+
+
+def test_a_report_has_it_as_a_solver_of_its_own(hand_in, poses, tmp_path):
+    root = hand_in(poses).parent.parent
+    words = ["--quick", "--case", CASE.label, "--solver", "reference", "--submissions", str(root)]
+    assert build.main([*words, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]) == 0
+    rows = pd.read_csv(tmp_path / "report" / "tables" / "trajectories.csv")
+    (row,) = rows[rows.solver == "mine 1.0"].itertuples()
+    assert (row.route, row.outcome) == ("submission", "right")

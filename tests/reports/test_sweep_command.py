@@ -1,0 +1,183 @@
+"""`python -m reports.sweep`: rows in parts, a sweep that goes on, boundaries, a sentence for what makes no sense."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from pyarrow import parquet
+
+import reference
+from reference.paper.application import slip_end
+from reference.sweeping import plan, table
+from reports import sweep
+from reports.sweeping import local, parts, refine
+from reports.sweeping.folder import Folder
+from reports.sweeping.local import Part
+from reports.sweeping.parts import Work
+
+VARY = ["disc_in_circle", "--vary", "mu=0.05:0.25:6", "--vary", "xi1=0:1.2:5"]
+
+
+def rows_of(folder) -> pa.Table:
+    return pa.concat_tables(Folder(folder).rows("rows"))
+
+
+def test_a_sweep_writes_rows_and_a_map_and_goes_on_where_it_was(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert sweep.main([*VARY, "--out", "map"]) == 0
+    out = tmp_path / "map"
+    assert {"rows", "sweep.json", "map.svg", "map.png"} <= {file.name for file in out.iterdir()}
+    rows = rows_of(out)
+    assert rows.schema.names == ["scenario", "mu", "xi1", *table.COLUMNS]
+    same = reference.sweep("disc_in_circle", mu="0.05:0.25:6", xi1="0:1.2:5")
+    assert rows.column("sequence").to_pylist() == same.sequence.tolist()
+    before = {file: file.stat().st_mtime_ns for file in out.glob("rows/*")}
+    capsys.readouterr()
+    assert sweep.main([*VARY, "--out", "map"]) == 0
+    assert "0 of them made now" in capsys.readouterr().out
+    assert before == {file: file.stat().st_mtime_ns for file in out.glob("rows/*")}
+    # Another question into the same folder is refused, and nothing is touched.
+    assert sweep.main([*VARY[:-1], "xi1=0:1.2:7", "--out", "map"]) == 2
+    assert "holds another sweep" in capsys.readouterr().err
+    assert before == {file: file.stat().st_mtime_ns for file in out.glob("rows/*")}
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["disc_in_circel", "--vary", "mu=0:1:3"], "there is no case 'disc_in_circel'"),
+        (["disc_in_circle", "--vary", "nu=0:1:3"], "there is no parameter of disc_in_circle 'nu'"),
+        (["disc_in_circle", "--vary", "mu=1:0:3"], "which is empty"),
+        (["disc_in_circle", "--vary", "mu"], "write --vary parameter=low:high:count"),
+        (["disc_in_circle"], "nothing varies"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--vary", "mu=0:1:3"], "given twice"),
+        (["disc_in_circle", "--vary", "mu=0:1", "--sample", "sobol"], "needs the number of scenarios"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--refine", "0"], "give a width above zero"),
+        (["disc_in_circle", "--vary", "mu=0.1,0.2", "--refine", "1e-3"], "needs a range to cut"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--solver", "exudin"], "there is no solver 'exudin'"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--jobs", "0"], "give at least 1"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--rtol", "much"], "give a number"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "."], "where you are working"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "mine"], "which holds something else"),
+    ],
+)
+def test_what_makes_no_sense_is_said_in_one_line_before_anything_runs(words, sentence, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").write_text("dear friend")
+    assert sweep.main(words) == 2
+    told = capsys.readouterr()
+    assert sentence in told.err and told.err.count("\n") == 1 and not told.out
+    assert {file.name for file in tmp_path.iterdir()} == {"mine"}
+
+
+@pytest.mark.filterwarnings("ignore")  # Dask's own, of a connection that nobody answers
+def test_where_no_scheduler_answers_it_is_said(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("distributed")
+    monkeypatch.chdir(tmp_path)
+    assert sweep.main([*VARY, "--dask", "tcp://127.0.0.1:9"]) == 2
+    assert "nobody answers at --dask tcp://127.0.0.1:9" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+FATAL = '''
+import os
+from cases import case, load
+
+@case
+def fatal(mu=0.1, xi1=0.2):
+    """A disc in a circle whose scene ends the process for one coefficient."""
+    if abs(mu - 0.3) < 1e-9:
+        os.abort()
+    return load("disc_in_circle", mu=mu, xi1=xi1)
+'''
+
+
+def test_a_scenario_that_ends_its_process_is_a_row(tmp_path):
+    file = tmp_path / "fatal.py"
+    file.write_text(FATAL)
+    import cases
+
+    cases.load_file(file)
+    asked = plan("fatal", dict(mu="0.2:0.4:3"), files=[str(file)])
+    coming = dict(local.done(Work(asked), [Part(0, 3)], 2))
+    rows = [row for part in sorted(coming) for row in parquet.read_table(pa.BufferReader(coming[part])).to_pylist()]
+    assert [row["scenario"] for row in rows] == [0, 1, 2]
+    assert [row["outcome"] for row in rows] == ["completed", "crashed", "completed"]
+    assert "SIGABRT" in rows[1]["reason"] and rows[1]["mu"] == pytest.approx(0.3)
+
+
+def test_refinement_finds_the_boundary_where_the_inequality_has_it(accuracy):
+    """Between reversing and rolling |T| = μ₀ N at the exact zero of v; ten digits of μ₀ in a few hundred scenarios."""
+    asked = plan("disc_in_circle", dict(mu="0.05:0.2:4", xi1=0.3))
+    found = refine.found(asked, 1e-10)
+    assert found.points == 1 and found.width.max() <= 1e-10 and found.scenarios < 400
+    assert [kind.rpartition(" ")[2] for kind in found.kinds[0]] == ["backward", "rolls"]
+    mu, step = float(found.x[0]), 1e-6
+    slope = (slip_end(mu + step, 0.3).needed - slip_end(mu - step, 0.3).needed) / (2 * step)
+    error = (slip_end(mu, 0.3).needed - 1.0) / slope
+    accuracy(
+        case="disc_in_circle", solver="sweep", route="refine", quantity="boundary in mu", error=error, tolerance=1e-10
+    )
+
+
+@pytest.mark.slow
+def test_refinement_finds_the_whole_boundary(accuracy):
+    asked = plan("disc_in_circle", dict(mu="0.01:0.19:4", xi1="0:1.4:8"))
+    found = refine.found(asked, 1e-10)
+    grid = (0.18 / 1e-10) * refine.CELLS
+    assert found.width.max() <= 1e-10 and found.scenarios < 1e-3 * grid
+    errors = []
+    for mu, xi1, kinds in zip(found.x, found.y, found.kinds, strict=True):
+        if [kind.rpartition(" ")[2] for kind in kinds] == ["backward", "rolls"]:
+            step = 1e-6 * mu
+            slope = (slip_end(mu + step, xi1).needed - slip_end(mu - step, xi1).needed) / (2 * step)
+            errors.append(abs((slip_end(mu, xi1).needed - 1.0) / slope))
+    assert len(errors) > 200
+    accuracy(
+        case="disc_in_circle",
+        solver="sweep",
+        route="refine",
+        quantity="boundary in mu",
+        error=max(errors),
+        tolerance=1e-10,
+    )
+
+
+def resident() -> int:
+    with open("/proc/self/statm") as told:
+        return int(told.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def cost(number: int) -> tuple[float, int]:
+    """CPU seconds of so many scenarios of the disc in a circle, and the memory that is held after them."""
+    asked = plan("disc_in_circle", dict(mu="0.01:0.5", xi1="0:1.5"), "random", number, rtol=1e-9)
+    began = time.process_time()
+    for start in range(0, number, 4000):
+        parts.packed(table.solved(asked, start, min(start + 4000, number), optimised=True))
+    return time.process_time() - began, resident()
+
+
+@pytest.mark.slow
+def test_a_sweep_costs_in_proportion_and_its_memory_stays():
+    """From 4,000 to 400,000: what a scenario costs, and what is held, hardly change."""
+    cost(4000)
+    small, held = cost(4000)
+    large, held_then = cost(400_000)
+    assert large / 400_000 < 1.5 * small / 4000
+    assert held_then < 1.1 * held
+
+
+@pytest.mark.slow
+def test_forty_thousand_scenarios_take_seconds():
+    """3.3 phases a scenario, some 7 µs each at best: a CPU second or two of one core. Twice that for a busy machine."""
+    asked = plan("disc_in_circle", dict(mu="0.01:0.5:200", xi1="0:1.5:200"), rtol=1e-9)
+    table.solved(asked, 0, 400, optimised=True)
+    began = time.process_time()
+    rows = [table.solved(asked, start, start + 4000, optimised=True) for start in range(0, 40_000, 4000)]
+    assert time.process_time() - began < 3.0
+    assert sum(map(len, rows)) == 40_000 and np.sum(rows[0].column("alone")) == 0
