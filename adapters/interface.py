@@ -68,7 +68,7 @@ PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version
 DEFAULTS = "defaults"
 
 # What else lies in this folder.
-NO_ADAPTERS = {"by_process", "common", "interface", "laws"}
+NO_ADAPTERS = {"by_process", "common", "executables", "interface", "laws"}
 
 # Executables that are engines (`by_process`), by this variable, so that every process of a command knows them.
 EXECUTABLES = "SLIP_TO_ROLL_ENGINES"
@@ -174,6 +174,8 @@ def find(name: str) -> ModuleType:
     path = Path(name)
     if name in engines():
         adapter = engine(name)
+    elif name in _shipped():
+        adapter = _by_process(_shipped()[name])
     elif path.suffix == ".py":
         adapter = _from_file(path)
     elif path.is_file():
@@ -217,9 +219,13 @@ def executables() -> dict[str, Path]:
 def register(file: str | Path) -> str:
     """Make an executable an engine of this process and of those it starts; its name, which is the file's.
 
-    Raises BadValue if it cannot be run or its name is another engine's.
+    One that comes with the suite (`adapters/executables`) may be given by its short name. Raises BadValue if it cannot
+    be run or its name is another engine's, ImportError if it is one of those and its engine is not installed.
     """
-    path = Path(file).expanduser().resolve()
+    path = Path(file).expanduser()
+    if not path.is_file():
+        path = _shipped().get(str(file), path)
+    path = path.resolve()
     name = _by_process(path).NAME
     if executables().get(name) == path:
         return name
@@ -233,7 +239,12 @@ def register(file: str | Path) -> str:
 
 def _by_process(path: Path) -> Any:
     # It knows what an adapter is, so that it is not known here until it is asked for.
-    return importlib.import_module("adapters.by_process").Engine(path)
+    process = importlib.import_module("adapters.by_process")
+    return (process.Shipped if path.resolve().parent == process.FOLDER else process.Engine)(path)
+
+
+def _shipped() -> dict[str, Path]:
+    return importlib.import_module("adapters.by_process").shipped()
 
 
 def _installed() -> dict[str, EntryPoint]:

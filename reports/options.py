@@ -262,7 +262,10 @@ def solvers() -> tuple[str, ...]:
 def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
     effort = "quick" if options.quick else "full" if options.full else "default"
-    own_engines = tuple(adapters.interface.register(file) for file in options.engine)
+    try:
+        own_engines = tuple(adapters.interface.register(file) for file in options.engine)
+    except ImportError as problem:
+        raise BadValue(str(problem)) from problem
     jobs, chosen = whole_jobs(options.jobs), chosen_solvers([*(options.solver or solvers()), *own_engines])
     files, own = load_files(options.case_file)
     out = checked_out(options.out)

@@ -5,5 +5,6 @@
 
 from .engine import Engine
 from .scene import SCHEMA, VERSION, as_json, scene
+from .shipped import FOLDER, Shipped, shipped
 
-__all__ = ["SCHEMA", "VERSION", "Engine", "as_json", "scene"]
+__all__ = ["FOLDER", "SCHEMA", "VERSION", "Engine", "Shipped", "as_json", "scene", "shipped"]

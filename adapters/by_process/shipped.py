@@ -1,0 +1,51 @@
+"""The executables that come with the suite, in `adapters/executables`: each an engine by its short name.
+
+Asked with --version they tell their engine's version, or end with what has to be installed.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from functools import lru_cache
+from pathlib import Path
+
+from .engine import Engine
+
+FOLDER = Path(__file__).parents[1] / "executables"
+# Seconds in which an engine has to tell its version; importing one takes a few where the disk is cold.
+MOST_SECONDS = 60.0
+
+
+def shipped() -> dict[str, Path]:
+    """The executables by name."""
+    return {path.stem: path for path in sorted(FOLDER.iterdir()) if path.is_file() and _is_engine(path)}
+
+
+def _is_engine(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(2) == b"#!"
+
+
+class Shipped(Engine):
+    """The adapter of one of them; raises ImportError, with what to install, if its engine is not there."""
+
+    def __init__(self, path: Path):
+        super().__init__(path)
+        self._version = told(self.path)
+
+    def version(self) -> str:
+        """The engine's own version, and the digest of the file."""
+        return f"{self._version}, {super().version()}"
+
+
+@lru_cache
+def told(path: Path) -> str:
+    """What an executable says of its version; raises ImportError."""
+    try:
+        asked = subprocess.run([str(path), "--version"], capture_output=True, text=True, timeout=MOST_SECONDS)
+    except (OSError, subprocess.TimeoutExpired) as problem:
+        raise ImportError(f"{path.stem} cannot be started: {problem}", name=path.stem) from problem
+    if asked.returncode:
+        last = asked.stderr.strip().rpartition("\n")[2]
+        raise ImportError(last or f"{path.stem} does not start", name=path.stem)
+    return asked.stdout.strip()

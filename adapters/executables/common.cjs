@@ -1,0 +1,154 @@
+// What engines in JavaScript share: the scene from standard input, refusals, the track's shape, the motion as text.
+"use strict";
+
+/** Ends the program by refusing the scene, in one sentence (exit status 3). */
+function refuse(why) {
+  console.error(why);
+  process.exit(3);
+}
+
+/** A package by its name, looked for beside this file and its parents and in NODE_PATH; exit status 1 if it is not
+ * installed. Asked with --version, the program ends here with the package's name and version. */
+function load(name) {
+  let found, version;
+  try {
+    found = require(name);
+    // Not every package lets its package.json be required.
+    const folders = require.resolve.paths(name).map((folder) => require("path").join(folder, name, "package.json"));
+    version = JSON.parse(require("fs").readFileSync(folders.find(require("fs").existsSync))).version;
+  } catch (problem) {
+    if (problem.code !== "MODULE_NOT_FOUND") throw problem;
+    console.error(`${name} is not installed: npm install ${name}, where NODE_PATH or this file's folder finds it`);
+    process.exit(1);
+  }
+  if (process.argv.includes("--version")) {
+    console.log(`${name} ${version}`);
+    process.exit(0);
+  }
+  return found;
+}
+
+/** The scene, refused if it has what `known` does not name or what no engine of games has. */
+function readScene(engine, known) {
+  const scene = JSON.parse(require("fs").readFileSync(0, "utf8"));
+  const strange = Object.keys(scene.effects).filter((name) => !known.includes(name));
+  if (strange.length) refuse(`${engine} has not been told how to do ${strange.join(" and ")}.`);
+  if (!scene.effects.Unilateral) refuse(`${engine}'s contacts only push, and this plate is guided from both sides.`);
+  const friction = scene.effects.CoulombFriction;
+  if (friction && friction.mu_static !== null && friction.mu_static !== friction.mu) {
+    refuse(`${engine} has one friction coefficient for slip and stick.`);
+  }
+  return scene;
+}
+
+/** The acceleration of gravity, m/s². */
+function gravity({ effects: { Gravity } }) {
+  return Gravity ? { x: Gravity.g * Math.cos(Gravity.direction), y: Gravity.g * Math.sin(Gravity.direction) } : { x: 0, y: 0 };
+}
+
+/** "line"; "hill", a whole circle met from outside, with its centre and radius; or "chain", from the track's samples. */
+function shape({ points: { track }, closed }) {
+  const least = Math.min(...track.curvature), most = Math.max(...track.curvature);
+  if (least === 0 && most === 0) return { kind: "line" };
+  if (closed.track && most < 0 && most - least < 1e-9 * -least) {
+    const radius = -1 / least;
+    const x = track.x[0] - radius * track.normal_x[0], y = track.y[0] - radius * track.normal_y[0];
+    return { kind: "hill", radius, x, y };
+  }
+  return { kind: "chain" };
+}
+
+/** A straight track's two ends, each a hundred times its length farther out than its samples. */
+function ends({ points: { track: { x, y } } }) {
+  const last = x.length - 1, dx = 100 * (x[last] - x[0]), dy = 100 * (y[last] - y[0]);
+  return [{ x: x[0] - dx, y: y[0] - dy }, { x: x[last] + dx, y: y[last] + dy }];
+}
+
+/** A convex outline as polygons around the centre of mass, `rim` edges of its `count` to each; else refused. */
+function fan(engine, { points: { outline }, closed }, count, rim) {
+  if (!closed.outline || Math.min(...outline.curvature) < 0) {
+    refuse(`${engine} is given circles and convex polygons, and this outline is none.`);
+  }
+  const around = corners(outline, count), parts = [];
+  for (let first = 0; first < count; first += rim) parts.push([{ x: 0, y: 0 }, ...around.slice(first, first + rim + 1)]);
+  return parts;
+}
+
+/** About `count` corners on the curve, each shifted outwards by a twelfth of κ L², so that the chain's mean distance is
+ * the curve's. Between samples the curve is the cubic through both points along both tangents. */
+function corners(curve, count) {
+  const last = curve.x.length - 1, lengths = [], found = [];
+  for (let i = 0; i < last; i++) {
+    const chord = Math.hypot(curve.x[i + 1] - curve.x[i], curve.y[i + 1] - curve.y[i]);
+    lengths.push(chord * (1 + (curve.curvature[i] * chord) ** 2 / 24));
+  }
+  const whole = lengths.reduce((sum, length) => sum + length, 0), step = whole / count;
+  let i = 0, before = 0;
+  for (let k = 0; k <= count; k++) {
+    while (i < last - 1 && before + lengths[i] < k * step) before += lengths[i++];
+    const u = Math.min(1, (k * step - before) / lengths[i]), L = lengths[i], w = 1 - u;
+    const mix = (p, q, tp, tq) => p * w * w * (1 + 2 * u) + q * u * u * (3 - 2 * u) + L * u * w * (tp * w - tq * u);
+    const { normal_x: nx, normal_y: ny } = curve;
+    const x = mix(curve.x[i], curve.x[i + 1], ny[i], ny[i + 1]), y = mix(curve.y[i], curve.y[i + 1], -nx[i], -nx[i + 1]);
+    const off = (curve.curvature[i] * w + curve.curvature[i + 1] * u) * step ** 2 / 12;
+    found.push({ x: x - off * (nx[i] * w + nx[i + 1] * u), y: y - off * (ny[i] * w + ny[i + 1] * u) });
+  }
+  return found;
+}
+
+/** A function that gives the track's left unit normal at the place nearest to a point, which moves little by little. */
+function normals({ points: { track }, closed }) {
+  const { x, y, normal_x: nx, normal_y: ny } = track, last = x.length - 2;
+  // How far along the track's direction a point is ahead of a sample.
+  const ahead = (i, p) => (p.x - x[i]) * ny[i] - (p.y - y[i]) * nx[i];
+  let i = null;
+  return (p) => {
+    if (i === null) {
+      const away = x.map((each, k) => Math.hypot(p.x - each, p.y - y[k]));
+      i = Math.min(last, away.indexOf(Math.min(...away)));
+    }
+    for (let tries = 0; tries < last && ahead(i + 1, p) > 0 && (closed.track || i < last); tries++) i = (i + 1) % (last + 1);
+    for (let tries = 0; tries < last && ahead(i, p) < 0 && (closed.track || i > 0); tries++) i = (i + last) % (last + 1);
+    const behind = ahead(i, p), before = -ahead(i + 1, p), u = Math.min(1, Math.max(0, behind / (behind + before)));
+    const mixed = { x: nx[i] * (1 - u) + nx[i + 1] * u, y: ny[i] * (1 - u) + ny[i + 1] * u };
+    const length = Math.hypot(mixed.x, mixed.y);
+    return { x: mixed.x / length, y: mixed.y / length };
+  };
+}
+
+const NAMES = ["t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force"];
+
+/** Runs an engine of semi-implicit Euler's kind and writes the motion.
+ *
+ * `plate.get()` gives {x, y, theta, vx, vy, omega}, `plate.move(x, y, theta)` sets the pose; `step(h)` is one step of the
+ * engine's and gives the point {x, y} of contact that it took at the step's begin, or nothing in flight.
+ * Poses stand at k h; velocities, half kicked first, half a step later: a pose's is the mean of the two beside it. So are
+ * slip, of the engine's own point of contact, and forces, from the momentum: left out of an engine that tells no contact. */
+function run(scene, plate, step, tellsContact = true) {
+  const n = Math.max(60, Math.ceil(scene.duration / scene.setting.h - 1e-9)), h = scene.duration / n;
+  const pull = gravity(scene), { mass, radius } = scene.plate, normal = normals(scene), rows = [];
+  const reach = radius ?? 0, begun = process.cpuUsage();
+  let pose = scene.start, before = null;
+  for (let k = 0; k <= n; k++) {
+    const touched = step(k ? h : h / 2), after = plate.get(), place = normal(touched ?? pose);
+    // Between two bounces off facets it still slips, beside the track.
+    const at = touched ?? { x: pose.x - reach * place.x, y: pose.y - reach * place.y };
+    const tangent = { x: place.y, y: -place.x };
+    // At the start the velocity is known, and half a step of force.
+    const last = before ?? pose, span = k ? h : h / 2;
+    const fx = mass * ((after.vx - last.vx) / span - pull.x), fy = mass * ((after.vy - last.vy) / span - pull.y);
+    after.slip = (after.vx - after.omega * (at.y - pose.y)) * tangent.x + (after.vy + after.omega * (at.x - pose.x)) * tangent.y;
+    const mean = (name) => (k ? (before[name] + after[name]) / 2 : scene.start[name] ?? 0);
+    rows.push([k * h, pose.x, pose.y, pose.theta, ...["vx", "vy", "omega", "slip"].map(mean),
+      touched ? fx * place.x + fy * place.y : 0, touched ? fx * tangent.x + fy * tangent.y : 0]);
+    if (!k) plate.move(pose.x + h * after.vx, pose.y + h * after.vy, pose.theta + h * after.omega);
+    pose = plate.get();
+    before = after;
+  }
+  const cpu = process.cpuUsage(begun);
+  const columns = tellsContact ? NAMES.length : NAMES.indexOf("slip");
+  console.log([NAMES, ...rows].map((row) => row.slice(0, columns).join(",")).join("\n"));
+  console.log(`# cost cpu_s=${(cpu.user + cpu.system) / 1e6} steps=${n + 1}`);
+}
+
+module.exports = { refuse, load, readScene, gravity, shape, ends, corners, fan, run };
