@@ -33,6 +33,9 @@ and, if its rungs are to be compared with what else its knobs allow (`reports.st
 
 and, where it can say so,
 
+    KNOWN: str                                      the engine's package and the versions that the adapter was tried
+                                                    with, as pip has them: "pymunk>=6.11"; each of them may then be
+                                                    asked for, as "pymunk@6.11.1". Read from the code, not imported
     MEANINGS: tuple[Meaning, ...]                   what the engine's parameters make of friction, restitution and
                                                     rolling resistance; for which cases that is another law than theirs
 

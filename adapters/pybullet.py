@@ -27,6 +27,7 @@ from .interface import Meaning, Setting
 
 NAME = "pybullet"
 routes = ("assisted",)
+KNOWN = "pybullet>=3.2.5"
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)

@@ -1,5 +1,8 @@
 """The question and the form of the answer: scenes of a plate on a track, and trajectories."""
 
+from . import interrupt  # the first of all: what follows takes a second  # noqa: F401
+
+# isort: split
 from .case import Case
 from .curves import Curve
 from .effects import (

@@ -28,6 +28,9 @@ __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "
 
 T = TypeVar("T")
 
+# So many times at most a curve without a domain may repeat itself within 2π.
+MOST_ROUNDS = 24
+
 # The range looked at when a curve without a domain has no period: a hundred units of its parameter either way would
 # already overflow a cosh; ten are what a drawing shows.
 UNBOUNDED_SPAN = (-10.0, 10.0)
@@ -179,7 +182,8 @@ class Curve:
         """The parameter's period of a closed curve, else None.
 
         A curve with a domain is closed if position and three derivatives agree at both ends; one without a domain if
-        they repeat after 2π (looked at in a few places, to rounding).
+        they repeat after 2π, or after a whole part of it: then that is its period (looked at in a few places, to
+        rounding).
         """
         if self.domain is not None:
             start, length = self.domain[0], self.domain[1] - self.domain[0]
@@ -191,8 +195,16 @@ class Curve:
             here, there = self.jets(probes), self.jets(probes + length)
         # A closed curve's ends agree to the rounding of its own sizes; 1e-9 of them is far above that and far below
         # any gap a person would author.
-        closed = np.all(np.abs(here - there) <= 1e-9 * np.max(np.abs(here)))
-        return float(length) if closed else None
+        near = 1e-9 * np.max(np.abs(here))
+        if not np.all(np.abs(here - there) <= near):
+            return None
+        if self.domain is None:  # (cos 3s, sin 3s) is a circle, and not one run round three times
+            parts = 2 * np.pi / np.arange(MOST_ROUNDS, 1, -1)
+            again = self.jets((probes[:, None] + parts).ravel()).reshape(8, len(probes), len(parts))
+            repeats = np.all(np.abs(again - here[:, :, None]) <= near, axis=(0, 1))
+            if repeats.any():
+                return float(parts[np.argmax(repeats)])
+        return float(length)
 
     @cached_property
     def span(self) -> tuple[float, float]:

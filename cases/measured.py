@@ -72,6 +72,8 @@ def fit(points, closed: bool) -> Fit:
         coefficients = np.linalg.lstsq(basis, points, rcond=None)[0]
         residual = float(np.hypot(*(basis @ coefficients - points).T).max())
         if residual <= CLOSE_ENOUGH * size:
+            if closed:
+                _check_one_round(coefficients, terms)
             expression = _fourier_expression if closed else _chebyshev_expression
             x, y = (expression(column) for column in coefficients.T)
             return Fit((x, y), None if closed else (-1.0, 1.0), residual)
@@ -141,6 +143,15 @@ def _check_round(points: np.ndarray) -> None:
             f"the last point lies {chords[-1]:.3g} m from the first, {chords[-1] / chords[:-1].max():.2g} times as far "
             "as any two others: a part of the closed curve has no points; give points there, or closed=False"
         )
+
+
+def _check_one_round(coefficients: np.ndarray, terms: int) -> None:
+    """Raises BadCurve where a closed fit turns more than once."""
+    sides = np.diff(_fourier(np.linspace(0.0, 2 * np.pi, 722), terms) @ coefficients, axis=0)
+    angles = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
+    rounds = round(abs(float(angles[-1] - angles[0])) / (2 * np.pi))
+    if rounds > 1:
+        raise BadCurve(f"the points go {rounds} times round; give those of one round")
 
 
 def _chord_parameter(points: np.ndarray, closed: bool) -> np.ndarray:

@@ -31,7 +31,8 @@ COMMAND = "reports.build"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
-    written, 3 if it is written and no solver could run a case that was named, 130 if it was stopped."""
+    written, 3 if it is written and a case has no truth, or no solver could run one that was named, 130 if it was
+    stopped."""
     return options.status(COMMAND, _work, argv)
 
 
@@ -85,8 +86,10 @@ def listing(files: Sequence[str]) -> str:
     for name in options.solvers():
         try:
             lines.append(f"  {name}: {', '.join(routes(name)) or 'says its routes when it is run'}")
-        except (ImportError, LookupError, SyntaxError) as problem:
+        except ImportError as problem:
             lines.append(f"  {name}: not installed ({problem})")
+        except Exception as problem:  # its file may hold anything
+            lines.append(f"  {name}: its code cannot be read ({type(problem).__name__}: {problem})")
     return "\n".join(lines)
 
 
@@ -94,10 +97,12 @@ def listing(files: Sequence[str]) -> str:
 
 
 def _build(plan: Plan) -> int:
-    """Make and write the report, and say what came out; the command's status: 3 if a named case was run by nobody."""
+    """Make and write the report, and say what came out; the command's status: 3 if a case has no truth, or one that was
+    named was run by nobody."""
     from .drawing.files import for_print
     from .page import folder
-    from .running import experiment, external
+    from .page.text import lost_words
+    from .running import experiment, external, versions
     from .running.calls import Calls
     from .running.progress import Display, usual
     from .running.store import Store
@@ -106,7 +111,9 @@ def _build(plan: Plan) -> int:
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
+    versions.make(plan.solvers, _say)
     try:
+        folder.rehearse(plan.out)
         shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
         with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
@@ -121,15 +128,23 @@ def _build(plan: Plan) -> int:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
     print(_summary(plan, shown, ran, measured, studied, store))
-    idle = _run_by_nobody(shown) if plan.named else []
-    for sentence in idle:
+    lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
+    for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
-    return 3 if idle else 0
+    if calls.lost:
+        _say(f"{COMMAND}: {lost_words(calls.lost)}")
+    return 3 if lacking else 0
+
+
+def _without_truth(shown: Experiment) -> list[str]:
+    """A sentence for each case that nothing could be judged by."""
+    return [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
 
 
 def _run_by_nobody(shown: Experiment) -> list[str]:
-    """A sentence for each case of which no run is a motion, with what the first solver says of it."""
+    """A sentence for each case of which no run is a motion though it has a truth, with what the first solver says."""
     moved = {run.case for run in shown.runs if run.outcome in ("right", "wrong")}
+    moved |= {label for label, truth in shown.truths.items() if truth.failure}
     first = {run.case: run for run in reversed(shown.runs) if run.case not in moved}
     return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
 
@@ -196,7 +211,7 @@ def _write(
     import pandas as pd
 
     from .analysis import advice, cost_tables, tables
-    from .analysis.columns import described
+    from .analysis.columns import described, with_version
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
@@ -214,10 +229,12 @@ def _write(
         "limit_seconds": plan.limit,
         "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
+        "lost": calls.lost,
     }
     told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
     frames = cost_tables.frames(ran, measured) | tables.frames(shown)
+    frames = {name: with_version(frame, ran.versions) for name, frame in frames.items()}
     holds = cost_tables.HOLDS | tables.HOLDS
     words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
     text.write(frames, words, place / "tables", command, plan.paper)
@@ -237,7 +254,7 @@ def _write(
         for figure in of_studies[result.name]:
             embed_command(figures, figure, result.command)
     page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
-    (place / "index.html").write_text(page, encoding="utf-8")
+    (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     folder.sign(place, told)
 
 

@@ -36,6 +36,7 @@ _OF_THE_DAY = {
     "cpu_s", "cpu_low_s", "cpu_high_s", "wall_s", "setup_s", "compile_s", "read_s", "call_s", "first_call_s",
     "engine_s", "binding_s", "callback_s", "notes_s", "repeats", "disturbed_repeats", "disturbed", "run_at",
     "order_in_time", "order_in_time_low", "order_in_time_high",
+    "version",  # told for all of a report
 }  # fmt: skip
 _TIMED = ("case", "quantity", "accuracy", "solver", "route")
 # Differences of a kind that are told one by one; beyond it they are counted.
@@ -67,9 +68,15 @@ class Comparison(NamedTuple):
         return not (self.accuracies or self.awards or self.ratios or self.ranks)
 
 
-def compare(one: Path, other: Path) -> Comparison:
-    """What differs between the reports in two folders; raises BadValue for a folder that holds none."""
+def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> Comparison:
+    """What differs between the reports in two folders, or between one of two `solvers` in the first and the other in
+    the second, as if they had one name. Raises BadValue for a folder that holds no report or not the solver."""
     frames = [_tables(one), _tables(other)]
+    if solvers:
+        both = " | ".join(solvers)
+        frames = [
+            _of_solver(f, name, folder, both) for f, name, folder in zip(frames, solvers, (one, other), strict=True)
+        ]
     accuracies = [d for name, keys in _ROWS.items() for d in _accuracies(name, keys, *(f.get(name) for f in frames))]
     pairs = _pairs(_TIMED, *(f.get("time_to_accuracy") for f in frames))
     awards, ratios, ranks, compared = [], [], [], 0
@@ -101,6 +108,17 @@ def _tables(folder: Path) -> dict[str, pd.DataFrame]:
     frames = {f.stem: pd.read_csv(f, keep_default_na=f.stem == "time_to_accuracy", dtype=None) for f in files}
     as_text = {f.stem: pd.read_csv(f, keep_default_na=False, dtype=str) for f in files if f.stem in _ROWS}
     return frames | as_text
+
+
+def _of_solver(frames: dict[str, pd.DataFrame], name: str, folder: Path, called: str) -> dict[str, pd.DataFrame]:
+    """A solver's rows of the tables that have a column for it, under another name."""
+    found = {}
+    for table, frame in frames.items():
+        if "solver" in frame.columns:
+            found[table] = frame[frame["solver"] == name].assign(solver=called)
+    if all(frame.empty for frame in found.values()):
+        raise BadValue(f"{folder} has nothing of the solver {name}; its tables tell which it has")
+    return found
 
 
 def _pairs(
@@ -141,9 +159,10 @@ def _accuracies(
 # --- in words ---------------------------------------------------------------------------------------------------------
 
 
-def told(comparison: Comparison, one: Path, other: Path) -> str:
+def told(comparison: Comparison, one: Path, other: Path, solvers: Sequence[str] = ()) -> str:
     """The comparison as text: first what the reports were made with, where that differs."""
-    lines = [f"A: {one}", f"B: {other}", *_made(one, other)]
+    names = [f", {name}" for name in solvers] or ["", ""]
+    lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_made(one, other)]
     parts = {
         "accuracies that changed": comparison.accuracies,
         "awards that changed": comparison.awards,
@@ -176,13 +195,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     def work(words: list[str]) -> int:
         positional = {"A": "the folder of a report", "B": "the folder of another"}
         parser = options.parser(
-            COMMAND, "Say what differs between two reports.", words=positional,
-            example=f"python -m {COMMAND} report report-of-last-week",
+            COMMAND, "Say what differs between two reports, or between two solvers.", "solver", words=positional,
+            example=f"python -m {COMMAND} report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
         )  # fmt: skip
         given = parser.parse_args(words)
-        one, other = Path(given.A), Path(given.B)
-        comparison = compare(one, other)
-        print(told(comparison, one, other))
+        one, other, solvers = Path(given.A), Path(given.B), given.solver or ()
+        if len(solvers) not in (0, 2):
+            raise BadValue("--solver is given twice, once for A and once for B, or not at all")
+        comparison = compare(one, other, solvers)
+        print(told(comparison, one, other, solvers))
         return 0 if comparison.same else 3
 
     return options.status(COMMAND, work, argv)

@@ -6,6 +6,7 @@ Everything here answers at once; what is slow to import is imported when it is n
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import shlex
 import sys
@@ -69,7 +70,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         default=[],
         help="Python files with cases of your own, marked with @case",
     ),
-    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all)"),
+    "solver": dict(metavar="NAME", nargs="+", action="extend", help="solvers (default: all); ENGINE@VERSION for one"),
     "engine": dict(
         metavar="FILE",
         nargs="+",
@@ -182,6 +183,9 @@ def parser(
 def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
     """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files
     cannot be read or written, 130 if it was stopped. What went wrong is said in one line."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # no work is lost by a letter that a terminal has not
     try:
         return work(list(sys.argv[1:] if argv is None else argv)) or 0
     except CaseError as problem:
@@ -297,11 +301,16 @@ def plan_by_hand(
 
 
 def chosen_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
-    """Each named solver once, or all; raises UnknownName."""
+    """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be asked for."""
     chosen = tuple(dict.fromkeys(names or solvers()))
     for name in chosen:
-        if name not in solvers():
-            raise unknown("solver", name, solvers())
+        engine, mark, _ = name.partition("@")
+        if engine not in solvers():
+            raise unknown("solver", engine, solvers())
+        if mark:
+            from .running import versions
+
+            versions.check(name)
     return chosen
 
 
@@ -378,7 +387,7 @@ def checked_out(out: str | Path) -> Path:
         raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
     if out.exists() and not out.is_dir():
         raise BadValue(f"--out is {out}, which is a file; give a folder")
-    check_writable("--out", out, out.parent)
+    check_writable("--out", out, out if out.exists() else out.parent)
     foreign = foreign_file(out)
     if foreign:
         raise BadValue(f"--out is {out}, which holds {foreign}, no part of a report; give another folder")

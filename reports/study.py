@@ -54,11 +54,14 @@ def _make(
     from .drawing.files import embed_command, printed
     from .page import dictionary, folder, text
     from .page.manifest import manifest
+    from .running import versions
     from .running.calls import Calls
     from .running.progress import Display
     from .running.store import Store
 
     store = Store(store_folder, fresh)
+    folder.rehearse(out)
+    versions.make(request.solvers, lambda text: print(text, file=sys.stderr, flush=True))
     try:
         with Display() as display, Calls(jobs, store=store, progress=display) as calls:
             calls.ask_versions(request.solvers)

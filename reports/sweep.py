@@ -30,6 +30,8 @@ def _work(words: list[str]) -> None:
     files, _ = options.load_files(given.case_file)
     plan = _plan(given, files)
     solvers = [name for name in options.chosen_solvers(given.solver or ["reference"]) if name != "reference"]
+    if versioned := next((name for name in solvers if "@" in name), ""):
+        raise BadValue(f"a sweep runs what is installed, not {versioned}; reports.build has versions beside each other")
     jobs, out = options.whole_jobs(given.jobs), Path(given.out).expanduser().resolve()
     if out == Path.cwd() or out in Path.cwd().parents:
         raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example sweep")

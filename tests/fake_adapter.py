@@ -7,12 +7,19 @@ the processes in which any part of any copy ran.
 
 from __future__ import annotations
 
+import ctypes
+import ctypes.util
+import dataclasses
+import itertools
 import json
 import os
 import shutil
 import signal
+import stat
 import sys
 import time
+import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -26,29 +33,65 @@ HERE = Path(__file__).parent
 CASE = "disc_on_line[mu=0.1]"
 
 
-def part(name: str) -> None:
-    """What happens wherever a part of the adapter is called: it is noted by whom, and fails if it was made to."""
+class Own(float):
+    """A number that only this module knows."""
+
+
+def part(name: str) -> str:
+    """What happens wherever a part of the adapter is called: it is noted by whom, and fails if it was made to; the way
+    is returned, for those parts that only answer strangely."""
     with open(HERE / "callers.txt", "a") as callers:
         callers.write(f"{os.getpid()}\n")
     habits = HERE / f"{Path(__file__).stem}.json"
-    way = json.loads(habits.read_text()).get(name) if habits.exists() else None
+    way = json.loads(habits.read_text()).get(name, "") if habits.exists() else ""
     if way == "segfault":
         os.kill(os.getpid(), signal.SIGSEGV)
+    elif way == "killed":
+        os.kill(os.getpid(), signal.SIGKILL)
     elif way == "hang":
         while True:
             time.sleep(1.0)
+    elif way == "raises":
+        raise ValueError("no \ud800, no \x00 and no <b>end</b>")
+    elif way == "exits":
+        sys.exit("had enough")
+    elif way == "vanishes":
+        os._exit(0)
+    elif way == "forks":
+        os.fork()
+    elif way == "rounds":
+        ctypes.CDLL(ctypes.util.find_library("m")).fesetround(0x800)  # upwards, on x86
+    elif way == "sulks":
+        np.seterr(all="raise")
+        warnings.simplefilter("error")
+        os.chdir("/")
+        sys.stdout.close()
+    elif way == "floods":
+        for _ in range(1000):
+            os.write(1, b"x" * 100_000)
+    elif way == "garbles":
+        for stream in range(3, 64):
+            with suppress(OSError):
+                if stat.S_ISSOCK(os.fstat(stream).st_mode):
+                    os.write(stream, b"x" * 100)
     elif way == "prints":
         os.write(1, b"all is well\n")
         print("all is well", file=sys.stderr)
+    return way
 
 
 def refuses(case, route):
-    part("refuses")
-    return None
+    return Own(1.0) if part("refuses") == "strange" else None
 
 
 def ladder(case, route):
-    part("ladder")
+    way = part("ladder")
+    if way == "strange":
+        return (Setting.of(h=Own(0.1)),)
+    if way == "many":
+        return (Setting.of(h=1.0 / (1 + i)) for i in itertools.count())
+    if way == "unwritable":
+        return (Setting.of(how="wait 0", name="\ud800"),)
     return tuple(Setting.of(how=how) for how in json.loads((HERE / "ladder.json").read_text()))
 
 
@@ -84,7 +127,9 @@ def run(model):
 
 
 def read(model):
-    part("read")
+    way = part("read")
+    if way == "strange":
+        return None
     case, how = model
     if how == "gives up":
         raise EngineFailure("Newton gave up")
@@ -93,14 +138,17 @@ def read(model):
         motion.x[5] = np.nan
     if how == "never rolls":
         motion.slip[:] += 0.5
+    if way == "huge":
+        motion.x[5] = 1e300
+    if way == "own":
+        motion = dataclasses.replace(motion, status=Own(2.0), reason="\ud800")
     with open(HERE / "log.txt", "a") as log:
         log.write(f"{how}\n")
     return motion
 
 
 def version():
-    part("version")
-    return "1.0"
+    return "\ud800" * 10**6 if part("version") == "strange" else "1.0"
 
 
 def bowled(case, t) -> Trajectory:
@@ -118,7 +166,8 @@ def bowled(case, t) -> Trajectory:
     return Trajectory(t=t, **state._asdict())
 
 
-part("import")
+if __name__ != "tests.fake_adapter":  # a copy, which is an adapter
+    part("import")
 
 
 # --- for the tests ----------------------------------------------------------------------------------------------------
@@ -138,8 +187,14 @@ def install(folder: Path, settings: list[str], name: str = NAME, works: bool = T
 
 
 def break_down(folder: Path, name: str, where: str, way: str) -> None:
-    """Make an installed copy "segfault", "hang" or say something ("prints") where one of its parts is called."""
-    (folder / f"{name}_adapter_of_tests.json").write_text(json.dumps({where: way}))
+    """Make an installed copy fail where one of its parts is called, in one of the ways of `part`, or its file."""
+    file = folder / f"{name}_adapter_of_tests.py"
+    if where == "file":
+        file.unlink()
+        if way == "syntax":
+            file.write_bytes(b"routes = ('native',\x00\n")
+    else:
+        file.with_suffix(".json").write_text(json.dumps({where: way}))
 
 
 def ladder_is(folder: Path, settings: list[str]) -> None:

@@ -51,6 +51,7 @@ from . import shapes
 
 NAME = "box2d"
 routes = ("native",)
+KNOWN = "pyb2d3>=0.11.1"
 
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)

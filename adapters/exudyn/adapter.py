@@ -36,6 +36,7 @@ __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run"
 
 NAME = "exudyn"
 routes = ("native", "integrator")
+KNOWN = "exudyn>=1.13"
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
+import signal
+import time
 from collections.abc import Iterable, Iterator
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
@@ -14,6 +17,11 @@ from ..interface import find
 
 # Wall seconds that a law may take on a route, and (always) an import: a hundred times what the slowest of ours takes.
 LIMIT_SECONDS = 300.0
+# So many laws of a route are waited for in vain; each would take as long.
+MOST_LATE = 3
+
+# What is longer is no answer.
+_ANSWER_BYTES = 2**20
 
 _SPAWN = multiprocessing.get_context("spawn")
 
@@ -31,8 +39,8 @@ class Apart:
     Raises CaseError or ImportError, as `find` does, for an adapter that is not there.
     """
 
-    def __init__(self, name: str, limit: float = LIMIT_SECONDS):
-        self.name, self.limit = name, limit
+    def __init__(self, name: str, limit: float | None = None):
+        self.name, self.limit, self.number = name, limit or LIMIT_SECONDS, 0
         self.face = self._begin()
 
     def __enter__(self) -> Apart:
@@ -43,13 +51,23 @@ class Apart:
 
     def tried(self, route: str, laws: Iterable[str]) -> Iterator[tuple[str, str, str]]:
         """Each law with its outcome and reason: those of `judge`, or "crashed" or "timed_out"."""
+        late = 0
         for law in laws:
-            yield law, *self._ask(route, law)
+            if late == MOST_LATE:
+                yield law, "timed_out", f"not tried: {late} other laws had no answer on this route"
+                continue
+            outcome, reason = self._ask(route, law)
+            late += outcome == "timed_out"
+            yield law, outcome, reason
 
     def _begin(self) -> Face:
         self.here, there = _SPAWN.Pipe()
         self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
-        self.process.start()
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks
+        try:
+            self.process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
         there.close()
         answer = self._answer(LIMIT_SECONDS)
         if isinstance(answer, Exception):
@@ -61,19 +79,28 @@ class Apart:
         raise ImportError(f"the adapter {self.name} {answer[0]} while it is imported: {answer[1]}")
 
     def _ask(self, route: str, law: str) -> tuple[str, str]:
-        if not self.process.is_alive():
-            self._begin()
-        self.here.send((route, law))
+        try:
+            if not self.process.is_alive():
+                self._begin()
+            self.number += 1
+            self.here.send((self.number, route, law))
+        except (ImportError, CaseError, OSError) as problem:
+            return "crashed", f"its process could not be begun again: {problem}"
         return self._answer(self.limit)
 
     def _answer(self, limit: float) -> Any:
+        """What comes under the number of the last question."""
+        until = time.monotonic() + limit
         try:
-            if self.here.poll(limit):
-                return self.here.recv()
+            while self.here.poll(max(0.0, until - time.monotonic())):
+                number, answer = pickle.loads(self.here.recv_bytes(_ANSWER_BYTES))
+                if number == self.number:
+                    return answer
             self._end()
             return "timed_out", f"no answer within {limit:g} s"
-        except (EOFError, ConnectionError):
-            self.process.join()
+        except Exception:  # the pipe is closed, or holds what is no answer
+            self.process.join(1.0)
+            self._end()
             return "crashed", f"its process ended with exit code {self.process.exitcode}"
 
     def _end(self) -> None:
@@ -88,16 +115,23 @@ def _serve(name: str, there: Connection) -> None:
     quiet = os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)  # what an engine prints is no verdict
     os.dup2(quiet, 2)
+    own, number = os.getpid(), 0
+
+    def say(answer: Any) -> None:
+        if os.getpid() != own:
+            os._exit(0)  # a process that the adapter forked came back as well: it has nothing to say
+        there.send((number, answer))
+
     try:
         adapter = find(name)
-        there.send(Face(adapter.NAME, tuple(adapter.routes)))
+        say(Face(str(adapter.NAME), tuple(map(str, adapter.routes))))
     except (CaseError, ImportError) as problem:
-        there.send(problem)
+        say(problem)
         return
     while True:
         try:
-            route, law = there.recv()
+            number, route, law = there.recv()
         except EOFError:
             return
         (verdict,) = judge(adapter, [law], [route])
-        there.send((verdict.outcome, verdict.reason))
+        say((verdict.outcome, verdict.reason.encode("utf-8", "backslashreplace").decode()))

@@ -31,6 +31,8 @@ __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run"
 
 NAME = "pymunk"
 routes = ("native", "assisted")
+# Tried: 6.11.1 natively, 7.2 and 7.3 by both routes.
+KNOWN = "pymunk>=6.11"
 
 # What this adapter has told the engine how to do; an effect that is not here is refused by its name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
@@ -43,6 +45,8 @@ def version() -> str:
 
 def refuses(case: Case, route: str) -> str | None:
     """Why pymunk cannot model the case by that route, in one sentence, or None."""
+    if route == "assisted" and not hasattr(pymunk.Space, "on_collision"):
+        return f"This route needs the callbacks of pymunk 7 (Space.on_collision); here is {pymunk.version}."
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if strange:
         return f"pymunk has nothing for {' and '.join(strange)}."

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
+import signal
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -111,8 +112,13 @@ def _outcomes(labels: list[str], jobs: int) -> Iterator[tuple[str, Certificate |
         yield from map(_outcome, labels)
         return
     # Fresh processes: a fork would copy threads of the compiler.
-    with multiprocessing.get_context("spawn").Pool(min(jobs, len(labels))) as pool:
+    with multiprocessing.get_context("spawn").Pool(min(jobs, len(labels)), _without_interrupts) as pool:
         yield from pool.imap_unordered(_outcome, labels)
+
+
+def _without_interrupts() -> None:
+    """Ctrl-C is for the process that asks; it ends the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _outcome(label: str) -> tuple[str, Certificate | str]:

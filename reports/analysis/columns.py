@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from math import isinf
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..running.solvers import is_missing
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -34,6 +36,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     # who and what
     "case": ("the case, with its parameters", ""),
     "solver": ("the reference, an engine, or who a trajectory came from", ""),
+    "version": ("what the solver says of its version; empty: nothing", ""),
     "route": ("how the solver is used: native, assisted, a method of the reference, a file, a submission", ""),
     "setting": ("the knobs of one rung of the ladder; rung=defaults is the engine as it comes", ""),
     "motion": ("a motion that knows nothing of friction's law", ""),
@@ -171,6 +174,23 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "finding": ("what is wrong with it", ""),
     "claim": ("what the paper says of it", ""),
 }  # fmt: skip
+
+
+def with_version(frame: pd.DataFrame, versions: Mapping[str, str]) -> pd.DataFrame:
+    """A table with a column `version` beside that of the solver, if it has one; empty for what told none."""
+    if "solver" not in frame.columns or "version" in frame.columns:
+        return frame
+    told = frame.copy()
+    column = ["" if is_missing(said := versions.get(name, "")) else said for name in frame["solver"]]
+    told.insert(list(frame.columns).index("solver") + 1, "version", column)
+    return told
+
+
+def with_version_words(table: Table, frame: pd.DataFrame) -> Table:
+    """What is said of a table, and of the column that `with_version` gave it."""
+    if "version" not in frame.columns or "version" in table.columns:
+        return table
+    return table._replace(columns={**table.columns, "version": told("version")})
 
 
 def described(holds: str, names: Iterable[str]) -> Table:

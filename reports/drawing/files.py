@@ -4,6 +4,7 @@ Matplotlib is imported when a figure is made: a report whose figures are kept do
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -26,6 +27,10 @@ _PRINTED = ContextVar("printed", default=False)
 _TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
 
 
+# File systems hold names of 255 bytes; a figure's begins with its kind.
+_NAME_BYTES = 160
+
+
 @dataclass(frozen=True)
 class Drawn:
     """A figure that was written: its file's name without ending ("" if it failed), the case's label ("" for all), title
@@ -38,8 +43,12 @@ class Drawn:
 
 
 def file_name(label: str) -> str:
-    """A case's label as part of a file name."""
-    return "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
+    """A case's label as part of a file name; of a long one the beginning, and what tells it from others."""
+    name = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
+    if len(name.encode()) <= _NAME_BYTES:
+        return name
+    whole = hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()
+    return f"{name.encode()[: _NAME_BYTES - 9].decode(errors='ignore')}_{whole[:8]}"
 
 
 @contextmanager

@@ -14,7 +14,8 @@ from .files import Drawn, Picture, for_print, printed
 
 # Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
 _PATIENCE = 120.0
-_KEEP = Keep("figure", of=lambda *call: (*call, installed("matplotlib")))
+# A figure that failed is drawn again.
+_KEEP = Keep("figure", of=lambda *call: (*call, installed("matplotlib")), failures=False)
 
 
 def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:

@@ -10,6 +10,9 @@ import numpy as np
 from cases import Case, State, Trajectory
 from cases.mechanics import energy, kinetic_energy
 
+# The square of what is larger overflows, or nearly.
+_SQUARED = 1e150
+
 
 class Distance(NamedTuple):
     """How far a motion is from the truth: largest and root-mean-square distance of the centre in m, of the angle in
@@ -95,8 +98,15 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
         # In flight there is no slip velocity.
         size = np.abs(off[key][np.isfinite(off[key])])
         size = size if len(size) else np.array([nan])
-        values += [float(size.max()), float(np.sqrt(np.mean(size**2)))]
+        values += [float(size.max()), _rms(size)]
     force = np.abs(off["force_share"][np.isfinite(off["force_share"])])
     told = len(force) >= _TOLD * len(off["t"])
     values += [float(off["pose"][-1]), float(force.mean()) if told else nan, float(np.abs(off["energy_share"]).mean())]
     return Distance(*values)
+
+
+def _rms(size: np.ndarray) -> float:
+    """The root mean square; of what is so large that its square is no number, by parts of the largest."""
+    top = float(size.max())
+    unit = top if _SQUARED < top < np.inf else 1.0
+    return unit * float(np.sqrt(np.mean((size / unit) ** 2)))

@@ -20,7 +20,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 # By severity: who is wrong does not say so.
-_FAILURES = {"wrong": "Wrong", "crashed": "Crashed", "timed_out": "Timed out", "refused": "Refused"}
+# Of versions that were asked for by their number; an engine that is not there has a line above.
+_FAILURES = {
+    "wrong": "Wrong",
+    "crashed": "Crashed",
+    "timed_out": "Timed out",
+    "refused": "Refused",
+    "not_installed": "Not installed",
+}
 
 
 def anchor(label: str) -> str:

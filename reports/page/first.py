@@ -12,6 +12,7 @@ from ..running.records import REFERENCE, Experiment, routes
 from ..running.solvers import missing_words
 from .chapters import anchor, said_of
 from .pieces import records
+from .text import lost_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,6 +38,7 @@ def screen(
     return {
         "compared": _compared(experiment),
         "sentences": advice.sentences(told),
+        "lost": lost_words(manifest["lost"]),
         "warnings": [
             {"case": label, "why": truth.failure} for label, truth in experiment.truths.items() if truth.failure
         ],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,14 @@ if TYPE_CHECKING:
 
 # Columns that hold errors, by the end of their names.
 _ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt", "accuracy")
+
+
+def lost_words(lost: Sequence[str]) -> str:
+    """What is said of calls that something outside ended, "" where there are none."""
+    if not lost:
+        return ""
+    count = "1 call was" if len(lost) == 1 else f"{len(lost)} calls were"
+    return f"{count} ended from outside, and again when made once more ({lost[0]}); the same command makes up for it"
 
 
 def error_text(row: Mapping[str, Any], which: str) -> str:
@@ -52,7 +60,7 @@ def _no_error(row: Mapping[str, Any], which: str) -> str | None:
     if which == "finest" and row["is_truth"]:
         return "is the truth"
     outcome = row[f"{which}_outcome"]
-    return outcome if outcome in ("", "refused", "crashed", "timed_out") else None
+    return outcome if outcome in ("", "refused", "crashed", "timed_out", "not_installed") else None
 
 
 def _unsure(row: Mapping[str, Any], which: str) -> str:
@@ -79,7 +87,7 @@ def write(
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
         if infinite(frame):
             raise ValueError(f"the table {name} has an infinite result in {', '.join(infinite(frame))}; a word is due")
-        inert(frame).to_csv(files[-2], index=False)
+        inert(frame).to_csv(files[-2], index=False, errors="backslashreplace")
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{words[name].holds}.\n\n{top(name, frame)}\n" + (f"\n{meanings}" if meanings else "")
         files[-1].write_text(f"{text}\nMake it again: `{command}`\n", encoding="utf-8")

@@ -7,7 +7,7 @@ adapter brings is called in this process: what a solver is asked, it is asked in
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from types import ModuleType
@@ -19,12 +19,19 @@ from . import workers
 from .fingerprint import Key, content, made_with, plain, record_digest, sources
 from .progress import Progress, silent
 from .records import now
-from .solvers import is_missing, version
+from .serving import Answer
+from .solvers import is_missing, names, version
 from .store import Store
-from .workers import Answer
+from .versions import parted
 
 # Wall time (s) a call may take. A whole default report takes minutes, so one run that takes longer has lost its way.
 LIMIT_SECONDS = 60.0
+# Wall seconds in which a solver says its version, or what it offers for a case: that takes milliseconds, and imports a
+# few seconds.
+ASKING_SECONDS = 20.0
+
+# What is longer is no name of anything.
+_NAMED_CHARACTERS = 120
 
 # Given a call and the calls that ran out of time so far: the answer that stands for it, or None if it is to be made.
 Skip = Callable[[tuple, Sequence[tuple]], Answer | None]
@@ -32,12 +39,14 @@ Skip = Callable[[tuple, Sequence[tuple]], Answer | None]
 
 class Keep(NamedTuple):
     """How answers are kept: the store's word for them; what of the arguments they depend on; modules whose code they
-    do not depend on, because what it found out is an argument; which answers are worth keeping."""
+    do not depend on, because what it found out is an argument; which answers are worth keeping; whether failures are
+    kept as well."""
 
     kind: str = "trial"
     of: Callable[..., tuple] = lambda *arguments: arguments
     apart: tuple[ModuleType, ...] = ()
     worth: Callable[[Any], bool] = lambda value: True
+    failures: bool = True
 
 
 class _Failure(NamedTuple):
@@ -54,7 +63,8 @@ class Calls:
     """Where calls are made: how many at a time, within how many wall seconds each, who watches, where answers are kept.
 
     `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
-    depends on the solver is kept. A context manager: the workers end with it.
+    depends on the solver is kept. `lost`: a sentence for each call that something outside ended twice, so that it would
+    come out otherwise another time. A context manager: the workers end with it.
     """
 
     jobs: int = 2
@@ -62,6 +72,7 @@ class Calls:
     store: Store = field(default_factory=lambda: Store(None))
     progress: Progress = silent
     versions: dict[str, str] = field(default_factory=dict)
+    lost: list[str] = field(default_factory=list)
 
     def __enter__(self) -> Calls:
         self._pool = workers.Pool(self.jobs)
@@ -77,7 +88,8 @@ class Calls:
     def ask_versions(self, solvers: Iterable[str]) -> None:
         """Note the versions of solvers that are not known yet."""
         new = [name for name in solvers if name not in self.versions]
-        answers = self.all("versions", version, [(name,) for name in new])
+        limit = min(self.limit, ASKING_SECONDS)
+        answers = self.all("versions", version, [(name,) for name in new], limit=limit)
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
 
     def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
@@ -121,10 +133,13 @@ class Calls:
             return
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
-        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow))) as coming:
+        groups = [_group(call, names()[1:]) for call in calls]
+        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])
+                if answer.outcome == "died" and not answer.lasting:
+                    self.lost.append(f"{step}, {_named(calls[k])}: {answer.reason}")
                 if keep:
                     answer = replace(answer, when=now())
                     self._keep(keys[left[k]], keep, limit, answer)
@@ -144,7 +159,7 @@ class Calls:
         if answer.outcome == "done":
             if keep.worth(answer.value):
                 self.store.put(keep.kind, key, answer.value)
-        elif answer.lasting and answer.outcome != "raised":
+        elif keep.failures and answer.lasting and answer.outcome != "raised":
             failure = _Failure(answer.outcome, answer.reason, answer.output, answer.when)
             self.store.put(keep.kind, key and {**key, "limit": limit}, failure)
 
@@ -153,7 +168,7 @@ class Calls:
         case has something that cannot be compared."""
         said = keep.of(*call)
         cases = [argument for argument in said if isinstance(argument, Case)]
-        engines = made_with(self.versions, sorted(_solvers(said, self.versions)))
+        engines = made_with(self.versions, sorted(_solvers(said, self.versions.__contains__)))
         if engines is None or any(content(case) is None for case in cases):
             return None
         return {
@@ -165,6 +180,12 @@ class Calls:
         }
 
 
+def _named(call: tuple) -> str:
+    """A call's cases, solvers and settings, for people."""
+    told = [argument.label if isinstance(argument, Case) else str(argument) for argument in call[:4]]
+    return " ".join(text for text in told if text and len(text) <= _NAMED_CHARACTERS)
+
+
 def _plain(argument: Any) -> Any:
     if isinstance(argument, Case):
         return content(argument)
@@ -174,11 +195,20 @@ def _plain(argument: Any) -> Any:
         return record_digest(argument)  # what holds arrays
 
 
-def _solvers(arguments: Iterable, known: Mapping[str, str]) -> set[str]:
+def _group(call: tuple, engines: Sequence[str]) -> str:
+    """Whose workers make a call: what an engine leaves in its process reaches no digit of the reference, and two
+    versions of one do not fit into one process."""
+    named = _solvers(call, lambda text: parted(text)[0] in engines)
+    versioned = [name for name in named if parted(name)[1]]
+    # What names several loads none of them: it draws what they did.
+    return versioned[0] if len(versioned) == 1 else "engines" if named else ""
+
+
+def _solvers(arguments: Iterable, known: Callable[[str], bool]) -> set[str]:
     """The solvers that arguments name, within tuples and lists as well."""
     found: set[str] = set()
     for argument in arguments:
-        if isinstance(argument, str) and argument in known:
+        if isinstance(argument, str) and known(argument):
             found.add(argument)
         elif isinstance(argument, tuple | list):
             found |= _solvers(argument, known)

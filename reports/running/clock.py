@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 from adapters import Setting
 from cases import Case, kept
 
+from .records import legible
 from .solvers import solver
 
 # The median is known well enough when its standard error, as a part of it, is below this.
@@ -187,8 +188,8 @@ def _import(entry: Entry) -> None:
     """Build once, before the budget runs: importing an engine takes seconds where the disk is cold."""
     try:
         entry.built()
-    except Exception as problem:
-        entry.failure = f"{type(problem).__name__}: {problem}"
+    except (Exception, SystemExit) as problem:
+        entry.failure = legible(f"{type(problem).__name__}: {problem}")
 
 
 def take_turns(entries: Sequence[Entry], deadline: float) -> float:
@@ -301,8 +302,8 @@ def _repeat(entry: Entry, loops: list[float]) -> None:
         others, after = others or neighbours(), calibrate()
         entry.run_s = (time.perf_counter() - began) / len(models)
         read = _read(entry, row[-1])
-    except Exception as problem:  # an engine that fails now and then loses its row, not everyone's
-        entry.failure = f"{type(problem).__name__}: {problem}"
+    except (Exception, SystemExit) as problem:  # an engine that fails now and then loses its row, not everyone's
+        entry.failure = legible(f"{type(problem).__name__}: {problem}")
         return
     loops += [before, after]
     entry.repeats.append(Repeat(cpu / len(row), wall / len(row), max(before, after), others, read))

@@ -11,10 +11,11 @@ import importlib.machinery
 import importlib.util
 from collections.abc import Iterator
 from functools import lru_cache
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from typing import Any
 
-from adapters.interface import GROUP, executables
+from adapters.interface import GROUP, NO_ADAPTERS, executables
 
 # The suite's rooms: their modules and those of a module's own package are followed, no others.
 SUITE = ("adapters", "cases", "reference", "reports")
@@ -24,8 +25,21 @@ def of_adapter(engine: str) -> str:
     """The name of an engine's adapter module. An executable's version is a digest of its file."""
     if engine in executables():
         return "adapters.by_process"
-    foreign = {point.name: point.module for point in entry_points(group=GROUP)}
-    return foreign.get(engine, f"adapters.{engine}")
+    foreign = [_module(point) for point in entry_points(group=GROUP, name=engine)]
+    return foreign[-1] if foreign else f"adapters.{engine}"
+
+
+def is_adapters(module: str) -> bool:
+    """Whether a module is an engine's adapter, or of the package of one: to import it is to run the engine."""
+    here, _, rest = module.partition(".")
+    if here == "adapters":
+        return bool(rest) and rest.partition(".")[0] not in NO_ADAPTERS
+    return here in {_module(point).partition(".")[0] for point in entry_points(group=GROUP)}
+
+
+def _module(point: EntryPoint) -> str:
+    """The module an entry point names, whatever else stands there."""
+    return point.value.partition(":")[0].strip()
 
 
 def routes_of(engine: str) -> tuple[str, ...]:
@@ -33,18 +47,33 @@ def routes_of(engine: str) -> tuple[str, ...]:
 
     Raises ImportError if a package that the adapter imports first of all is not installed.
     """
-    module = of_adapter(engine)
-    own = [path for name, path in reached(module, SUITE[1:]).items() if f"{name}.".startswith(f"{module}.")]
-    lines = [line for path in own if (tree := tree_of(path)) for line in tree.body]
-    for line in lines:
+    for line in _lines(engine):
         for package in _packages(line):
             if importlib.util.find_spec(package) is None:
                 raise ImportError(f"No module named {package!r}")
-    named = [line.value for line in lines if isinstance(line, ast.Assign) and _name(line) == "routes"]
     try:
-        return tuple(map(str, ast.literal_eval(named[0]))) if named else ()
-    except (ValueError, TypeError):
+        return tuple(map(str, literal_of(engine, "routes") or ()))
+    except TypeError:
         return ()
+
+
+def literal_of(engine: str, name: str) -> Any:
+    """What an engine's adapter gives a name at the top of its code, in plain words; None if it does not.
+
+    Raises LookupError if the adapter has no code to read.
+    """
+    named = [line.value for line in _lines(engine) if isinstance(line, ast.Assign) and _name(line) == name]
+    try:
+        return ast.literal_eval(named[0]) if named else None
+    except (ValueError, TypeError):
+        return None
+
+
+def _lines(engine: str) -> list[ast.stmt]:
+    """What stands at the top of an adapter's modules."""
+    module = of_adapter(engine)
+    own = [path for name, path in reached(module, SUITE[1:]).items() if f"{name}.".startswith(f"{module}.")]
+    return [line for path in own if (tree := tree_of(path)) for line in tree.body]
 
 
 def _packages(line: ast.stmt) -> list[str]:

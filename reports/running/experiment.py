@@ -18,14 +18,13 @@ from adapters import Setting
 from cases import Case
 
 from . import reference_adapter
-from .calls import Calls, Keep
+from .calls import ASKING_SECONDS, Calls, Keep
 from .fingerprint import kept_truth
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
+from .serving import Answer
 from .tasks import find_truth, perform, survey
-from .workers import Answer
+from .versions import parted
 
-# Wall seconds in which a solver says what it offers for a case: it takes milliseconds, and imports a few seconds.
-_SURVEY_SECONDS = 20.0
 # A solver that did not answer for so many cases is not asked about the others: each would take as long.
 _MOST_SILENCES = 3
 
@@ -48,9 +47,11 @@ def run(
     thin: Thin = lambda case, solver, route, settings: settings,
 ) -> Experiment:
     """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, route,
-    ladder)` leaves. A solver that is not installed has no runs; `versions` say so."""
+    ladder)` leaves. A solver that is not installed has no runs, and `versions` say so; but one that was asked for with
+    a version has a row for each case that says why."""
     began = time.perf_counter()
-    solvers = calls.present(solvers)
+    present = calls.present(solvers)
+    solvers = [name for name in solvers if name in present or parted(name)[1]]
     truths = find_truths(cases, calls)
     runs, tasks = _planned(cases, offers(cases, solvers, calls), truths, thin)
     _fill(runs, _made(tasks, calls))
@@ -79,7 +80,7 @@ def offers(
 
     pairs = [(case, name) for case in cases for name in solvers]
     asked = [(case, name, knobs) for case, name in pairs]
-    limit = min(calls.limit, _SURVEY_SECONDS)
+    limit = min(calls.limit, ASKING_SECONDS)
     answers = calls.all("survey", survey, asked, limit=limit, skip=silent)
     return {(case.label, name): _offers(answer, knobs) for (case, name), answer in zip(pairs, answers, strict=True)}
 
@@ -135,9 +136,11 @@ def _made(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:
 
 def _run(call: tuple, answer: Answer) -> Run:
     case, name, route, setting, rung, _ = call
-    if answer.outcome == "done":
-        return replace(answer.value, rung=rung)
-    outcome, reason = answer.failure
+    made = answer.value
+    if answer.outcome == "done" and (made.case, made.solver, made.route, made.setting) == (case.label, *call[1:4]):
+        return replace(made, rung=rung)
+    # Nothing is known to bring an answer of another call here; were it to happen, no table would show it.
+    outcome, reason = answer.failure if answer.outcome != "done" else ("crashed", f"the record is another's: {made}")
     return Run(case.label, name, route, setting, rung, outcome, reason, when=answer.when or now())
 
 

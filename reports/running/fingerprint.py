@@ -24,7 +24,7 @@ import sympy as sp
 from cases import Case, Curve
 from reference import certification
 
-from . import code, reference_adapter
+from . import code, reference_adapter, versions
 from .packing import pack
 from .records import REFERENCE
 
@@ -76,7 +76,7 @@ def installed(package: str) -> str:
 def digest(told: Any) -> str:
     """A short name for anything JSON can hold."""
     text = json.dumps(told, sort_keys=True, ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
 
 
 def record_digest(record: Any) -> str:
@@ -136,7 +136,7 @@ def adapter_sources(solver: str) -> str:
     """
     if solver == REFERENCE:
         return sources(reference_adapter)
-    return _digest_of(code.of_adapter(solver), ())
+    return _digest_of(code.of_adapter(versions.parted(solver)[0]), ())
 
 
 @lru_cache(maxsize=1)

@@ -54,7 +54,7 @@ def parts_of_all(who: Sequence[Contestant], budget: float) -> list[tuple[Parts |
         try:
             # Who is not ready in a share of what is left ends after the least turns.
             found[place] = parts(one, time.perf_counter() + left / (len(who) - number)), ""
-        except Exception as problem:  # an engine that fails now and then loses its parts, not everyone's
+        except (Exception, SystemExit) as problem:  # an engine that fails now and then loses its parts, not everyone's
             found[place] = None, f"{type(problem).__name__}: {problem}"
     return found
 

@@ -19,13 +19,15 @@ REFERENCE = "reference"
 # The motion that runs are compared with is the reference's best method at this tolerance; the times of its transitions
 # and their error bars are the certified ones.
 TRUTH_RTOL = 1e-13
+# No honest sentence is longer; the last error message of an engine fits.
+_LONGEST_TEXT = 2000
 
 
 @dataclass(frozen=True)
 class Offer:
     """What one route of a solver offers for a case: a ladder of settings, or the reason why not.
 
-    `outcome` is "" for an offer, else "refused" or "crashed"."""
+    `outcome` is "" for an offer, else "refused", "crashed" or "not_installed"."""
 
     route: str
     settings: tuple[Setting, ...] = ()
@@ -134,3 +136,11 @@ def first_error(run: Run | None) -> float:
 def now() -> str:
     """The time, UTC, to the second."""
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def legible(text: object, most: int = _LONGEST_TEXT) -> str:
+    """What a solver says, as text that every file and terminal can hold: of at most so many characters, what is no
+    printable character (a lone surrogate, NUL, an escape) spelled out."""
+    whole = str(text)
+    shown = whole if len(whole) <= most else f"{whole[: most - 1]}…"
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in shown)

@@ -10,8 +10,10 @@ from types import ModuleType
 
 import adapters
 
-from . import code
-from .records import REFERENCE
+from . import code, versions
+from .records import REFERENCE, legible
+
+_LONGEST_VERSION = 100
 
 
 def names() -> tuple[str, ...]:
@@ -20,12 +22,14 @@ def names() -> tuple[str, ...]:
 
 
 def solver(name: str) -> ModuleType:
-    """A solver by name, an engine or the reference; raises ImportError if it is not installed."""
+    """A solver by name, an engine or the reference; raises ImportError if it, or the version that its name asks for, is
+    not installed."""
     if name == REFERENCE:
         from . import reference_adapter
 
         return reference_adapter
-    return adapters.engine(name)
+    versions.demand(name)
+    return adapters.engine(versions.parted(name)[0])
 
 
 # The outcome of an engine that is not there: it refuses nothing, and is counted nowhere.
@@ -35,9 +39,9 @@ NOT_INSTALLED = "not_installed"
 def version(name: str) -> str:
     """The version of a solver; NOT_INSTALLED and what is missing if it is not there."""
     try:
-        return str(solver(name).version())
+        return legible(solver(name).version(), _LONGEST_VERSION)
     except ImportError as problem:
-        return f"{NOT_INSTALLED}: {problem.name or problem}"
+        return f"{NOT_INSTALLED}: {legible(problem.name or problem, _LONGEST_VERSION)}"
 
 
 def is_missing(version: str) -> bool:
@@ -71,4 +75,4 @@ def routes(name: str) -> tuple[str, ...]:
 
     Raises ImportError if what the adapter imports is not installed, LookupError if it has no code to read.
     """
-    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(name)
+    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(versions.parted(name)[0])

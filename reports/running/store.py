@@ -13,7 +13,6 @@ import json
 import os
 import re
 import tempfile
-import time
 import zipfile
 from collections import Counter
 from collections.abc import Mapping
@@ -23,6 +22,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from . import scratch
 from .fingerprint import Key, digest
 from .packing import pack, unpack
 from .records import now
@@ -34,8 +34,6 @@ BOUND_BYTES = 2 * 2**30
 _FILE = re.compile(r"[a-z]+-[0-9a-f]{64}\.npz")
 _UNFINISHED = re.compile(r"\.unfinished-\w+")
 _OWN = rf"{_FILE.pattern}|{_UNFINISHED.pattern}|\.gitignore"
-# A file is written in milliseconds: one this old (s) was left by a process that was killed.
-_LEFT_BEHIND = 3600.0
 _RECORD = "record.json"
 
 
@@ -100,8 +98,10 @@ class Store:
             handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
             try:
                 with open(handle, "wb") as file:
+                    scratch.lock(file.fileno())
                     file.write(content)
-                os.replace(unfinished, self._path(kind, key))
+                    file.flush()
+                    os.replace(unfinished, self._path(kind, key))
             finally:
                 Path(unfinished).unlink(missing_ok=True)
             self._put[kind] += 1
@@ -118,10 +118,7 @@ class Store:
                 with suppress(OSError):  # what cannot be removed stays, and the size that is told says so
                     path.unlink()
                     size -= stat.st_size
-        for path, stat in self._listed(_UNFINISHED):
-            if stat.st_mtime < time.time() - _LEFT_BEHIND:
-                with suppress(OSError):
-                    path.unlink()
+        scratch.sweep(path for path, _ in self._listed(_UNFINISHED))
 
     def told(self) -> dict[str, Any]:
         """What a manifest says of it."""

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import islice
 from types import ModuleType
 
 import numpy as np
@@ -21,11 +22,14 @@ from reference.certification import Certificate, NotCertified, kept_or_new
 
 from ..judging import distances, ledger, soundness, transitions
 from ..judging.slip_phases import Reading
-from .records import TRUTH_RTOL, Offer, Run, Truth, now
-from .solvers import solver
+from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
+from .solvers import NOT_INSTALLED, solver
 
 # What a figure can show; samples beyond are left out at even distances.
 _SHOWN_SAMPLES = 1500
+# What an adapter may have of routes (no more are asked), a ladder or a grid of settings, and a setting of characters:
+# far more than would be run, or read.
+_MOST_ROUTES, _MOST_SETTINGS, _LONGEST_SETTING = 20, 1000, 500
 
 
 def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
@@ -33,26 +37,31 @@ def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
     try:
         module = solver(name)
     except ImportError as problem:
-        return (Offer("", (), "refused", f"{name} is not installed here ({problem})"),)
+        return (Offer("", (), NOT_INSTALLED, f"{name} is not installed here ({problem})"),)
     if not hasattr(module, knobs):
         return ()
-    return tuple(_offer(module, case, str(route), knobs) for route in module.routes)
+    return tuple(_offer(module, case, legible(route), knobs) for route in islice(module.routes, _MOST_ROUTES))
 
 
 def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
     try:
         refusal = module.refuses(case, route)
         if refusal:
-            return Offer(route, (), "refused", str(refusal))
-        return Offer(route, tuple(_plain(setting) for setting in getattr(module, knobs)(case, route)))
-    except Exception as problem:
+            return Offer(route, (), "refused", legible(refusal))
+        offered = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
+        if len(offered) > _MOST_SETTINGS:
+            raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
+        return Offer(route, tuple(map(_plain, offered)))
+    except (Exception, SystemExit) as problem:
         return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}")
 
 
 def _plain(setting: Setting) -> Setting:
-    """The setting, if it is one and holds nothing but numbers and words: only such may travel."""
+    """The setting, if it is one and holds nothing but numbers and words: only such may travel, and stand in a file."""
     if type(setting) is not Setting or any(type(v) not in (int, float, str, bool) for v in dict(setting).values()):
         raise TypeError(f"{setting!r} is no Setting of numbers and words")
+    if legible(setting, _LONGEST_SETTING) != str(setting):
+        raise ValueError(f"a setting is longer than {_LONGEST_SETTING} characters, or cannot be printed")
     return setting
 
 
@@ -137,14 +146,14 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     try:
         motion = timed(solver(row.solver), case, row.route, row.setting)
     except NotSupported as refusal:
-        return replace(row, outcome="refused", reason=str(refusal))
+        return replace(row, outcome="refused", reason=legible(refusal))
     except EngineFailure as failure:
-        return replace(row, outcome="crashed", reason=str(failure))
+        return replace(row, outcome="crashed", reason=legible(failure))
     except (ImportError, MemoryError, OSError):
         raise
-    except Exception as problem:
+    except (Exception, SystemExit) as problem:
         return replace(row, outcome="crashed", reason=sentence(problem))
-    row = replace(row, status=motion.status, cost=motion.cost)
+    row = replace(row, status=legible(motion.status), cost=motion.cost)
     if not soundness.sound(motion):
         return replace(
             row,
@@ -249,5 +258,5 @@ def _thin(values: np.ndarray) -> np.ndarray:
 
 def sentence(problem: BaseException) -> str:
     """An exception in one line."""
-    text = " ".join(str(problem).split())
+    text = legible(" ".join(str(problem).split()))
     return f"{type(problem).__name__}: {text}" if text else type(problem).__name__

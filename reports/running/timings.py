@@ -16,6 +16,8 @@ from .clock import Contestant, Timing
 from .cold import Cold
 from .parts import Parts
 from .records import Experiment, routes
+from .serving import Answer
+from .versions import parted
 
 # A curve of fewer settings tells no order and no saturation.
 LEAST_SETTINGS = 6
@@ -28,6 +30,8 @@ FULL_BUDGET_A_CASE = 60.0
 COLD_BUDGET, PARTS_BUDGET = 4.0, 3.0
 # Beyond its budget a case may take as long as one run more and its compilations.
 PATIENCE = 60.0
+# The budget of those that are timed alone only to see whether they end their process.
+_TRIAL_SECONDS = 1.0
 
 Key = tuple[str, str, str, Setting]  # case, solver, route, setting
 
@@ -135,9 +139,21 @@ def _beside(function: Callable, who: Sequence[Contestant], budget: float, alone:
         of=_content,
         worth=lambda value: not any(getattr(told, "disturbed", False) for told, _ in value if told),
     )
-    (answer,) = alone.all("cold starts and parts", function, [(who, budget)], limit=budget + PATIENCE, keep=keep)
-    told = answer.value if answer.outcome == "done" else []
-    return {(one.case.label, *one[1:4]): value for one, (value, _) in zip(who, told, strict=False) if value}
+    found: dict[Key, Any] = {}
+    for some in _by_version(who):
+        share = budget * len(some) / len(who)
+        (answer,) = alone.all("cold starts and parts", function, [(some, share)], limit=share + PATIENCE, keep=keep)
+        told = answer.value if answer.outcome == "done" else []
+        found |= {(one.case.label, *one[1:4]): value for one, (value, _) in zip(some, told, strict=False) if value}
+    return found
+
+
+def _by_version(who: Sequence[Contestant]) -> list[list[Contestant]]:
+    """Those that fit into one process: a solver that was asked for with a version has one of its own."""
+    found: dict[str, list[Contestant]] = {}
+    for one in who:
+        found.setdefault(one.solver if parted(one.solver)[1] else "", []).append(one)
+    return list(found.values())
 
 
 def _content(who: Sequence[Contestant], budget: float) -> tuple:
@@ -146,13 +162,18 @@ def _content(who: Sequence[Contestant], budget: float) -> tuple:
 
 
 def time_together(
-    who: Sequence[Contestant], budget: float, share: float, alone: Calls
+    who: Sequence[Contestant], budget: float, share: float, alone: Calls, again: bool = True
 ) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
     """The timings of contestants that take their turns in one process, kept or new, and the failures.
 
-    They are kept if none is disturbed, under the `share` of the budget that was theirs. A solver that ends the process
-    is found by running each alone; the others take their turns again.
+    They are kept if none is disturbed, under the `share` of the budget that was theirs. What ends the process by itself
+    is found, and the others take their turns again; where nothing does, all do (`again`), and then each solver's by
+    itself. Versions of an engine have processes of their own, one after the other.
     """
+    if len(processes := _by_version(who)) > 1:
+        portions = [(some, len(some) / len(who)) for some in processes]
+        told = [time_together(some, budget * part, share * part, alone, again) for some, part in portions]
+        return [pair for found, _ in told for pair in found], [pair for _, failed in told for pair in failed]
     keep = Keep(
         "timing",
         of=lambda who, _: _content(who, share),
@@ -160,16 +181,46 @@ def time_together(
     )
     (answer,) = alone.all("timings", clock.time_all, [(who, budget)], limit=budget + PATIENCE, keep=keep)
     if answer.outcome == "done":
-        pairs = list(zip(who, answer.value, strict=True))
-        return [(o, timing) for o, (timing, _) in pairs if timing], [(o, why) for o, (_, why) in pairs if why]
-    groups = [[one for one in who if one.solver == name] for name in dict.fromkeys(one.solver for one in who)]
-    if len(groups) == 1:
-        return [], [(one, answer.failure[1]) for one in who]
-    calls = [(group, 1.0) for group in groups]
-    answers = alone.all("timings", clock.time_all, calls, limit=PATIENCE)
-    failed = [(one, a.failure[1]) for g, a in zip(groups, answers, strict=True) if a.outcome != "done" for one in g]
-    left = [one for g, a in zip(groups, answers, strict=True) if a.outcome == "done" for one in g]
-    if not failed:  # only together, or only now and then
-        return [], [(one, answer.failure[1]) for one in who]
-    found, more = time_together(left, budget, share, alone) if left else ([], [])
-    return found, [*failed, *more]
+        return _sorted([(who, answer)])
+    culprits = _culprits(who, alone)
+    left = [one for one in who if one not in culprits]
+    if left and (culprits or again):
+        found, more = time_together(left, budget, share, alone, again=bool(culprits))
+        return found, [*culprits.items(), *more]
+    apart = _by_solver(left)
+    calls = [(group, budget / len(apart)) for group in apart]
+    answers = alone.all("timings", clock.time_all, calls, limit=budget + PATIENCE)
+    found, more = _sorted(list(zip(apart, answers, strict=True)))
+    return found, [*culprits.items(), *more]
+
+
+def _sorted(
+    answered: Sequence[tuple[Sequence[Contestant], Answer]],
+) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
+    """What has a timing, and what has none and why."""
+    told: list[tuple[Contestant, tuple[Timing | None, str]]] = []
+    for who, answer in answered:
+        done = answer.outcome == "done"
+        told += zip(who, answer.value if done else [(None, answer.failure[1])] * len(who), strict=True)
+    return [(one, timing) for one, (timing, _) in told if timing], [(one, why) for one, (_, why) in told if why]
+
+
+def _by_solver(who: Sequence[Contestant]) -> list[list[Contestant]]:
+    return [[one for one in who if one.solver == name] for name in dict.fromkeys(one.solver for one in who)]
+
+
+def _culprits(who: Sequence[Contestant], alone: Calls) -> dict[Contestant, str]:
+    """Those that end their process when they are timed alone, and why: asked of each solver's, then one by one."""
+    suspects = [one for group, answer in _tried(_by_solver(who), alone) if answer.outcome != "done" for one in group]
+    answered = _tried([[one] for one in suspects], alone)
+    return {one: answer.failure[1] for (one,), answer in answered if answer.outcome != "done"}
+
+
+def _tried(groups: list[list[Contestant]], alone: Calls) -> list[tuple[list[Contestant], Answer]]:
+    def enough(call: tuple, slow: Sequence[tuple]) -> Answer | None:
+        late = sum(other[0][0].solver == call[0][0].solver for other in slow)
+        return Answer("timed_out", reason="not tried: others of its solver ran out of time") if late > 1 else None
+
+    calls = [(group, _TRIAL_SECONDS) for group in groups]
+    answers = alone.all("timings", clock.time_all, calls, limit=PATIENCE, skip=enough)
+    return list(zip(groups, answers, strict=True))

@@ -54,7 +54,9 @@ class Result(NamedTuple):
     @property
     def words(self) -> dict[str, Table]:
         """What is said of its tables."""
-        return {name: self.study.TABLES[name] for name in self.frames}
+        from ..analysis.columns import with_version_words
+
+        return {name: with_version_words(self.study.TABLES[name], frame) for name, frame in self.frames.items()}
 
     def draw(self, folder: Path) -> list[Drawn]:
         """Its pictures, written into the folder; if they fail, what says so."""
@@ -86,14 +88,15 @@ def run(name: str, request: Request, calls: Calls, command: str) -> Result:
     """Make a study. What fails is said in its result; it takes nothing else with it."""
     import pandas as pd
 
-    from ..analysis.columns import infinite
+    from ..analysis.columns import infinite, with_version
 
     made = study(name)
     try:
         # One that is not installed has no part in it.
         present = calls.present(request.solvers) if request.solvers else ()
         found = made.run(request._replace(solvers=present), calls)
-        frames = {table: pd.DataFrame(rows) for table, rows in made.rows(found).items()}
+        rows = made.rows(found)
+        frames = {table: with_version(pd.DataFrame(rows[table]), calls.versions) for table in rows}
         for table, frame in frames.items():
             if infinite(frame):
                 raise ValueError(f"the table {table} has an infinite result in {', '.join(infinite(frame))}")

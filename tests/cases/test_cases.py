@@ -181,7 +181,7 @@ def test_pose_of_a_disc_in_a_circle_is_the_papers():
 
 def test_shapes_are_recognised_wherever_they_lie():
     assert as_line(Curve(lambda s: (1 + 3 * s, 2 - 4 * s))).direction == pytest.approx([0.6, -0.8])
-    circle = as_circle(Curve(lambda s: (2 + 3 * c.cos(5 * s), 1 + 3 * c.sin(5 * s)), (0, 2 * pi / 5)))
+    circle = as_circle(Curve(lambda s: (2 + 3 * c.cos(5 * s), 1 + 3 * c.sin(5 * s))))
     assert (circle.radius, *circle.centre, circle.left) == pytest.approx((3.0, 2.0, 1.0, True))
     assert as_circle(ellipse(1.0, 1.0 + 1e-9)) is None
     assert as_line(ellipse(1.0, 0.9)) is None

@@ -24,7 +24,7 @@ OUTCOMES = {"segfault": "crashed", "hang": "timed_out", "prints": "right"}
 def broken(tmp_path, monkeypatch):
     """broken((part, way), …) -> names of copies of the fake engine that fail so, after one that is sound."""
     # A worker needs a second or two to import what an adapter imports: that is no hang.
-    monkeypatch.setattr(experiment, "_SURVEY_SECONDS", 6.0)
+    monkeypatch.setattr(experiment, "ASKING_SECONDS", 6.0)
     for module, limit in ((stability, "_LIMIT"), (effect_costs, "LIMIT"), (error_parts, "LIMIT_SECONDS")):
         monkeypatch.setattr(module, limit, 6.0)
     monkeypatch.syspath_prepend(tmp_path)

@@ -1,8 +1,10 @@
 """The command as a user meets it: what it refuses, what it writes."""
 
+import errno
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,8 +19,9 @@ import cases
 from adapters import Setting
 from reports import build, options
 from reports.analysis import tables
+from reports.drawing import files
 from reports.page import folder, text
-from reports.running import solvers
+from reports.running import scratch, solvers
 from reports.running.records import Experiment, Run, Truth
 
 from .. import fake_adapter
@@ -44,7 +47,7 @@ def case_file(tmp_path, monkeypatch):
         (["--solver", "exudin"], "exudyn"),
         (["--solvr", "exudyn"], "--solver"),
         (["--jobs", "many"], "whole number"),
-        (["--jobs", "0"], "at least 1"),
+        (["--jobs", "0"], "from 1 to"),
         (["--quick", "--full"], "not allowed with"),
         (["--case-file", "nowhere.py"], "nowhere.py"),
         (["--case"], "expected at least one"),
@@ -226,12 +229,66 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
 
 
 def test_what_a_killed_build_left_is_removed_and_what_another_writes_now_is_not(tmp_path):
-    old, young = tmp_path / ".report.killed.partial", tmp_path / ".report.now.partial"
-    for left in (old, young):
-        (left / "figures").mkdir(parents=True)
-    os.utime(old, (1e9, 1e9))
+    left, other = tmp_path / ".report.killed.partial", tmp_path / ".report.mine"
+    for place in (left, other):
+        (place / "figures").mkdir(parents=True)
+    young = scratch.Folder(".report.", ".partial", tmp_path)
     folder.sweep(tmp_path / "report")
-    assert not old.exists() and young.exists()
+    assert not left.exists() and other.exists() and young.path.exists()
+    young.remove()
+
+
+def whole(place: Path, text: str, *more: str) -> None:
+    """A report of few words."""
+    for name in ("index.html", "tables/a.csv", *more):
+        (place / name).parent.mkdir(exist_ok=True)
+        (place / name).write_text(text)
+    folder.sign(place, {})
+
+
+def holds(place: Path) -> set[str]:
+    return {path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("fails", ["", "copy"])
+def test_where_a_folder_cannot_be_renamed_the_report_is_copied(fails, tmp_path, monkeypatch):
+    out = tmp_path / "mount"
+    with folder.written_whole(out) as place:
+        whole(place, "old", "figures/old.svg")
+
+    def rename(self, target):
+        raise OSError(errno.EBUSY, "Device or resource busy")  # what a mount point answers
+
+    monkeypatch.setattr(Path, "rename", rename)
+    if fails:  # half-way: what is there is no report, and the next one may take its place
+        with monkeypatch.context() as patch, pytest.raises(OSError), folder.written_whole(out) as place:
+            whole(place, "half")
+            patch.setattr(shutil, "copyfile", lambda *_: rename(*_))
+        assert not (out / "index.html").exists() and folder.foreign_file(out) == ""
+    with folder.written_whole(out) as place:
+        whole(place, "new", "figures/new.svg")
+    assert holds(out) == {"index.html", "tables/a.csv", "figures/new.svg", "manifest.json"}
+    assert (out / "index.html").read_text() == "new" and folder.foreign_file(out) == ""
+    assert "unfinished" not in json.loads((out / "manifest.json").read_text())
+    assert [path.name for path in tmp_path.iterdir()] == ["mount"]
+
+
+def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path, monkeypatch, capsys):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(folder.scratch, "Folder", full)
+    argv = ["--out", str(tmp_path / "report"), "--store", str(tmp_path / "store"), "--case", "disc_on_line", "--quick"]
+    began = time.monotonic()
+    assert build.main(argv) == 1 and time.monotonic() - began < 10.0
+    assert "cannot write the report: [Errno 28] No space left" in capsys.readouterr().err
+
+
+def test_names_of_files_fit_in_every_file_system():
+    long = "case[" + ",".join(f"parameter_{i}=0.1" for i in range(40)) + "]"
+    names = {files.file_name(long), files.file_name(long + "2"), files.file_name("µ" * 300)}
+    assert len(names) == 3 and all(len(f"work_precision_{name}.svg".encode()) < 255 for name in names)
+    assert files.file_name("disc_on_line[mu=0.1]") == "disc_on_line_mu_0.1"
 
 
 def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report, tmp_path, capsys):
@@ -345,3 +402,12 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
     assert build.main(argv) == status
     sentence = "no solver could run disc_on_line[mu=0.1]; reference refused: it has no series"
     assert (sentence in capsys.readouterr().err) == (status == 3)
+
+
+def test_a_case_that_lost_its_truth_shows_in_the_exit_status_though_nobody_named_it(tmp_path, monkeypatch, capsys):
+    case = cases.load("disc_on_line[mu=0.1]")
+    ran = Experiment((case,), {case.label: Truth(failure="its process was ended")}, (), 0.0)
+    monkeypatch.setattr("reports.running.experiment.run", lambda *_: ran)
+    monkeypatch.setattr(build, "_write", lambda *arguments: None)
+    assert build.main(["--quick", "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]) == 3
+    assert "no truth for disc_on_line[mu=0.1]: its process was ended" in capsys.readouterr().err

@@ -121,3 +121,27 @@ def test_two_builds_of_the_same_commit_give_the_same_accuracies_and_alike_times(
         pytest.skip("the machine was disturbed")
     # Of two processes 99.9 % of the ratios agree on a quiet machine, in the worst two 97 %.
     assert len(told.ratios) <= 0.05 * told.compared
+
+
+def test_two_solvers_of_a_report_are_compared_as_one(report, tmp_path, capsys):
+    def both(table, column):
+        frame = pd.read_csv(report / "tables" / f"{table}.csv")
+        twins = pd.concat([frame.assign(solver="a@1", version="1"), frame.assign(solver="a@2", version="2")])
+        twins.loc[twins["solver"] == "a@2", column] = 0.125
+        return twins
+
+    other = tmp_path / "twins"
+    shutil.copytree(report, other)
+    both("trajectories", "cpu_s").to_csv(other / "tables" / "trajectories.csv", index=False)
+    words = [str(other), str(other), "--solver", "a@1", "--solver", "a@2"]
+    assert compare_builds.main(words) == 0
+    both("trajectories", "centre_max").to_csv(other / "tables" / "trajectories.csv", index=False)
+    assert compare_builds.main(words) == 3
+    assert "centre_max 1e-15 | 0.125" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("names, hint", [(["a"], "given twice"), (["a", "c"], "nothing of the solver c")])
+def test_a_solver_that_is_not_there_or_alone_is_told(names, hint, report, capsys):
+    words = [word for name in names for word in ("--solver", name)]
+    assert compare_builds.main([str(report), str(report), *words]) == 2
+    assert hint in capsys.readouterr().err

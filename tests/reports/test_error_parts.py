@@ -9,8 +9,8 @@ import cases
 from adapters import Setting
 from reports import study
 from reports.running.calls import Calls
+from reports.running.serving import Answer
 from reports.running.tasks import find_truth, survey
-from reports.running.workers import Answer
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.error_parts.measure import Cell, Grid
 

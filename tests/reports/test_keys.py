@@ -135,7 +135,7 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     (package / "adapter.py").write_text("from ._knobs import h\n")
     (package / "_knobs.py").write_text("h = 0.1\n")
     point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", code.GROUP)
-    monkeypatch.setattr(code, "entry_points", lambda group: [point])
+    monkeypatch.setattr(code, "entry_points", lambda group, name=None: [point])
 
     def told() -> str:
         for cached in (fingerprint.adapter_sources, code.of, code.tree_of, code.imported):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -17,7 +18,7 @@ from adapters import Setting
 from reports.analysis import tables
 from reports.running import experiment, fingerprint, timings, workers
 from reports.running.calls import Calls
-from reports.running.clock import Contestant, Timing
+from reports.running.clock import UNTIMED, Contestant, Timing
 from reports.running.store import Store
 
 from .. import fake_adapter
@@ -121,7 +122,7 @@ def test_a_worker_killed_from_outside_is_told_and_its_run_made_again():
 
 @pytest.mark.parametrize("disturbed, times", [(False, 1), (True, 2)])
 def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp_path):
-    timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 5, 0, disturbed)
+    timing = Timing(1 / 3, 0.1, 0.4, 0.2, 0.1, 0.5, 0.1, 0.7, 5, 0, disturbed)
     who = contestants("a", "b")
     made = []
 
@@ -135,6 +136,33 @@ def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp
     for _ in range(2):
         assert timings.time_together(who, 7.0, 10.0, calls) == ([(who[0], timing)], [(who[1], "it fell over")])
     assert len(made) == times
+
+
+class Clock:
+    """Stands for workers: ends whenever one of `deadly` is timed, or more than `most` contestants together."""
+
+    def __init__(self, deadly=(), most=99):
+        self.deadly, self.most = deadly, most
+
+    def run(self, function, arguments, *_):
+        for i, (who, _) in enumerate(arguments):
+            if len(who) > self.most or any(one.setting["s"] in self.deadly for one in who):
+                yield i, workers.Answer("died", reason="it ended")
+            else:
+                yield i, workers.Answer("done", value=[(TIMING, "")] * len(who))
+
+
+TIMING = replace(UNTIMED, cpu_s=1.0)
+
+
+@pytest.mark.parametrize(("clock", "lost"), [(Clock("b"), "b"), (Clock("bd"), "bd"), (Clock(most=3), "")])
+def test_a_crash_at_the_clock_costs_nobody_else_a_timing(clock, lost):
+    who = [*contestants("a", "b", "c"), *(one._replace(solver="exudyn") for one in contestants("d", "e"))]
+    calls = Calls(store=Store(None), versions=VERSIONS)
+    calls._pool = clock
+    found, failed = timings.time_together(who, 7.0, 10.0, calls)
+    assert [one.setting["s"] for one, why in failed if why == "it ended"] == list(lost)
+    assert [one.setting["s"] for one, _ in found] == [s for s in "abcde" if s not in lost]
 
 
 def contestants(*settings: str) -> list[Contestant]:

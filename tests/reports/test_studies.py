@@ -15,7 +15,7 @@ from reports.judging.residuals import Residuals
 from reports.running.calls import Calls
 from reports.running.clock import UNTIMED
 from reports.running.records import Run, Truth
-from reports.running.workers import Answer
+from reports.running.serving import Answer
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations

@@ -1,15 +1,20 @@
 """Calls in processes of their own: told apart, bounded, and nothing left behind."""
 
+import ctypes
+import ctypes.util
 import os
+import platform
 import signal
+import stat
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from reports.running import experiment, workers
+from reports.running import experiment, scratch, workers
 
 
 def misbehave(how: str):
@@ -29,6 +34,17 @@ def misbehave(how: str):
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM, signal.SIGINT})
         while True:
             time.sleep(1.0)
+    if how == "forks":
+        os.fork()  # both come back
+    if how == "garbage":
+        for stream in range(3, 256):
+            with suppress(OSError):
+                if stat.S_ISSOCK(os.fstat(stream).st_mode):
+                    os.write(stream, b"x" * 100)
+    if how == "closes":
+        os.closerange(3, 64)
+    if how == "mumbles":
+        raise RuntimeError("\ud800 \x00 \x1b[31m" + "x" * 100_000)
     if how == "flood":
         for _ in range(50_000):
             os.write(1, b"x" * 1000)
@@ -37,7 +53,7 @@ def misbehave(how: str):
     return how
 
 
-WAYS = ("work", "raise", "exit", "vanish", "segfault", "hang", "flood", "last")
+WAYS = ("work", "raise", "exit", "vanish", "segfault", "hang", "flood", "forks", "garbage", "closes", "mumbles", "last")
 
 
 def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.Answer]]:
@@ -70,11 +86,23 @@ def test_every_call_is_answered_whatever_the_others_do(answers):
         ("segfault", "died", "SIGSEGV"),
         ("hang", "timed_out", "still running after 2 s"),
         ("flood", "raised", "File too large"),
+        ("garbage", "died", "wrote no answer into it"),
+        ("closes", "died", "exit code 1"),
+        ("mumbles", "raised", r"\ud800 \x00 \x1b[31mxxx"),
     ],
 )
 def test_failures_are_told_apart(answers, way, outcome, reason):
     assert answers[way].outcome == outcome
     assert reason in answers[way].reason
+
+
+def test_what_forks_and_comes_back_twice_answers_once_and_under_its_own_key(answers):
+    assert {way: answers[way].value for way in ("forks", "last")} == {"forks": "forks", "last": "last"}
+
+
+def test_text_of_a_failure_fits_in_every_file(answers):
+    told = answers["mumbles"].reason
+    assert len(told) < 3000 and told.encode("utf-8") and told.isprintable()
 
 
 def test_a_call_works_in_an_empty_folder_that_is_gone_afterwards(answers):
@@ -92,8 +120,53 @@ def test_an_answer_may_be_given_instead_of_a_call():
     assert calls == [(0, given), (1, given)]
 
 
+def round_up(change: bool) -> tuple[float, int]:
+    """A sum whose last bit tells how this process rounds, and which it is; perhaps changed for good."""
+    if change:
+        ctypes.CDLL(ctypes.util.find_library("m")).fesetround(FE_UPWARD)
+    return sum((1.0, 2.0**-53)), os.getpid()
+
+
+FE_UPWARD = 0x800  # <fenv.h> of x86
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="the constant is that processor's")
+def test_a_worker_whose_arithmetic_a_call_has_changed_answers_no_other():
+    (_, first), (_, second) = run(round_up, [(True,), (False,)])
+    assert first.value[0] > 1.0 == second.value[0] and first.value[1] != second.value[1]
+
+
+def test_calls_of_unlike_groups_never_share_a_worker():
+    calls = [("a", n) for n in range(6)]
+    told = {i: answer.value for i, answer in run(whose, calls, jobs=2, groups=["", "engines"] * 3)}
+    assert {told[0], told[2], told[4]}.isdisjoint({told[1], told[3], told[5]})
+
+
+def ends_itself_at_first(folder: Path, times: int) -> int:
+    """End this process as the system would, so many times; then count them."""
+    ended = len(list(folder.iterdir()))
+    if ended < times:
+        (folder / str(ended)).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return ended
+
+
+@pytest.mark.parametrize(("times", "outcome"), [(1, "done"), (2, "died")])
+def test_a_call_whose_worker_is_ended_from_outside_is_made_once_more(times, outcome, tmp_path):
+    ((_, answer),) = run(ends_itself_at_first, [(tmp_path, times)])
+    assert answer.outcome == outcome and len(list(tmp_path.iterdir())) == times
+    assert answer.lasting == (outcome == "done")
+
+
+def test_what_cannot_travel_is_told_in_both_directions():
+    with_lambda, its_class = run(misbehave, [(lambda: None,), ("work",)])
+    assert with_lambda[1].outcome == "raised" and "cannot travel" in with_lambda[1].reason
+    assert its_class[1].outcome == "done"
+
+
 def linger(folder: Path) -> None:
     """Tell where it runs, and stay."""
+    (folder / "cwd").write_text(os.getcwd())
     (folder / "pid").write_text(str(os.getpid()))
     time.sleep(600.0)
 
@@ -105,10 +178,24 @@ def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
     wait_until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
     worker = Path("/proc") / (tmp_path / "pid").read_text()
     assert worker.exists()
+    left = Path((tmp_path / "cwd").read_text()).parent
     parent.kill()
     parent.wait()
     # An ended process nobody has waited for yet stands in the list as a zombie.
     wait_until(lambda: not worker.exists() or "(zombie)" in (worker / "status").read_text())
+    assert left.exists()
+    workers.Pool(1).close()
+    assert not left.exists(), "the next one sweeps what a killed one left"
+
+
+def test_only_what_nobody_holds_is_swept(tmp_path):
+    kept, other = scratch.Folder("a-", inside=tmp_path), scratch.Folder("a-", inside=tmp_path)
+    os.close(other._lock)
+    (other.path / "deep").mkdir()
+    (tmp_path / "a-link").symlink_to(tmp_path)
+    scratch.sweep(tmp_path.glob("a-*"))
+    assert {path.name for path in tmp_path.iterdir()} == {kept.path.name, "a-link"}
+    kept.remove()
 
 
 def wait_until(holds) -> None:

@@ -32,6 +32,9 @@ else:
     from .conversion import converted, variables
 
     AVAILABLE = True
+    # What it compiled heyoka keeps for another of the same text, up to 2 GB; here equal systems are one.
+    if hasattr(hy.llvm_state, "set_memcache_limit"):  # versions before it had that cache
+        hy.llvm_state.set_memcache_limit(64 * 2**20)
     hy.set_logger_level_error()  # a step that is no number ends the phase, with a sentence of ours
     # As numbers: heyoka's own are compared by name, which costs as much as a step.
     SUCCESS, TIME_LIMIT, STEP_LIMIT = (

@@ -26,9 +26,9 @@ from ...judging import ledger
 from ...running.calls import Calls, Keep
 from ...running.experiment import find_truths, offers
 from ...running.records import Offer, Truth
+from ...running.serving import Answer
 from ...running.solvers import solver
 from ...running.tasks import reading_of, timed, true_motion
-from ...running.workers import Answer
 
 QUANTITIES = {"first_transition_time": "s", "energy_lost": "J", "final_centre": "m"}
 # The cases of a default report: the paper's application, where facets, stiffness and regularisation all show, and a

@@ -25,8 +25,8 @@ from ...judging.residuals import Residuals
 from ...running.calls import Calls, Keep
 from ...running.experiment import hopeless, offers
 from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error
+from ...running.serving import Answer
 from ...running.tasks import attempt, find_truth, in_catalogue, judge, true_motion
-from ...running.workers import Answer
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Spread
 

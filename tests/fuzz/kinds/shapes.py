@@ -73,7 +73,11 @@ def draw(chance):
 FOUND = (
     ("once and a half", refuses(arc(1.5))),
     ("three times", refuses(arc(3.0))),
-    ("three times, without a domain", refuses(lambda: Curve(lambda s: (sp.cos(3 * s), sp.sin(3 * s))))),
+    ("once, by another parameter", lambda: Curve(lambda s: (sp.cos(3 * s), sp.sin(3 * s)))),
+    (
+        "a rose of three leaves",
+        refuses(lambda: Curve(lambda s: (sp.cos(3 * s) * sp.cos(s), sp.cos(3 * s) * sp.sin(s)))),
+    ),
     ("loops without a domain", refuses(lambda: Curve(lambda s: (s + 2 * sp.sin(s), -2 * sp.cos(s))))),
     ("small loops, far", refuses(trochoid(1.05, 100.0))),
     ("twice round", refuses(measured(2.0, 40, 0.0, True, 0))),

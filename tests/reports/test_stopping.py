@@ -1,0 +1,152 @@
+"""Commands that are stopped: Ctrl-C is one sentence, and a kill leaves nothing that the next run does not mend."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from .. import fake_adapter
+
+ROOT = Path(__file__).parents[2]
+CASE = fake_adapter.CASE
+COMMANDS = {
+    "build": ["reports.build", "--quick", "--case", CASE, "--solver", "fake"],
+    "study": ["reports.study", "stability", "--case", CASE, "--solver", "fake"],
+    "compare": ["reports.compare", CASE, "motion.csv"],
+    "cases": ["cases"],
+    "show": ["cases", "show", CASE],
+    "check": ["cases", "check", "none.py"],
+    "export": ["cases", "export", CASE],
+    "laws": ["adapters.laws", "fake"],
+    "truth": ["reference", "--case", CASE],
+}
+MEASURED = ["cpu_s", "setup_s", "run_at"]
+
+
+def started(folder: Path, words: list[str]) -> subprocess.Popen:
+    """A command in a process group of its own, as a terminal starts one."""
+    path = os.pathsep.join([str(ROOT), str(folder)])
+    return subprocess.Popen(
+        [sys.executable, "-m", *words], cwd=folder, text=True, start_new_session=True,
+        env={**os.environ, "PYTHONPATH": path, "TMPDIR": str(folder / "tmp")},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+
+
+def interrupted(folder: Path, words: list[str], after: float) -> tuple[int, str]:
+    """Status and what was said, after Ctrl-C reached every process of the terminal's group."""
+    command = started(folder, words)
+    time.sleep(after)
+    if command.poll() is None:
+        os.killpg(command.pid, signal.SIGINT)
+    _, told = command.communicate(timeout=120.0)
+    return command.returncode, told
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "tmp").mkdir()
+    fake_adapter.install(tmp_path, ["wait 300", "wait 301"])
+    return tmp_path
+
+
+def check_interrupt(folder: Path, command: str, after: float) -> None:
+    status, told = interrupted(folder, COMMANDS[command], after)
+    assert "Traceback" not in told, told
+    if status in (130, -signal.SIGINT):
+        assert told.strip().splitlines()[-1].startswith((f"{COMMANDS[command][0]}: stopped", "cases: stopped")), told
+
+
+# Python itself is up after a tenth of a second or two; the imports take a second more.
+@pytest.mark.parametrize(("command", "after"), [("cases", 0.4), ("build", 0.6)])
+def test_an_interrupt_is_one_sentence_already_while_modules_are_imported(command, after, folder):
+    check_interrupt(folder, command, after)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("after", [0.4, 0.8, 1.6, 3.0, 5.0])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_interrupt_is_one_sentence_in_every_command_at_any_time(command, after, folder):
+    check_interrupt(folder, command, after)
+
+
+# --- kills ------------------------------------------------------------------------------------------------------------
+
+KILLS = 100
+
+
+def children(process: int) -> list[int]:
+    """The processes that a process has started and that still run (Linux)."""
+    try:
+        return [int(word) for word in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+def tables(folder: Path) -> dict[str, pd.DataFrame]:
+    """The tables of runs, without what differs from run to run."""
+    found = {}
+    for name in ("trajectories", "transitions", "headline", "convergence", "truth"):
+        frame = pd.read_csv(folder / "report" / "tables" / f"{name}.csv", dtype=str)
+        found[name] = frame.drop(columns=MEASURED, errors="ignore")
+    return found
+
+
+def is_whole(report: Path) -> bool:
+    """Whether all files of a report are there, and no others."""
+    manifest = json.loads((report / "manifest.json").read_text())
+    return {p.relative_to(report).as_posix() for p in report.rglob("*") if p.is_file()} == set(manifest["files"])
+
+
+def left(folder: Path) -> list[str]:
+    """What no report and no store is."""
+    beside = [path.name for path in folder.glob(".report*")]
+    unfinished = [path.name for path in (folder / ".slip-to-roll").glob(".unfinished*")]
+    return [*beside, *unfinished, *(path.name for path in (folder / "tmp").iterdir())]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="it asks the system for children")
+@pytest.mark.parametrize("effort", ["--quick", "--default"])
+def test_killed_anywhere_a_build_goes_on_to_identical_tables_and_leaves_nothing(effort, folder):
+    rng = random.Random(20)
+    words = ["reports.build", *(["--quick"] if effort == "--quick" else []), "--case", CASE, "--solver", "fake"]
+    words += ["--store", str(folder / ".slip-to-roll")]
+    whole = started(folder, words)
+    began = time.monotonic()
+    _, told = whole.communicate(timeout=300.0)
+    assert whole.returncode == 0, told
+    took, expected = time.monotonic() - began, tables(folder)
+    for _ in range(KILLS // 2):
+        for path in (folder / ".slip-to-roll").glob("*.npz"):
+            if rng.random() < 0.5:
+                path.unlink()
+        command = started(folder, words)
+        time.sleep(rng.uniform(0.2, 0.8 * took))
+        victims = [command.pid, *children(command.pid)]
+        victim = rng.choice(victims)
+        if command.poll() is None:
+            try:
+                os.kill(victim, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
+        _, told = command.communicate(timeout=300.0)
+        if command.returncode == -signal.SIGKILL:
+            # The old report stands or the new one, as a whole; for an instant, while one takes the other's place, none.
+            assert not (folder / "report").exists() or is_whole(folder / "report")
+        else:
+            assert command.returncode == 0, told
+        again = started(folder, words)
+        _, told = again.communicate(timeout=300.0)
+        assert again.returncode == 0, told
+        for name, frame in tables(folder).items():
+            pd.testing.assert_frame_equal(frame, expected[name], obj=name)
+        assert left(folder) == []

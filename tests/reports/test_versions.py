@@ -1,0 +1,183 @@
+"""Versions of an engine beside each other: what may be asked for, what is said where it cannot be, which one runs."""
+
+from importlib.metadata import PackageNotFoundError, version
+
+import pandas as pd
+import pytest
+from packaging.requirements import Requirement
+
+import adapters
+import cases
+from cases import BadValue, CaseError, kept
+from reports import build, compare_builds, options
+from reports.analysis.columns import with_version
+from reports.running import code, experiment, timings, versions
+from reports.running.calls import Calls, _group
+from reports.running.clock import Contestant
+from reports.running.workers import Pool
+
+CASE = "disc_on_line[mu=0.1]"
+BOTH = ("pymunk@6.11.1", "pymunk@7.3.1")
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """A cache folder of the test's own."""
+    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "cache"))
+    return kept.place()
+
+
+@pytest.fixture
+def pretended(cache):
+    """The environment of a pymunk that there never was."""
+    packages = versions._packages(versions._folder("pymunk@6.99"))
+    told = cache.__class__(packages, "pymunk-6.99.dist-info")
+    told.mkdir(parents=True)
+    (told / "METADATA").write_text("Metadata-Version: 2.1\nName: pymunk\nVersion: 6.99\n")
+    return packages
+
+
+def test_a_solver_is_an_engine_and_perhaps_a_version(cache):
+    assert versions.parted("pymunk") == ("pymunk", "")
+    assert versions.parted("pymunk@6.11.1") == ("pymunk", "6.11.1")
+    assert str(versions.needs("box2d@0.11.1")) == "pyb2d3==0.11.1"  # its package has another name
+    assert options.chosen_solvers(["reference", *BOTH, *BOTH]) == ("reference", *BOTH)
+
+
+@pytest.mark.parametrize(
+    "name, hint",
+    [
+        ("pymunk@", "'' is no version"),
+        ("pymunk@latest", "'latest' is no version"),
+        ("pymunk@5.7", "knows pymunk>=6.11; ask for one of these"),
+        ("pimunk@7", "there is no solver 'pimunk'"),
+        ("reference@1", "the reference has one version"),
+        ("fakes@1", "tells no versions that it knows"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_refused_in_a_sentence(name, hint, cache, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(options, "solvers", lambda: ("reference", "pymunk", "fakes"))
+    monkeypatch.setattr(code, "literal_of", lambda engine, _: {"pymunk": "pymunk>=6.11"}.get(engine))
+    versions.needs.cache_clear()
+    monkeypatch.chdir(tmp_path)
+    assert build.main(["--quick", "--solver", name]) == 2
+    said = capsys.readouterr().err.strip()
+    versions.needs.cache_clear()
+    assert hint in said and "\n" not in said
+    assert not (cache / "versions").exists()
+
+
+def test_without_a_cache_only_what_is_here_can_be_asked_for(monkeypatch):
+    monkeypatch.setenv(kept.VARIABLE, kept.OFF)
+    options.chosen_solvers([f"pymunk@{version('pymunk')}"])
+    with pytest.raises(BadValue, match="nothing is kept"):
+        options.chosen_solvers(["pymunk@6.99"])
+
+
+def test_adapters_of_the_suite_know_what_is_installed():
+    for engine in set(adapters.engines()) & {"box2d", "exudyn", "pybullet", "pymunk"}:
+        known = Requirement(code.literal_of(engine, "KNOWN"))
+        try:
+            assert known.specifier.contains(version(known.name)), engine
+        except PackageNotFoundError:
+            continue
+
+
+# What pip says, shortened.
+UNKNOWN = "ERROR: Could not find a version that satisfies the requirement pymunk==7.2.9 (from versions: {})\n"
+OFFLINE = "WARNING: Retrying (Retry(total=0)) after connection broken by 'NewConnectionError'\n" + UNKNOWN.format(
+    "none"
+)
+
+
+def test_a_version_that_the_index_does_not_have_is_told_with_the_nearest():
+    have = ", ".join(["0.8", "6.0.0.dev1", *(f"{a}.{b}.0" for a in (6, 7) for b in range(9))])
+    with pytest.raises(CaseError, match=r"no pymunk==7.2.9 .* it has 7.0.0, 7.1.0, 7.2.0, 7.3.0, 7.4.0, 7.5.0, …"):
+        versions._why(Requirement("pymunk==7.2.9"), UNKNOWN.format(have))
+
+
+@pytest.mark.parametrize(
+    "said, hint", [(OFFLINE, "cannot be reached"), ("ERROR: no space left", "no space left"), ("", "it said nothing")]
+)
+def test_another_failure_of_pip_is_a_sentence(said, hint):
+    told = versions._why(Requirement("pymunk==7.2.9"), said)
+    assert hint in told and "\n" not in told
+
+
+def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch):
+    tries = []
+    monkeypatch.setattr(versions, "_make", lambda package, folder: tries.append(package) or "the index is on holiday")
+    (cache / "versions").mkdir()
+    case = cases.load("disc_on_line", mu=0.1)
+    for _ in range(2):
+        versions.make(["reference", "pymunk@6.99"], lambda text: None)
+    with Calls() as calls:
+        (run,) = experiment.run([case], ["pymunk@6.99"], calls).runs
+    assert len(tries) == 2
+    assert (run.solver, run.outcome) == ("pymunk@6.99", "not_installed") and "the index is on holiday" in run.reason
+
+
+def test_a_worker_of_a_version_finds_it_first_and_others_do_not(pretended):
+    here = version("pymunk")
+    pool = Pool(1)
+    groups = ["engines", "pymunk@6.99", "", "pymunk@6.99"]
+    answers = dict(pool.run(version, [("pymunk",)] * 4, groups=groups))
+    pool.close()
+    assert [answers[i].value for i in range(4)] == [here, "6.99", here, "6.99"]
+
+
+def test_no_process_runs_another_version_than_its_row_says(pretended):
+    with pytest.raises(ImportError, match="pymunk==6.99"):
+        versions.demand("pymunk@6.99")
+    versions.demand(f"pymunk@{version('pymunk')}")
+
+
+def test_calls_of_two_versions_share_no_worker():
+    engines = ("pymunk", "exudyn")
+    assert _group(("case", "pymunk@6.11.1", 1), engines) == "pymunk@6.11.1"
+    assert _group(([("case", "pymunk@6.11.1")], 1.0), engines) == "pymunk@6.11.1"
+    assert _group(("case", "pymunk"), engines) == "engines"
+    assert _group(("case", "reference"), engines) == ""
+
+
+def test_a_clock_has_one_version_in_its_process():
+    who = [Contestant(None, name, "native", None, 1.0) for name in ("reference", *BOTH, "exudyn", BOTH[0])]
+    parts = [[one.solver for one in some] for some in timings._by_version(who)]
+    assert parts == [["reference", "exudyn"], [BOTH[0]] * 2, [BOTH[1]]]
+
+
+def test_tables_of_solvers_tell_their_versions():
+    frame = pd.DataFrame({"case": ["a"] * 3, "solver": ["x@1", "x@2", "x@3"], "error": [0.0] * 3})
+    told = with_version(frame, {"x@1": "1 (beta)", "x@2": "not_installed: x", "x@3": ""})
+    assert list(told.columns) == ["case", "solver", "version", "error"]
+    assert list(told["version"]) == ["1 (beta)", "", ""]
+    assert with_version(frame[["case"]], {}).columns == ["case"]
+
+
+def test_environments_outlive_what_is_trimmed_of_the_cache(cache, monkeypatch):
+    (cache / "versions").mkdir()
+    (cache / "old.kept").write_bytes(b"x" * 100)
+    monkeypatch.setattr(kept, "LARGEST_BYTES", 1)
+    kept._trim(cache)
+    assert [path.name for path in cache.iterdir()] == ["versions"]
+
+
+@pytest.mark.slow
+def test_two_versions_in_one_report(cache, tmp_path, capsys):
+    versions.make(BOTH, lambda text: None)
+    failed = [file.read_text() for name in BOTH if (file := versions._failed(versions._folder(name))).is_file()]
+    if failed:
+        pytest.skip(failed[0])
+    out = tmp_path / "report"
+    words = ["--case", CASE, "--solver", "reference", *BOTH, "--quick", "--out", str(out)]
+    assert build.main([*words, "--store", str(tmp_path / "store")]) == 0
+    runs = pd.read_csv(out / "tables" / "trajectories.csv", keep_default_na=False)
+    for name in BOTH:
+        mine = runs[runs["solver"] == name]
+        assert len(mine) and mine["version"].str.startswith(name.partition("@")[2]).all()
+        assert (mine[mine["route"] == "native"]["outcome"] == "right").all()
+    (refused,) = runs[(runs["solver"] == BOTH[0]) & (runs["route"] == "assisted")].to_dict("records")
+    assert refused["outcome"] == "refused" and "pymunk 7" in refused["reason"]
+    # Natively the two are the same to the last digit; all that changed is the route that one of them does not have.
+    found = compare_builds.compare(out, out, BOTH).accuracies
+    assert found and all(", assisted" in difference.row for difference in found)
