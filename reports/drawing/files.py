@@ -176,12 +176,14 @@ def _bare_groups(svg: str) -> str:
     """Without groups that say nothing of what they hold."""
     told, bare = [], []
     for part in re.split(r"(<g\b[^>]*>|</g>)", svg):
-        if part.startswith("<g"):
+        if part.startswith("<g") and part.endswith("/>"):
+            told.append(part)  # it holds nothing, and is closed
+        elif part.startswith("<g"):
             bare.append(part == "<g>")
             told.append("" if bare[-1] else part)
         else:
             told.append("" if part == "</g>" and bare.pop() else part)
-    return re.sub(r"\n+", "\n", "".join(told))
+    return re.sub(r">\n+<", "><", "".join(told))
 
 
 def _styles_once(svg: str) -> str:
