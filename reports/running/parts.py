@@ -8,6 +8,7 @@ and the rest is ours. Both are measured beside whole runs, in turn, and told as 
 from __future__ import annotations
 
 import gc
+import os
 import statistics
 import sys
 import time
@@ -19,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .clock import Contestant
+from .serving import end_copies
 from .solvers import solver
 
 # What a stripped run is without, each beside what is named before it.
@@ -114,10 +116,12 @@ def _in_turns(measures: Sequence[Callable[[], float]], deadline: float) -> list[
 
 
 def _cpu(run: Callable[[], None]) -> float:
+    own = os.getpid()
     gc.disable()
     try:
         began = time.process_time()
         run()
+        end_copies(own)
         return time.process_time() - began
     finally:
         gc.enable()
@@ -125,12 +129,13 @@ def _cpu(run: Callable[[], None]) -> float:
 
 def engine_seconds(package: str, run: Callable[[], None]) -> float:
     """Seconds of a run in compiled functions of a package, without the Python they call back."""
-    stays = _Stays(package)
+    stays, own = _Stays(package), os.getpid()
     sys.setprofile(stays)
     try:
         run()
     finally:
         sys.setprofile(None)
+        end_copies(own)
     return stays.seconds()
 
 

@@ -130,6 +130,15 @@ def _resident() -> int:
         return 0
 
 
+def end_copies(own: int) -> None:
+    """Ends this process if it is not `own` but one that an engine forked from it and that came back as well.
+
+    To be asked after each run where a call makes many: their copies would double with each.
+    """
+    if os.getpid() != own:
+        os._exit(0)
+
+
 def _call(function: Callable, args: tuple, folder: Path) -> Answer:
     home, own = os.getcwd(), os.getpid()
     os.chdir(folder)
@@ -140,8 +149,7 @@ def _call(function: Callable, args: tuple, folder: Path) -> Answer:
                     answer = Answer("done", value=function(*args))
             except BaseException as problem:  # SystemExit too: an engine may try to leave
                 answer = Answer("raised", reason=legible(f"{type(problem).__name__}: {_text(problem)}".strip()))
-            if os.getpid() != own:
-                os._exit(0)  # a process that the call forked came back as well: it has nothing to say
+            end_copies(own)  # it has nothing to say
         return replace(answer, output=output.text)
     finally:
         os.chdir(home)
