@@ -31,6 +31,10 @@ check: $(VENV)/installed
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# What drives a browser in the tests of the page; the browser itself is the system's: apt-get install chromium.
+browser: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[browser]"
+
 # The site: site/index.html. It runs the gallery.
 docs: $(VENV)/documented
 	$(KEPT) NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
@@ -39,10 +43,6 @@ docs: $(VENV)/documented
 $(VENV)/documented: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
 	touch $@
-
-# What drives a browser in the tests of the page; the browser itself is the system's: apt-get install chromium.
-browser: $(VENV)/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[browser]"
 
 # heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
 $(VENV)/installed: pyproject.toml

@@ -241,10 +241,10 @@ def _write(
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
-    answers = pd.DataFrame(advice.rows(shown, frames))
+    answers = with_version(pd.DataFrame(advice.rows(shown, frames)), ran.versions)
     words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
     frames = {"answers": answers} | frames
-    text.write({"answers": answers}, words, place / "tables", command)
+    text.write({"answers": answers}, words, place / "tables", command, plan.paper)
     dictionary.write(frames, words, place / "tables", command)
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)

@@ -40,7 +40,7 @@ class Apart:
     """
 
     def __init__(self, name: str, limit: float | None = None):
-        self.name, self.limit, self.number = name, limit or LIMIT_SECONDS, 0
+        self.name, self.limit = name, limit or LIMIT_SECONDS
         self.face = self._begin()
 
     def __enter__(self) -> Apart:
@@ -61,6 +61,7 @@ class Apart:
             yield law, outcome, reason
 
     def _begin(self) -> Face:
+        self.number = 0
         self.here, there = _SPAWN.Pipe()
         self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
         blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks

@@ -64,7 +64,7 @@ def render(
         **first.screen(experiment, frames, moving, bool(measured.cases), manifest),
         **chapters.cases(experiment, frames, drawn, figures, manifest, {told["label"] for told in moving}),
         "headline": chapters.headline(frames["headline"], drawn, figures),
-        "precision": Markup(cost.section(measured, frames, drawn, figures, command)),
+        "cost": cost.section(measured, frames, drawn, figures),
         "precision_points": _points(frames.get("work_precision"), manifest),
         "studies": [_study(result, of_studies[result.name], figures) for result in studied],
         "failures": chapters.failures(frames["trajectories"]),

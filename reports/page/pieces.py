@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,10 +33,6 @@ def environment() -> Environment:
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
-def _macros() -> Any:
-    return environment().get_template("pieces.html").module
-
-
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
     return [{str(column): value for column, value in row.items()} for row in frame.to_dict("records")]
 
@@ -59,10 +54,6 @@ def picture(drawn: Drawn, folder: Path, inside: bool = True) -> dict[str, Any]:
     return told
 
 
-def figure_of(drawn: Drawn, folder: Path, command: str) -> Markup:
-    return _macros().figure(picture(drawn, folder), command)
-
-
 # What an address or an attribute of HTML would take for its own. Escaping no more than that keeps a picture a quarter
 # smaller than base64 would.
 _ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "'", "\n": " ", "<": "%3C", ">": "%3E"})
@@ -73,23 +64,11 @@ def _address(svg: str) -> str:
     return f"data:image/svg+xml;charset=utf-8,{svg.strip().translate(_ESCAPES)}"
 
 
-def remake(command: str) -> Markup:
-    return _macros().remake(command)
-
-
-def table_of(
-    frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None, name: str = "details"
-) -> Markup:
-    """Some columns of a table as HTML."""
-    told = table(frame, columns, words)
-    return _macros().table(told["rows"], told["heads"], name)
-
-
 def table(
     frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None
 ) -> dict[str, list[dict[str, Any]]]:
-    """Heads and rows of some columns, as the template takes them: what a column means is its tip, and a number knows
-    all its digits, by which it is sorted and copied."""
+    """Heads and rows of some columns, as the template takes them: what a column means is its tip, and a number
+    that is not written as one, such as 1,700, knows by what it is sorted."""
     numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
     heads = [{"title": title, "number": c in numeric, "tip": (words or {}).get(c, "")} for c, title in columns.items()]
     rows = []
@@ -115,16 +94,20 @@ def switch(solver: str, route: str) -> str:
     return "" if solver == REFERENCE else route
 
 
+def _is_number(text: str) -> bool:
+    """Whether a program reads the text as a number, so that it can be sorted by what is shown; or it is none at all."""
+    try:
+        float(text or "0")
+    except ValueError:
+        return False
+    return True
+
+
 def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     text = shorten(value, column)
     if numeric:
-        # What is no number stands at the end of those that grow.
-        whole = isinstance(value, float | np.floating)
-        return {
-            "text": as_written(text),
-            "kind": "number",
-            "order": f"{value:.10g}" if whole and isfinite(value) else None,
-        }
+        shown = as_written(text)
+        return {"text": shown, "kind": "number", "order": None if _is_number(shown) else f"{value:.10g}"}
     if text in _VERDICTS:
         kind = text
     elif "setting" in column:
@@ -132,15 +115,3 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     else:
         kind = "reason" if column in ("reason", "note", "notes") else ""
     return {"text": text, "kind": kind, "order": None}
-
-
-def in_frame(name: str, inside: str, kind: str = "short") -> str:
-    """A table whose rows are HTML already, in a frame that scrolls and that a keyboard reaches."""
-    return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="table: {name}">'
-        f'<table{class_of(kind)} data-name="{name}">{inside}</table></div>'
-    )
-
-
-def class_of(name: str) -> str:
-    return f' class="{name}"' if name else ""

@@ -117,14 +117,15 @@ def test_libraries_are_the_files_that_were_fetched_each_with_its_licence():
             assert hashlib.sha256((vendor.FOLDER / name).read_bytes()).hexdigest() == digest, name
 
 
-def test_numbers_stand_as_people_write_them_and_are_sorted_by_all_their_digits():
+def test_numbers_stand_as_people_write_them_and_are_sorted_as_numbers():
     assert [as_written(text) for text in ("1.1e-07", "-3.0e+05", "0.0e+00", "2.5e-12")] == [
         "1.1e-7",
         "-3.0e5",
         "0",
         "2.5e-12",
     ]
-    frame = pd.DataFrame({"solver": ["pymunk"], "route": ["native"], "error": [1.23456789e-07], "note": ["<b>"]})
-    (row,) = table(frame, {"error": "error", "note": "note"})["rows"]
+    frame = pd.DataFrame({"solver": ["pymunk"], "route": ["native"], "error": [1.23456789e-07], "steps": [1712.5]})
+    (row,) = table(frame, {"error": "error", "steps": "steps"})["rows"]
     assert row["solver"], row["route"] == ("pymunk", "native")
-    assert row["cells"][0] == {"text": "1.2e-7", "kind": "number", "order": "1.23456789e-07"}
+    assert row["cells"][0] == {"text": "1.2e-7", "kind": "number", "order": None}
+    assert row["cells"][1] == {"text": "1,700", "kind": "number", "order": "1712.5"}

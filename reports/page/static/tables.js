@@ -12,7 +12,7 @@ suite.table = (table) => {
   const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
   // What is shown, all digits where the cell knows them.
   const csv = () => [table.tHead.rows[table.tHead.rows.length - 1], ...table.tBodies[0].rows].filter((row) => getComputedStyle(row).display !== "none")
-    .map((row) => [...row.cells].filter((cell) => getComputedStyle(cell).display !== "none").map((cell) => quoted(cell.dataset.order ?? text(cell))).join(",")).join("\n") + "\n";
+    .map((row) => [...row.cells].filter((cell) => getComputedStyle(cell).display !== "none").map((cell) => quoted(+cell.dataset.order < 1e300 ? cell.dataset.order : text(cell))).join(",")).join("\n") + "\n";
   const tools = document.createElement("div");
   tools.className = "tools";
   const button = (label, act) => {
