@@ -123,8 +123,9 @@ const NAMES = ["t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_forc
  * `plate.get()` gives {x, y, theta, vx, vy, omega}, `plate.move(x, y, theta)` sets the pose; `step(h)` is one step of the
  * engine's and gives the point {x, y} of contact that it took at the step's begin, or nothing in flight.
  * Poses stand at k h; velocities, half kicked first, half a step later: a pose's is the mean of the two beside it. So are
- * slip, of the engine's own point of contact, and forces, from the momentum: left out of an engine that tells no contact. */
-function run(scene, plate, step, tellsContact = true) {
+ * slip, of the engine's own point of contact, and forces, from the momentum: left out of an engine
+ * that creeps, which declares how fast (m/s). */
+function run(scene, plate, step, creep = 0) {
   const n = Math.max(60, Math.ceil(scene.duration / scene.setting.h - 1e-9)), h = scene.duration / n;
   const pull = gravity(scene), { mass, radius } = scene.plate, normal = normals(scene), rows = [];
   const reach = radius ?? 0, begun = process.cpuUsage();
@@ -142,11 +143,14 @@ function run(scene, plate, step, tellsContact = true) {
     rows.push([k * h, pose.x, pose.y, pose.theta, ...["vx", "vy", "omega", "slip"].map(mean),
       touched ? fx * place.x + fy * place.y : 0, touched ? fx * tangent.x + fy * tangent.y : 0]);
     if (!k) plate.move(pose.x + h * after.vx, pose.y + h * after.vy, pose.theta + h * after.omega);
-    pose = plate.get();
+    // An engine's angle may forget whole turns.
+    const moved = plate.get(), turns = Math.round((pose.theta - moved.theta) / (2 * Math.PI));
+    pose = { ...moved, theta: moved.theta + 2 * Math.PI * turns };
     before = after;
   }
   const cpu = process.cpuUsage(begun);
-  const columns = tellsContact ? NAMES.length : NAMES.indexOf("slip");
+  const columns = !creep ? NAMES.length : NAMES.indexOf("slip");
+  console.log(`# creep = ${creep}`);
   console.log([NAMES, ...rows].map((row) => row.slice(0, columns).join(",")).join("\n"));
   console.log(`# cost cpu_s=${(cpu.user + cpu.system) / 1e6} steps=${n + 1}`);
 }

@@ -136,9 +136,10 @@ class Motion:
     def __init__(self):
         self.rows, self.begun = [], time.process_time()
 
-    def write(self, count: int) -> None:
-        """As comma-separated values, with its cost."""
+    def write(self, count: int, creep: float) -> None:
+        """As comma-separated values, with its cost and the slip (m/s) below which it is declared to stick."""
         cpu = time.process_time() - self.begun
+        print(f"# creep = {creep!r}")
         print(self.NAMES, *(",".join(map(repr, map(float, row))) for row in self.rows), sep="\n")
         print(f"# cost cpu_s={cpu:.6g} steps={count}")
 
