@@ -56,10 +56,20 @@ class Engine:
     TELLS_COST = True
 
     def __init__(self, path: Path):
-        if not path.is_file() or not os.access(path, os.X_OK):
+        if not self.runs(path):
             raise BadValue(f"the engine {path} is no executable file; give one (chmod +x {path})")
         self.path = path.resolve()
         self.NAME = path.stem
+
+    @staticmethod
+    def runs(path: Path) -> bool:
+        """Whether the file can be run."""
+        return path.is_file() and os.access(path, os.X_OK)
+
+    @staticmethod
+    def command(path: Path) -> list[str]:
+        """What runs it."""
+        return [str(path)]
 
     def version(self) -> str:
         """A digest of the file; of what it loads nothing is known."""
@@ -87,7 +97,7 @@ class Engine:
             given.write_text(model.asked, encoding="utf-8")
             with given.open("rb") as asked:
                 process = subprocess.Popen(
-                    [str(self.path)], stdin=asked, stdout=out, stderr=err, cwd=folder, preexec_fn=_bound
+                    self.command(self.path), stdin=asked, stdout=out, stderr=err, cwd=folder, preexec_fn=_bound
                 )
                 try:
                     status = _waited(process, out.fileno(), err.fileno())

@@ -33,6 +33,17 @@ class Shipped(Engine):
         super().__init__(path)
         self._version = told(self.path)
 
+    @staticmethod
+    def runs(path: Path) -> bool:
+        """Any file of the folder: a wheel keeps no Python file executable."""
+        return path.is_file()
+
+    @staticmethod
+    def command(path: Path) -> list[str]:
+        """What its first line says."""
+        first = path.read_text(encoding="utf-8").partition("\n")[0]
+        return [*first.removeprefix("#!").split(), str(path)]
+
     def version(self) -> str:
         """The engine's own version, and the digest of the file."""
         return f"{self._version}, {super().version()}"
@@ -42,7 +53,9 @@ class Shipped(Engine):
 def told(path: Path) -> str:
     """What an executable says of its version; raises ImportError."""
     try:
-        asked = subprocess.run([str(path), "--version"], capture_output=True, text=True, timeout=MOST_SECONDS)
+        asked = subprocess.run(
+            [*Shipped.command(path), "--version"], capture_output=True, text=True, timeout=MOST_SECONDS
+        )
     except (OSError, subprocess.TimeoutExpired) as problem:
         raise ImportError(f"{path.stem} cannot be started: {problem}", name=path.stem) from problem
     if asked.returncode:
