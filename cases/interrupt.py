@@ -18,12 +18,20 @@ def say_so(command: str) -> None:
     usual = sys.excepthook
 
     def hook(kind: type[BaseException], problem: BaseException, trace: TracebackType | None) -> None:
-        if issubclass(kind, KeyboardInterrupt):
-            print(f"\n{command}: stopped{str(problem) and f'; {problem}'}", file=sys.stderr)
-        else:
+        interrupt = _interrupt_behind(problem)
+        if interrupt is None:
             usual(kind, problem, trace)
+        else:
+            print(f"\n{command}: stopped{str(interrupt) and f'; {interrupt}'}", file=sys.stderr)
 
     sys.excepthook = hook
+
+
+def _interrupt_behind(problem: BaseException | None) -> KeyboardInterrupt | None:
+    """The interrupt that brought a problem about: modules in C make an ImportError of one."""
+    while problem is not None and not isinstance(problem, KeyboardInterrupt):
+        problem = problem.__cause__ or problem.__context__
+    return problem
 
 
 if sys.argv[:1] == [_IMPORTING]:

@@ -8,6 +8,7 @@ import pickle
 import signal
 import time
 from collections.abc import Iterable, Iterator
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
@@ -64,6 +65,7 @@ class Apart:
         self.number = 0
         self.here, there = _SPAWN.Pipe()
         self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
+        resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
         blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks
         try:
             self.process.start()

@@ -18,6 +18,7 @@ import tempfile
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from pathlib import Path
 from types import ModuleType
@@ -232,6 +233,7 @@ class _Worker:
 def _as_started(first: list[str]) -> Iterator[None]:
     """What a process that is started in the block inherits: one thread for each library, no program to run again, and
     no Ctrl-C, which is for the process that asks. It looks for packages in the folders `first`."""
+    resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
     before, main, path = dict(os.environ), sys.modules["__main__"], sys.path
     os.environ.update(_ONE_THREAD)
     sys.path = [*first, *path]  # multiprocessing hands it on
