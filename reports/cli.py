@@ -21,6 +21,7 @@ COMMANDS = {
     "compare": ("reports.compare", "judge a motion from a file"),
     "submit": ("reports.submit", "check motions that are to be handed in"),
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
+    "animate": ("reports.animate", "a film of a motion, GIF or MP4"),
     "study": ("reports.study", "one of the studies beside the comparison"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
     "completion": ("", "print what completes words in bash, zsh or fish"),
