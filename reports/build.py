@@ -281,7 +281,8 @@ def _summary(
     frames = {name: frame for result in studied for name, frame in result.frames.items()}
     costs = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured)) if measured.cases else []
     told = pd.DataFrame(answers.rows(shown, frames, costs))
-    told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
+    if len(told):
+        told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
     lines = [text.plain(told), ""]
     lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
     if costs:

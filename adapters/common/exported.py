@@ -211,6 +211,8 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     if "slip" not in columns:
         columns["slip"] = slip
         resolution = max(resolution, _resolution(case, columns, xi1) if measured else 0.0)
+    elif not np.isfinite(columns["slip"] - slip)[:kept].any():
+        raise DoesNotFit("slip is a number nowhere where the plate touches its track; give it there, or leave it out")
     elif np.nanquantile(np.abs(columns["slip"] - slip)[:kept], 0.5) > OFF * np.nanmax(np.abs(slip)) + lever + 1e-9:
         raise DoesNotFit(
             "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 import pymunk
 
 from cases import Case, Load
@@ -37,6 +39,9 @@ class Drive:
             fx, fy, moment = self._at(self._h * len(self.rows), x, y, self._body.angle, vx, vy, omega)
         except (ArithmeticError, ValueError) as problem:
             self.problem = self.problem or problem
+            return 0.0, 0.0, 0.0
+        if not (isfinite(fx) and isfinite(fy) and isfinite(moment)):
+            self.problem = self.problem or ValueError(f"it is not finite at t = {self._h * len(self.rows):.6g} s")
             return 0.0, 0.0, 0.0
         return fx, fy, moment
 

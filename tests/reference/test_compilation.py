@@ -32,7 +32,7 @@ def test_nothing_is_left_in_the_home_folder(tmp_path):
 
 def test_the_users_own_setting_of_the_cache_stands():
     before = taylor.hy.llvm_state.get_diskcache_enabled()
-    taylor._compiled(phase(case := cases.load("disc_on_line"), candidates(case)[0]).system, 1e-9, float)
+    taylor._compiled(phase(case := cases.load("disc_on_line"), candidates(case)[0]).system, 1e-9, float, True)
     assert taylor.hy.llvm_state.get_diskcache_enabled() == before
 
 

@@ -168,12 +168,12 @@ def test_manifest_tells_how_it_was_made(report):
 
 def test_tables_have_the_promised_columns(report):
     promised = {
-        "transitions": "case,solver,route,setting,event,before,after,time,reference_time,error,truth_error_bar,verdict,"
-        "reading_doubt",
-        "trajectories": "case,solver,route,setting,outcome,reason,status,first_mode,transitions_true,matched,missed,"
-        "spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
+        "transitions": "case,solver,version,route,setting,event,before,after,time,reference_time,error,"
+        "truth_error_bar,verdict,reading_doubt",
+        "trajectories": "case,solver,version,route,setting,outcome,reason,status,first_mode,transitions_true,matched,"
+        "missed,spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
         "energy_mean,cpu_s,setup_s,steps,run_at",
-        "convergence": "case,solver,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
+        "convergence": "case,solver,version,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
         "saturation,saturated_from",
     }
     for name, columns in promised.items():

@@ -187,7 +187,7 @@ def test_numbers_and_words_stand_in_columns_of_their_own_and_nothing_is_infinite
         for place, column in enumerate(head):
             cells = {row[place] for row in rows} - {""}
             assert not cells & {"inf", "-inf", "nan"}, (name, column)
-            numbers = {cell for cell in cells if re.fullmatch(r"-?[0-9.]+(e-?[0-9]+)?", cell)}
+            numbers = {cell for cell in cells if re.fullmatch(r"-?[0-9]+(\.[0-9]*)?(e[-+]?[0-9]+)?", cell)}
             assert not numbers or numbers == cells, (name, column, cells - numbers)
 
 

@@ -152,7 +152,7 @@ def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, li
 
     monkeypatch.setattr(tasks, "solver", missing)
     (offer,) = tasks.survey(line[0], "fake")
-    assert offer.outcome == "refused" and "not installed" in offer.reason
+    assert offer.outcome == "not_installed" and "fake" in offer.reason
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
