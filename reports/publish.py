@@ -1,6 +1,7 @@
 """`python -m reports.publish REPORT`: keep a report with the release it was made of, in docs/results/VERSION.
 
-Page, tables and figures are copied as they are, the data package gets version, licence and digests, and constraints.txt
+The tables are copied as they are; the page, too, but without its links to the figures of single cases, which are twice
+as large as all else and made again by one command. The data package gets version, licence and digests, constraints.txt
 says what was installed. In a clone the README's first picture and numbers are written from it. Nothing is run.
 
 Exit status: 0; 2, with one sentence, if the folder holds no report that may stand for a release; 1 if files cannot be
@@ -39,6 +40,7 @@ LICENCE = {
 # The paper's application, and who stands in the README: as they come, but for the reference.
 CASE = "disc_in_circle[mu=0.2]"
 PICTURE = "figures/headline.png"
+_FIGURES = (PICTURE, "figures/headline.svg")
 BEGIN, END = "<!-- written by `python -m reports.publish` -->", "<!-- until here -->"
 
 
@@ -51,13 +53,16 @@ def publish(report: Path, results: Path) -> Path:
     _check(told, report)
     place = results / cases.__version__
     with folder.written_whole(place) as partial:
-        for name in told["files"]:
+        kept = [name for name in told["files"] if not name.startswith("figures/") or name in _FIGURES]
+        for name in kept:
             (partial / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(report / name, partial / name)
+        page = _by_itself((report / "index.html").read_text(encoding="utf-8"), kept)
+        (partial / "index.html").write_text(page, encoding="utf-8")
         package = _described(json.loads((report / PACKAGE).read_text(encoding="utf-8")), told, partial)
         (partial / PACKAGE).write_text(json.dumps(package, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
         (partial / CONSTRAINTS).write_text(_constraints(told), encoding="utf-8")
-        digests = {name: digest(partial / name) for name in sorted({*told["files"], CONSTRAINTS} - {"manifest.json"})}
+        digests = {name: digest(partial / name) for name in sorted({*kept, CONSTRAINTS} - {"manifest.json"})}
         folder.sign(partial, told | {"licence": LICENCE["name"], "sha256": digests})
     return place
 
@@ -114,6 +119,25 @@ def _check(told: Mapping[str, Any], report: Path) -> None:
 # --- what is written beside it ----------------------------------------------------------------------------------------
 
 
+# What a page says of figures beside it: those of readers without scripts, links around those inside it, lines of links.
+_LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as figures of their own\.</p>')
+_LINK = re.compile(r'<a href="figures/[^"]*">(.*?)</a>', re.DOTALL)
+_WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>", re.DOTALL)
+_INSTEAD = (
+    "<noscript><p>Scene and motion are drawn by scripts here, and as figures by a report of your own.</p></noscript>"
+)
+_REFERENCE = re.compile(r'(?:href|src)="((?:figures|tables)/[^"]+|[\w.]+)"')
+
+
+def _by_itself(page: str, kept: Sequence[str]) -> str:
+    """The page without what it says of figures beside it; raises BadValue if it refers to a file that is not kept."""
+    page = _LINK.sub(r"\1", _LINE.sub("", _WITHOUT_SCRIPTS.sub(_INSTEAD, page)))
+    lost = sorted({*_REFERENCE.findall(page)} - {*kept})
+    if lost:
+        raise BadValue(f"the page refers to {lost[0]}, which is not kept; mend what {COMMAND} leaves out")
+    return page
+
+
 def _described(package: dict[str, Any], told: Mapping[str, Any], place: Path) -> dict[str, Any]:
     """The data package with version, licence and the digests of its tables."""
     head = {
@@ -161,7 +185,7 @@ def numbers(place: Path) -> tuple[str, str, str, str]:
     truth = _row(place, "truth", case=CASE, event="1")
     errors = [_row(place, "headline", case=CASE, solver=name, route="native") for name in ("pymunk", "exudyn")]
     told = [abs(float(row["default_first_error"])) for row in errors]
-    pymunk, exudyn = (f"{error:.1e}" for error in told)
+    pymunk, exudyn = (f"{error:.1e}".replace("e-0", "e-") for error in told)
     return f"{float(truth['time']):.9f}", f"{float(truth['truth_error_bar']):.0e}", pymunk, exudyn
 
 
