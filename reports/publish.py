@@ -110,6 +110,7 @@ def _check(told: Mapping[str, Any], report: Path) -> None:
         "does not say which commit it is of": not commit,
         "was made of files that differ from their commit": commit.endswith("+"),
         "does not say what was installed": not told.get("installed"),
+        f"has no headline picture of {CASE}": CASE not in (report / _FIGURES[1]).read_text(encoding="utf-8"),
     }
     problem = next((words for words, is_so in problems.items() if is_so), "")
     if problem:
