@@ -22,8 +22,8 @@ _NOT_RUN = re.compile(r"<!-- not run: .*? -->\s*```python\n.*?```", flags=re.S)
 
 @pytest.fixture
 def desk(tmp_path, monkeypatch):
-    """A folder to write into, a catalogue that forgets what is added to it, films of few pictures, and of sweeps that go
-    on for minutes the first chunks."""
+    """A folder to write into, a catalogue that forgets what is added to it, films of few pictures, and of sweeps that
+    go on for minutes the first chunks."""
     monkeypatch.chdir(tmp_path)
     cases.names()
     monkeypatch.setattr(registry, "_entries", dict(registry._entries))
