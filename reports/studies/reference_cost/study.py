@@ -134,8 +134,8 @@ KNOWN: dict[str, str] = {
         "15 to 25 µs a transition."
     ),
     "the dearest of transitions": (
-        "Python's garbage collector walks through what is kept: hardly up to a thousand transitions, for a fifth of the "
-        "call from ten thousand on."
+        "Python's garbage collector walks through what is kept: hardly up to a thousand transitions, for a fifth of "
+        "the call from ten thousand on."
     ),
 }
 
