@@ -37,25 +37,25 @@ class _Stretches(NamedTuple):
 
     @classmethod
     def of(cls, points: np.ndarray) -> _Stretches:
-        """As many stretches as samples in each; the last sample (n, 2) fills the last of them up."""
-        length = int(np.ceil(np.sqrt(len(points))))
+        """Short ones, of the cube root of the samples' number; the last sample (n, 2) fills the last of them up."""
+        length = int(np.ceil(np.cbrt(len(points))))
         filled = np.minimum(np.arange(-(-len(points) // length) * length), len(points) - 1)
         stretches = points[filled].reshape(-1, length, 2)
         centres = stretches.mean(axis=1)
         return cls(stretches, centres, np.sqrt(_squares(stretches, centres[:, None]).max(axis=1)))
 
     def nearest(self, there: np.ndarray) -> np.ndarray:
-        """Which sample is the nearest to each of the points (m, 2), the first of equal ones."""
-        away = np.sqrt(_squares(there[:, None], self.centres))
-        # No stretch is looked into that begins farther away than another ends; a little more hides no rounding.
-        bound = (away + self.radii).min(axis=1, keepdims=True) * (1.0 + ROUNDING)
-        point, stretch = np.nonzero(away - self.radii <= bound)
-        squares = _squares(self.points[stretch], there[point, None])
-        least = squares.min(axis=1)
-        first = np.searchsorted(point, np.arange(len(there)))
-        hit = np.flatnonzero(least == np.minimum.reduceat(least, first)[point])
-        hit = hit[np.searchsorted(point[hit], np.arange(len(there)))]
-        return stretch[hit] * self.points.shape[1] + squares[hit].argmin(axis=1)
+        """Which sample is the nearest to each of the points (m, 2), the first of equal ones.
+
+        Stretches are looked into unless they begin farther away than another ends, whichever of the points one asks.
+        """
+        middle = there.mean(axis=0)
+        spread = 2.0 * float(np.sqrt(_squares(there, middle).max()))
+        away = np.sqrt(_squares(middle, self.centres))
+        some = np.flatnonzero(away - self.radii <= ((away + self.radii).min() + spread) * (1.0 + ROUNDING))
+        found = _squares(self.points[some].reshape(-1, 2), there[:, None]).argmin(axis=1)
+        length = self.points.shape[1]
+        return some[found // length] * length + found % length
 
 
 def _squares(a: np.ndarray, b: np.ndarray) -> np.ndarray:
