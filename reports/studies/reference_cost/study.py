@@ -137,6 +137,10 @@ KNOWN: dict[str, str] = {
         "Python's garbage collector walks through what is kept: hardly up to a thousand transitions, for a fifth of "
         "the call from ten thousand on."
     ),
+    "the dearest of seconds": (
+        "A second gets cheaper the more there are, 6 µs among the first ten, 4 among ten thousand, of as many steps: the "
+        "compiled loop runs faster the longer it runs. It never gets dearer."
+    ),
 }
 
 
