@@ -138,8 +138,8 @@ KNOWN: dict[str, str] = {
         "the call from ten thousand on."
     ),
     "the dearest of seconds": (
-        "A second gets cheaper the more there are, 6 µs among the first ten, 4 among ten thousand, of as many steps: the "
-        "compiled loop runs faster the longer it runs. It never gets dearer."
+        "A second gets cheaper the more there are, never dearer: 6 µs among the first ten, 4 among ten thousand, of as "
+        "many steps each. The compiled loop runs faster the longer it runs; why was not looked into."
     ),
 }
 
