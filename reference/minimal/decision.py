@@ -12,12 +12,14 @@ from math import isfinite
 
 from cases import Case
 
-from . import series
+from . import compiled_series, series
 from .modes import Phase, Regime, candidates, phase, state_in
+from .series import Series
 
 # Derivatives looked at before a condition counts as identically zero. The start of `disc_in_circle` needs the second of
 # the normal force; a start at rest on a symmetric place needs the fourth.
-ORDER = 8
+# Most are decided by two, which is what is compiled.
+QUICK, ORDER = 2, 8
 
 
 class Undecidable(ArithmeticError):
@@ -78,7 +80,7 @@ def close(error: float) -> float:
 
 
 def _by_series(candidate: Phase, t, y, error) -> bool:
-    for order in (2, ORDER):
+    for order in (QUICK, ORDER):
         signs = _leading_signs(candidate, t, y, error, order)
         undecided = any(sign == 0 for sign in signs.values())
         if not undecided or any(sign < 0 for sign in signs.values()):
@@ -89,20 +91,26 @@ def _by_series(candidate: Phase, t, y, error) -> bool:
 
 
 def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
-    def rates(time, state):
-        return candidate.system.rates_of_series(time + t, state, candidate.parameters)
-
     y = state_in(candidate, y)
     # Velocities are known to `error` of the largest of them, so that a small one is not taken for exact.
     positions = candidate.system.positions
     fastest = max((abs(v) for v in y[positions:]), default=0.0)
     bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
+    values = _values(candidate, t, y, bounds, order)
+    return {name: series.sign(value) for name, value in zip(candidate.system.conditions, values, strict=True)}
+
+
+def _values(candidate: Phase, t, y, bounds, order: int) -> Sequence[Series | float]:
+    """The conditions' series in numbers, compiled or not; Undecidable where there are none."""
+    compiled = compiled_series.compiled(candidate.system, order) if order == QUICK else None
+    if compiled:
+        told = compiled(t, y, bounds, candidate.parameters)
+        if all(isfinite(sum(value.c)) for value in told):
+            return told
     try:
-        state = series.along(rates, y, bounds, order)
-        time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
-        values = candidate.system.conditions_of_series(time, state, candidate.parameters)
+        _, values = candidate.system.expanded(t, y, bounds, candidate.parameters, order)
     except (ArithmeticError, ValueError) as problem:
         raise Undecidable from problem
-    if not all(isfinite(c) for value in values if isinstance(value, series.Series) for c in value.c):
+    if not all(isfinite(c) for value in values if isinstance(value, Series) for c in value.c):
         raise Undecidable
-    return {name: series.sign(value) for name, value in zip(candidate.system.conditions, values, strict=True)}
+    return values

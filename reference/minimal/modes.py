@@ -111,7 +111,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
         parameters = parameter_values(case, {}, equations.parameters)
-        features = _features(case, in_contact=False)
+        features = _features(case.effect(Load))
         return Phase(regime, equations, parameters, size, (size, size, 1.0), tuple(range(6)), case, features)
     equations = contact_system(case, regime.kind)
     law = laws(case)
@@ -121,10 +121,11 @@ def phase(case: Case, regime: Regime) -> Phase:
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
     parameters = parameter_values(case, values, equations.parameters)
     places = tuple([_PLACES[v] for v in equations.variables])
-    return Phase(regime, equations, parameters, size, lengths, places, case, _features(case, in_contact=True))
+    features = _features(case.effect(Load), case.track, case.plate.outline)
+    return Phase(regime, equations, parameters, size, lengths, places, case, features)
 
 
-# What friction has no part in is kept by what decides it: scenes are made again and again with another friction.
+# These two are kept by what friction has no part in: scenes are made again and again with another friction.
 @lru_cache(maxsize=1024)
 def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, float]:
     """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian."""
@@ -133,12 +134,10 @@ def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, fl
 
 
 @lru_cache(maxsize=1024)
-def _features(case: Case, in_contact: bool) -> tuple[tuple[int | None, Features], ...]:
-    """What a step may not pass over, where there is such a thing."""
-    load = case.effect(Load)
+def _features(load: Load | None, *curves: Curve) -> tuple[tuple[int | None, Features], ...]:
+    """What a step may not pass over of a load and, in contact, of track and outline, where there is such a thing."""
     met: list[tuple[int | None, Features | None]] = [(None, load.features if load else None)]
-    if in_contact:
-        met += [(0, case.track.features), (1, case.plate.outline.features)]
+    met += [(row, curve.features) for row, curve in enumerate(curves)]
     return tuple((row, found) for row, found in met if found is not None and not found.plain)
 
 

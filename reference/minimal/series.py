@@ -30,7 +30,7 @@ class Series:
     @classmethod
     def constant(cls, value: float, like: Series) -> Series:
         n = len(like.c)
-        return cls([float(value)] + [0.0] * (n - 1), [0.0] * n)
+        return cls([value] + [0.0] * (n - 1), [0.0] * n)
 
     def __neg__(self):
         return Series([-a for a in self.c], self.e)
@@ -40,7 +40,7 @@ class Series:
 
     def __add__(self, other):
         if not isinstance(other, Series):
-            c = [self.c[0] + float(other), *self.c[1:]]
+            c = [self.c[0] + other, *self.c[1:]]
             return Series(c, [a + EPS * abs(s) for a, s in zip(self.e, c, strict=True)])
         c = [a + b for a, b in zip(self.c, other.c, strict=True)]
         e = [a + b + EPS * abs(s) for a, b, s in zip(self.e, other.e, c, strict=True)]
@@ -59,8 +59,7 @@ class Series:
 
     def __mul__(self, other):
         if not isinstance(other, Series):
-            b = float(other)
-            size, c = abs(b), [a * b for a in self.c]
+            size, c = abs(other), [a * other for a in self.c]
             return Series(c, [size * bound + ROUNDING * abs(s) for bound, s in zip(self.e, c, strict=True)])
         if len(self.c) == 1:
             ((a,), (error,)), ((b,), (off,)) = (self.c, self.e), (other.c, other.e)
@@ -81,7 +80,7 @@ class Series:
     __rmul__ = __mul__
 
     def __truediv__(self, other):
-        return self * (other**-1 if isinstance(other, Series) else 1.0 / float(other))
+        return self * (other**-1 if isinstance(other, Series) else 1.0 / other)
 
     def __rtruediv__(self, other):
         return self**-1 * other
@@ -109,7 +108,7 @@ class Series:
         return Series(c, e)
 
     def __rpow__(self, base):
-        return exp(self * math.log(base))
+        return exp(self * log(base))
 
     def derivative(self) -> Series:
         """d/dt, one order shorter."""
@@ -131,6 +130,12 @@ def sign(value: Series | float) -> int:
     return value.leading()[0] if isinstance(value, Series) else (value > 0) - (value < 0)
 
 
+def _of_number(name: str, x):
+    """An elementary function of a number: Python's own, or the number's where it is a symbol."""
+    own = getattr(x, name, None)
+    return own() if own else getattr(math, name)(x)
+
+
 def _solve(x: Series, value: float, slope: Callable[[Series], Series]) -> Series:
     """y with y(0) = value and y' = slope(y)·x', order by order."""
     n = len(x.c)
@@ -149,7 +154,7 @@ def _solve(x: Series, value: float, slope: Callable[[Series], Series]) -> Series
 
 
 def exp(x):
-    return _solve(x, math.exp(x.c[0]), lambda y: y) if isinstance(x, Series) else math.exp(x)
+    return _solve(x, exp(x.c[0]), lambda y: y) if isinstance(x, Series) else _of_number("exp", x)
 
 
 def _from_slope(function: Callable[[float], float], slope: Callable[[Series], Series]):
@@ -157,8 +162,8 @@ def _from_slope(function: Callable[[float], float], slope: Callable[[Series], Se
 
     def extended(x):
         if not isinstance(x, Series):
-            return function(x)
-        value = function(x.c[0])
+            return _of_number(function.__name__, x)
+        value = extended(x.c[0])
         if len(x.c) == 1:
             return Series([value], [abs(slope(x).c[0]) * x.e[0] + EPS * abs(value)])
         shorter = Series(x.c[:-1], x.e[:-1])
@@ -186,9 +191,9 @@ def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, 
     """(a, b) with a' = b x' and b' = sign·a x': sine and cosine, or their hyperbolic cousins."""
     if x.pair and x.pair[0] == sign:
         return x.pair[1:]
-    n = len(x.c)
-    a = Series([first] + [0.0] * (n - 1), [abs(second) * x.e[0] + EPS * max(1.0, abs(first))] + [0.0] * (n - 1))
-    b = Series([second] + [0.0] * (n - 1), [abs(first) * x.e[0] + EPS * max(1.0, abs(second))] + [0.0] * (n - 1))
+    n, most = len(x.c), 1.0 if sign < 0 else second  # none of these four is larger than 1 or the hyperbolic cosine
+    a = Series([first] + [0.0] * (n - 1), [abs(second) * x.e[0] + EPS * most] + [0.0] * (n - 1))
+    b = Series([second] + [0.0] * (n - 1), [abs(first) * x.e[0] + EPS * most] + [0.0] * (n - 1))
     for k in range(1, n):
         for out, other, factor in ((a, b, 1.0), (b, a, sign)):
             total = bound = 0.0
@@ -202,19 +207,19 @@ def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, 
 
 
 def sin(x):
-    return _pair(x, math.sin(x.c[0]), math.cos(x.c[0]), -1.0)[0] if isinstance(x, Series) else math.sin(x)
+    return _pair(x, sin(x.c[0]), cos(x.c[0]), -1.0)[0] if isinstance(x, Series) else _of_number("sin", x)
 
 
 def cos(x):
-    return _pair(x, math.sin(x.c[0]), math.cos(x.c[0]), -1.0)[1] if isinstance(x, Series) else math.cos(x)
+    return _pair(x, sin(x.c[0]), cos(x.c[0]), -1.0)[1] if isinstance(x, Series) else _of_number("cos", x)
 
 
 def sinh(x):
-    return _pair(x, math.sinh(x.c[0]), math.cosh(x.c[0]), 1.0)[0] if isinstance(x, Series) else math.sinh(x)
+    return _pair(x, sinh(x.c[0]), cosh(x.c[0]), 1.0)[0] if isinstance(x, Series) else _of_number("sinh", x)
 
 
 def cosh(x):
-    return _pair(x, math.sinh(x.c[0]), math.cosh(x.c[0]), 1.0)[1] if isinstance(x, Series) else math.cosh(x)
+    return _pair(x, sinh(x.c[0]), cosh(x.c[0]), 1.0)[1] if isinstance(x, Series) else _of_number("cosh", x)
 
 
 def tan(x):
@@ -226,7 +231,7 @@ def tanh(x):
 
 
 def sqrt(x):
-    return x**0.5 if isinstance(x, Series) else math.sqrt(x)
+    return x**0.5 if isinstance(x, Series) else _of_number("sqrt", x)
 
 
 # What a compiled expression may call.
@@ -241,8 +246,8 @@ def along(rhs: Callable, y0: Sequence[float], errors: Sequence[float], order: in
 
     `rhs` takes and returns sequences of Series (its time is a Series too).
     """
-    c = [[float(v)] for v in y0]
-    e = [[abs(float(v))] for v in errors]
+    c = [[v] for v in y0]
+    e = [[abs(v)] for v in errors]
     for k in range(order):
         time = Series([0.0, 1.0, *([0.0] * k)][: k + 1], [0.0] * (k + 1))
         rates = rhs(time, [Series(a[:], b[:]) for a, b in zip(c, e, strict=True)])

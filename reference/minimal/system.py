@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
-from cases import Case, Curve
+from cases import Case, Curve, Plate
 from cases.effects import MOTION
 from cases.kept import kept
 
@@ -170,6 +170,19 @@ class System:
         """The same as `conditions_of_numbers` on `series.Series`; a constant condition stays a number."""
         return self._compile("conditions", "series")
 
+    def expanded(self, t, y: Sequence, bounds: Sequence, parameters: Sequence, order: int):
+        """The motion from (t, y) and its conditions as series in time of that order, a constant condition as a number.
+
+        `bounds` are those of the errors of `y`. Numbers may be floats, or symbols that compute as floats do.
+        """
+
+        def rates(time, state):
+            return self.rates_of_series(time + t, state, parameters)
+
+        state = series.along(rates, y, bounds, order)
+        time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
+        return state, self.conditions_of_series(time, state, parameters)
+
     @cached_property
     def observed_of_arrays(self):
         """(t, y, parameters) -> list in the order of `Motion`, on arrays."""
@@ -309,19 +322,19 @@ def _has_ends(curve: Curve) -> bool:
 
 def parameter_values(case: Case, values: dict[str, float], names: tuple[sp.Symbol, ...]) -> tuple[float, ...]:
     """The runtime parameters in the system's order: the case's own and the mode's `values`, by name."""
-    known = _own_values(case) | values
+    known = _sizes(case.track, case.plate) | values
+    for load in laws(case).loads:
+        known |= load.values(case)
     return tuple([known[symbol.name] for symbol in names])
 
 
+# Kept by what friction has no part in: scenes are made again and again with another friction.
 @lru_cache(maxsize=1024)
-def _own_values(case: Case) -> dict[str, float]:
-    """What the parameters of a case are in all its modes, by name."""
-    plate = case.plate
+def _sizes(track: Curve, plate: Plate) -> dict[str, float]:
+    """What the parameters of curves and plate are in all modes, by name."""
     known: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
-    for prefix, curve in (("track", case.track), ("outline", plate.outline)):
+    for prefix, curve in (("track", track), ("outline", plate.outline)):
         known |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}
         if curve.domain:
             known |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
-    for load in laws(case).loads:
-        known |= load.values(case)
     return known

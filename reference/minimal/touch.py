@@ -10,7 +10,6 @@ from math import sqrt
 
 import numpy as np
 
-from . import series
 from .integrators.segment import Event, Segment
 from .modes import Phase, phase
 
@@ -52,12 +51,6 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
 def _expanded(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:
     """The coefficients in time of the state, shape (variables, ORDER + 1), and of the normal force's guard."""
     now = phase(now.case, now.regime)  # whose system has series, whatever equations integrated the segment
-
-    def rates(time, state):
-        return now.system.rates_of_series(time + t, state, now.parameters)
-
-    state = series.along(rates, y, [0.0] * len(y), ORDER)
-    time = series.Series([t, 1.0, *([0.0] * (ORDER - 1))], [0.0] * (ORDER + 1))
-    index = list(now.system.conditions).index(GUARD)
-    force = now.system.conditions_of_series(time, state, now.parameters)[index]
+    state, conditions = now.system.expanded(t, y, [0.0] * len(y), now.parameters, ORDER)
+    force = conditions[list(now.system.conditions).index(GUARD)]
     return np.array([component.c for component in state]), list(force.c)

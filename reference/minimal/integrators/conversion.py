@@ -1,8 +1,13 @@
-"""SymPy's expressions as heyoka's, where the two differ: numbers that are no doubles, and whole powers."""
+"""What heyoka needs to be told: which build it is, to keep nothing by itself, and SymPy's expressions where the two
+differ: numbers that are no doubles, and whole powers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from itertools import chain, islice
+from pathlib import Path
 
 import heyoka as hy
 import sympy as sp
@@ -11,6 +16,38 @@ from cases import NotSupported
 
 from ..eliminated import T
 from ..system import System
+
+# Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
+# 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
+SMALL = 500
+
+
+@lru_cache(maxsize=1)
+def build() -> tuple[int, int]:
+    """Which build of heyoka this is: the same version may come with another LLVM."""
+    found = Path(hy._core.__file__).stat()
+    return found.st_size, found.st_mtime_ns
+
+
+def small(system: System) -> bool:
+    """Whether optimising the system's code is worth its time."""
+    nodes = chain.from_iterable(sp.preorder_traversal(e) for e in (*system.rates, *system.guards.values()))
+    return next(islice(nodes, SMALL, None), None) is None
+
+
+@contextmanager
+def nothing_on_disk() -> Iterator[None]:
+    """heyoka would keep all it compiles in the user's home, gigabytes of it, and compile at another speed each time."""
+    state = hy.llvm_state
+    if not hasattr(state, "set_diskcache_enabled"):  # versions before it had that cache
+        yield
+        return
+    enabled = state.get_diskcache_enabled()
+    state.set_diskcache_enabled(False)
+    try:
+        yield
+    finally:
+        state.set_diskcache_enabled(enabled)
 
 
 def variables(system: System) -> dict:

@@ -6,16 +6,11 @@ Optional: where heyoka is not installed, `AVAILABLE` is False and DOP853 does ev
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import lru_cache, partial
-from itertools import chain, islice
 from math import exp, inf, isfinite, ulp
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import sympy as sp
 from numpy.polynomial.polynomial import polyder, polyval
 
 from ..ahead import INSIDE, PARTS, clear_part, defect
@@ -29,7 +24,7 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
-    from .conversion import converted, variables
+    from .conversion import build, converted, nothing_on_disk, small, variables
 
     AVAILABLE = True
     # What it compiled heyoka keeps for another of the same text, up to 2 GB; here equal systems are one.
@@ -60,24 +55,14 @@ NEAR = 8
 NORMAL, FRICTION = Motion._fields.index("normal"), Motion._fields.index("friction")
 # The compiled loop comes up after so many steps, so that it does not run for ever towards a singularity.
 CHUNK = 1000
-# Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
-# 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
-SMALL = 500
 
 
 @lru_cache(maxsize=128)
 def compiled(system: System, tolerance: float, real: type = float, optimised: bool = False):
     """The compiled integrator of a system, with one terminal event for each guard; `optimised` whatever that takes,
     for who makes thousands of runs."""
-    decided = (tolerance, real.__name__, hy.__version__, _build(), *(("optimised",) if optimised else ()))
+    decided = (tolerance, real.__name__, hy.__version__, build(), *(("optimised",) if optimised else ()))
     return system.kept("integrator", decided, lambda: _compiled(system, tolerance, real, optimised))
-
-
-@lru_cache(maxsize=1)
-def _build() -> tuple[int, int]:
-    """Which build of heyoka this is: the same version may come with another LLVM."""
-    found = Path(hy._core.__file__).stat()
-    return found.st_size, found.st_mtime_ns
 
 
 def _compiled(system: System, tolerance: float, real: type, optimised: bool):
@@ -85,7 +70,7 @@ def _compiled(system: System, tolerance: float, real: type, optimised: bool):
     equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
     events = [hy.t_event(converted(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
-    with _nothing_on_disk():
+    with nothing_on_disk():
         return hy.taylor_adaptive(
             equations,
             [real(0.0)] * len(equations),
@@ -93,29 +78,8 @@ def _compiled(system: System, tolerance: float, real: type, optimised: bool):
             tol=real(tolerance),
             fp_type=real,
             compact_mode=False,
-            opt_level=3 if optimised or _small(system) else 0,
+            opt_level=3 if optimised or small(system) else 0,
         )
-
-
-def _small(system: System) -> bool:
-    """Whether optimising the system's code is worth its time."""
-    nodes = chain.from_iterable(sp.preorder_traversal(e) for e in (*system.rates, *system.guards.values()))
-    return next(islice(nodes, SMALL, None), None) is None
-
-
-@contextmanager
-def _nothing_on_disk() -> Iterator[None]:
-    """heyoka would keep all it compiles in the user's home, gigabytes of it, and compile at another speed each time."""
-    state = hy.llvm_state
-    if not hasattr(state, "set_diskcache_enabled"):  # versions before it had that cache
-        yield
-        return
-    enabled = state.get_diskcache_enabled()
-    state.set_diskcache_enabled(False)
-    try:
-        yield
-    finally:
-        state.set_diskcache_enabled(enabled)
 
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
