@@ -103,7 +103,7 @@ def test_a_bar_is_passed_failed_or_not_timed():
         assert told[0]["outcome"] == outcome and {row["outcome"] for row in told[1:]} == {"not timed"}
 
 
-@pytest.mark.parametrize(("longest", "outcome"), [(1.014, "pass"), (1.3, "fail")])
+@pytest.mark.parametrize(("longest", "outcome"), [(0.5, "pass"), (1.014, "pass"), (1.3, "fail")])
 def test_a_motion_may_cost_what_it_grows_by(longest, outcome):
     what = growth.GROWTHS[0]
     sizes, seconds = [(what, size) for size in (1, 10, 100)], (0.5, 0.5 + 9e-3, 0.5 + longest * 99e-3)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -32,26 +31,31 @@ class Event(NamedTuple):
 States = Callable[[np.ndarray], np.ndarray]
 
 
-@dataclass(frozen=True, eq=False)
+Record = tuple[np.ndarray, States]
+
+
+@dataclass(eq=False, slots=True)
 class Segment:
-    """A phase's motion: when it starts (s), what ends it, the work it took, and `record`, which gives its step times
-    and its dense output, t ↦ states of shape (variables, n). What decides a motion seldom asks for these."""
+    """A phase's motion: when it starts (s), what ends it, the work it took, and `record`: its step times and its dense
+    output, t ↦ states of shape (variables, n), or what gives these. What decides a motion seldom asks for them."""
 
     phase: Phase
     start: float
     event: Event
     evaluations: int
     steps: int
-    record: Callable[[], tuple[np.ndarray, States]]
+    record: Record | Callable[[], Record]
 
     @classmethod
     def of(cls, phase: Phase, times: np.ndarray, states: States, event: Event, evaluations: int) -> Segment:
         """A segment whose steps are at hand."""
-        return cls(phase, float(times[0]), event, evaluations, len(times) - 1, lambda: (times, states))
+        return cls(phase, float(times[0]), event, evaluations, len(times) - 1, (times, states))
 
-    @cached_property
-    def _recorded(self) -> tuple[np.ndarray, States]:
-        return self.record()
+    @property
+    def _recorded(self) -> Record:
+        if not isinstance(self.record, tuple):
+            self.record = self.record()
+        return self.record
 
     @property
     def times(self) -> np.ndarray:

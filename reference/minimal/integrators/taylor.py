@@ -109,7 +109,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     if ended is None:
         return _one_by_one(integrator, phase, t, y, end, float, tolerance)
     event, steps = ended
-    # No closure: of 10⁵ phases its cells would be a third of all that the garbage collector walks through.
+    # No closure, for the garbage collector's sake.
     return Segment(
         phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time, steps)
     )
@@ -184,7 +184,7 @@ def _one_by_one(
             elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
                 return _broken(phase, times, coefficients, y)
     event = Event(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
-    return Segment.of(phase, np.array(times), _dense(times, coefficients, y), event, len(coefficients))
+    return Segment.of(phase, np.array(times), _Dense(times, coefficients, y), event, len(coefficients))
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
@@ -223,7 +223,7 @@ def _broken(phase: Phase, times, coefficients, y) -> Segment:
     # Towards a singularity the coefficients of quadruple precision outgrow doubles while the state is still finite.
     while steps > 1 and not np.all(np.isfinite(coefficients[steps - 1])):
         steps -= 1
-    states = _dense(times[: steps + 1], coefficients[:steps], y)
+    states = _Dense(times[: steps + 1], coefficients[:steps], y)
     last = times[steps]
     event = Event(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
@@ -328,36 +328,39 @@ def _set(integrator, t: float, y, real: type) -> None:
         integrator.reset_cooldowns()
 
 
-def _dense(times, coefficients, y):
-    """The steps' own Taylor polynomials."""
-    starts = np.array(times[:-1])
+class _Dense:
+    """The steps' own Taylor polynomials, t ↦ states (variables, n).
 
-    @lru_cache(maxsize=1)
-    def stacked() -> np.ndarray:
-        """The coefficients by power, variable and step."""
-        return np.ascontiguousarray(np.array(coefficients).transpose(2, 1, 0))
+    Two arrays and no closures: of 10⁵ phases each object is one more that the garbage collector walks through.
+    """
 
-    @lru_cache(maxsize=4)
-    def rows(i: int) -> list[list[float]]:
-        """One step's polynomials from the highest power down, without what vanishes there."""
-        used = max(np.flatnonzero(coefficients[i].any(axis=0)), default=0) + 1
-        return coefficients[i][:, used - 1 :: -1].tolist() if used > 1 else coefficients[i][:, :1].tolist()
+    __slots__ = ("starts", "by_power")
 
-    def states(when: np.ndarray) -> np.ndarray:
-        if not coefficients:
-            return np.repeat(np.array(y, dtype=float)[:, None], len(when), axis=1)
+    def __init__(self, times: list[float], coefficients: list[np.ndarray], y):
+        # By power, variable and step; a phase without a step stays where it starts.
+        known = np.array(coefficients).transpose(2, 1, 0) if coefficients else np.array(y, dtype=float)[None, :, None]
+        self.starts, self.by_power = np.array(times[: known.shape[2]]), np.ascontiguousarray(known)
+
+    def __call__(self, when: np.ndarray) -> np.ndarray:
         if len(when) == 1:  # a search looks at one instant after the other: a tenth of the time below
-            i = max(bisect_right(times, float(when[0]), hi=len(coefficients)) - 1, 0)
-            return np.array([[_horner(row, float(when[0]) - times[i])] for row in rows(i)])
+            i = max(bisect_right(self.starts, float(when[0])) - 1, 0)
+            start, rows = _rows(self, i)
+            return np.array([[_horner(row, float(when[0]) - start)] for row in rows])
         # All at once, each instant with its own step's coefficients: linear in steps and in instants.
-        which = np.clip(np.searchsorted(starts, when, side="right") - 1, 0, len(coefficients) - 1)
-        parts, rows_of = when - starts[which], stacked()
-        values = rows_of[-1][:, which]
-        for row in rows_of[-2::-1]:
+        which = np.clip(np.searchsorted(self.starts, when, side="right") - 1, 0, len(self.starts) - 1)
+        parts = when - self.starts[which]
+        values = self.by_power[-1][:, which]
+        for row in self.by_power[-2::-1]:
             values = row[:, which] + values * parts
         return values
 
-    return states
+
+@lru_cache(maxsize=16)
+def _rows(dense: _Dense, i: int) -> tuple[float, Rows]:
+    """When one step starts, and its polynomials from the highest power down, without what vanishes there."""
+    own = dense.by_power[:, :, i]
+    used = max(np.flatnonzero(own.any(axis=1)), default=0) + 1
+    return float(dense.starts[i]), own[:used][::-1].T.tolist()
 
 
 def _horner(row: list[float], x: float) -> float:
