@@ -126,7 +126,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
-        if progress.none(t, frequency(now, t, y)):
+        if progress.none(now, t, y):
             return segments, transitions, ACCUMULATION
         try:
             if regime == FLIGHT:
@@ -171,16 +171,16 @@ class _Progress:
     """Whether phases still get anywhere, by the motion's own time."""
 
     def __init__(self) -> None:
-        self.phases, self.since, self.fastest = 0, 0.0, 0.0
+        self.since, self.begun = 0.0, list[tuple[Phase, float, Sequence[float]]]()
 
-    def none(self, t: float, fast: float) -> bool:
-        """A phase begins at t with a state that changes as fast as that (1/s): whether MANY took no time."""
-        self.phases, self.fastest = self.phases + 1, max(self.fastest, fast)
-        if self.phases <= MANY:
+    def none(self, now: Phase, t: float, y: Sequence[float]) -> bool:
+        """A phase begins at t with that state: whether MANY took no time, by whichever of them changes fastest."""
+        self.begun.append((now, t, y))
+        if len(self.begun) <= MANY:
             return False
-        stands = (t - self.since) * self.fastest <= NO_TIME
-        self.phases, self.since, self.fastest = 0, t, 0.0
-        return stands
+        took = any((t - self.since) * frequency(*begun) > NO_TIME for begun in self.begun)
+        self.since, self.begun = t, []
+        return not took
 
 
 def _moved_on(case: Case, regime: Regime, step: Step) -> Step:

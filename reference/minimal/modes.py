@@ -80,9 +80,14 @@ def _allowed(law: Laws) -> tuple[Regime, ...]:
 
 def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
     """The regimes that go with a slip and a rotation of those signs; without one (0) it may begin either way."""
+    return _able(laws(case), slip, turn)
+
+
+@lru_cache(maxsize=1024)
+def _able(law: Laws, slip: float, turn: float) -> tuple[Regime, ...]:
     return tuple(
         r
-        for r in candidates(case)
+        for r in _allowed(law)
         if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.REST))
         and (not turn or r.turn is None or r.turn == turn)
     )

@@ -264,11 +264,13 @@ def test_many_phases_are_no_accumulation(monkeypatch, method):
     assert pairs(reference.simulate(case, method=method), motion.t[-1]) == pairs(motion)
 
 
-def test_phases_accumulate_by_the_motions_own_time():
+def test_phases_accumulate_by_the_motions_own_time(monkeypatch):
+    # One of the phases is fast, and tells for all.
+    monkeypatch.setattr(hybrid, "frequency", lambda now, t, y: 10.0 if y == (500,) else 0.0)
     many = hybrid.MANY + 2
     slow, fast = hybrid._Progress(), hybrid._Progress()
-    assert not any(slow.none(1e-9 * n, 10.0) for n in range(many))
-    assert any(fast.none(1e-15 * n, 10.0) for n in range(many))
+    assert not any(slow.none(None, 1e-9 * n, (n,)) for n in range(many))
+    assert any(fast.none(None, 1e-15 * n, (n,)) for n in range(many))
 
 
 LARGE = {
