@@ -20,7 +20,7 @@ from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import LOCATED, run, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
-from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
+from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, kinds, phase, senses, start_state, state_in
 from .minimal.overlap import until_second_contact
 
 
@@ -139,8 +139,7 @@ def _known(method: str | None) -> str:
 def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
     """Derive and compile what a run of the case may need, so that no run pays for it."""
     prepare_phase, _ = INTEGRATORS[_known(method)]
-    kinds = {regime.kind: regime for regime in reversed(candidates(case))}  # slip forward or backward, it is one system
-    for regime in (*kinds.values(), *((FLIGHT,) if case.effect(Flight) is not None else ())):
+    for regime in (*kinds(case), *((FLIGHT,) if case.effect(Flight) is not None else ())):
         prepare_phase(phase(case, regime), rtol)
 
 

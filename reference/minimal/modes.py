@@ -78,6 +78,16 @@ def _allowed(law: Laws) -> tuple[Regime, ...]:
     )
 
 
+def kinds(case: Case) -> tuple[Regime, ...]:
+    """One candidate of each kind: slip forward or backward, its equations are the same."""
+    return _kinds(laws(case))
+
+
+@lru_cache(maxsize=256)
+def _kinds(law: Laws) -> tuple[Regime, ...]:
+    return tuple({regime.kind: regime for regime in reversed(_allowed(law))}.values())
+
+
 def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
     """The regimes that go with a slip and a rotation of those signs; without one (0) it may begin either way."""
     return _able(laws(case), slip, turn)
@@ -125,9 +135,13 @@ def phase(case: Case, regime: Regime) -> Phase:
     values |= law.resistance.values(case, regime.turn, regime.side)
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
     parameters = parameter_values(case, values, equations.parameters)
-    places = tuple([_PLACES[v] for v in equations.variables])
     features = _features(case.effect(Load), case.track, case.plate.outline)
-    return Phase(regime, equations, parameters, size, lengths, places, case, features)
+    return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features)
+
+
+@lru_cache(maxsize=256)
+def _places(system: System) -> tuple[int, ...]:
+    return tuple(_PLACES[v] for v in system.variables)
 
 
 # These two are kept by what friction has no part in: scenes are made again and again with another friction.
