@@ -83,8 +83,9 @@ def _width(text: str, plan) -> float:
 def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: float | None, command: str) -> None:
     """Make the rows, the boundaries and the maps, and say where they are."""
     from .drawing.files import embed_command
+    from .running import cluster
     from .running.progress import Display
-    from .sweeping import cluster, maps, refine, run
+    from .sweeping import maps, refine, run
     from .sweeping.folder import Folder
 
     if given.dask is not None:

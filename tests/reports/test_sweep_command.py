@@ -14,6 +14,7 @@ import reference
 from reference.paper.application import slip_end
 from reference.sweeping import plan, table
 from reports import sweep
+from reports.running.workers import Pool
 from reports.sweeping import local, parts, refine
 from reports.sweeping.folder import Folder
 from reports.sweeping.local import Part
@@ -104,7 +105,7 @@ def test_a_scenario_that_ends_its_process_is_a_row(tmp_path):
 
     cases.load_file(file)
     asked = plan("fatal", dict(mu="0.2:0.4:3"), files=[str(file)])
-    coming = dict(local.done(Work(asked), [Part(0, 3)], 2))
+    coming = dict(local.done(Work(asked), [Part(0, 3)], Pool(2)))
     rows = [row for part in sorted(coming) for row in parquet.read_table(pa.BufferReader(coming[part])).to_pylist()]
     assert [row["scenario"] for row in rows] == [0, 1, 2]
     assert [row["outcome"] for row in rows] == ["completed", "crashed", "completed"]

@@ -1,0 +1,227 @@
+"""Calls on a Dask cluster: the same answers as on this machine, whatever becomes of workers and scheduler."""
+
+from __future__ import annotations
+
+import math
+import operator
+import os
+import threading
+import time
+from dataclasses import replace
+
+import pytest
+
+import cases
+from adapters import Setting
+from cases import Cost
+from reports import build
+from reports.running import elsewhere, experiment, probe
+from reports.running.calls import Calls, Keep
+from reports.running.cluster import Cluster, Nobody
+from reports.running.records import Run
+from reports.running.workers import Pool
+
+from .loopback import Processes
+
+pytest.importorskip("distributed")
+pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own
+
+
+# Functions that every process has: one that answers, raises, ends its process, hangs; and one that cannot travel.
+WAYS = [(math.sqrt, 2.0), (math.sqrt, -1.0), (os.abort,), (time.sleep, 60.0), (math.sqrt, 3.0), (lambda: None,)]
+
+
+def fits(solvers, files):
+    """A worker that says it is what was asked for."""
+    elsewhere._said.set()
+    return ()
+
+
+@pytest.fixture
+def within(monkeypatch):
+    """A cluster within this process."""
+    import distributed
+
+    monkeypatch.setattr(probe, "told", fits)
+    own = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
+    yield Cluster(own.scheduler_address, 1, ())
+    own.close()
+    elsewhere._own().close()
+    elsewhere._own.cache_clear(), elsewhere._said.clear()
+
+
+def test_a_call_goes_to_a_worker_and_its_answer_comes_back(within):
+    answers = dict(within.run(operator.call, [(math.sqrt, 2.0), (math.sqrt, -1.0)]))
+    assert answers[0].value == math.sqrt(2.0)
+    assert (answers[1].outcome, answers[1].reason) == ("raised", "ValueError: math domain error")
+
+
+@pytest.mark.slow
+def test_calls_have_the_answers_they_have_here(within):
+    """Also where one raises, ends its process, hangs or cannot travel; and the worker lives on."""
+    here = Pool(1)
+    answers = [dict(pool.run(operator.call, WAYS, 0.3)) for pool in (here, within)]
+    here.close()
+    assert [answers[1][i].outcome for i in range(6)] == ["done", "raised", "died", "timed_out", "done", "raised"]
+    told = [[(i, a.outcome, a.value, a.reason) for i, a in sorted(some.items())] for some in answers]
+    assert told[0] == told[1]
+
+
+def test_a_worker_that_was_not_asked_makes_nothing():
+    with pytest.raises(elsewhere.Unasked):
+        elsewhere.make(b"", 1.0, "")
+
+
+def test_what_differs_is_told():
+    asked = (("numpy", "2.0"), ("python", "3.11"), ("the file a.py", "abc"))
+    assert elsewhere.difference(asked, asked) == ""
+    assert elsewhere.difference((("numpy", "2.0"), ("python", "3.12")), asked) == (
+        "python is 3.12, not 3.11; the file a.py is unknown, not abc"
+    )
+
+
+class Noted:
+    """A cluster that notes what it is asked, and answers nothing."""
+
+    def __init__(self):
+        self.functions = []
+
+    def run(self, function, arguments, limit, skip, groups):
+        self.functions.append(function)
+        yield from ()
+
+
+@pytest.mark.parametrize(
+    ("keep", "goes"),
+    [(Keep("run"), True), (Keep("truth"), True), (Keep(), True), (Keep("figure"), False), (None, False)],
+)
+def test_only_what_is_the_same_anywhere_goes_to_a_cluster(keep, goes):
+    with Calls(1, cluster=(noted := Noted())) as calls:
+        calls._pool.run = (own := Noted()).run
+        list(calls.each("step", elsewhere.difference, [((), ())], keep=keep))
+        assert bool(noted.functions) is goes and bool(own.functions) is not goes
+        assert calls.alone().cluster is None  # what is timed
+
+
+def test_engines_of_a_file_and_a_cluster_are_refused_together(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("SLIP_TO_ROLL_ENGINES", raising=False)
+    engine = tmp_path / "mine"
+    engine.write_text("#!/bin/sh\n")
+    engine.chmod(0o755)
+    assert build.main(["--engine", str(engine), "--dask", "local"]) == 2
+    assert "give one of the two" in capsys.readouterr().err
+
+
+# --- on loopback ------------------------------------------------------------------------------------------------------
+
+CASES = (cases.load("disc_on_line"), cases.load("disc_in_circle", mu=0.2))
+SOLVERS = ("reference", "exudyn", "pymunk")
+
+
+def some(case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+    return settings[:3]
+
+
+def plain(run: Run) -> tuple:
+    """A run without what it cost and when, its arrays as bytes: NaN is NaN."""
+    arrays = [(name, a.tobytes()) for kept in (run.samples, run.off) for name, a in kept.items()]
+    return arrays, repr(replace(run, samples={}, off={}, when="", cost=Cost(steps=run.cost.steps)))
+
+
+@pytest.fixture
+def loopback(tmp_path):
+    found = Processes(tmp_path)
+    yield found
+    found.close()
+
+
+@pytest.fixture(scope="module")
+def exact():
+    with Calls(2) as calls:
+        found = experiment.run(CASES, SOLVERS, calls, some)
+    assert {run.outcome for run in found.runs} == {"right"} or len(found.runs) > 20
+    return [plain(run) for run in found.runs]
+
+
+def ran(loopback, patience: float = 120.0) -> list[tuple]:
+    with Calls(2) as calls:
+        present = calls.present(SOLVERS)
+        identity = elsewhere.identity({name: calls.versions[name] for name in present})
+        calls.cluster = Cluster(loopback.address, 2, identity, present, patience=patience)
+        return [plain(run) for run in experiment.run(CASES, SOLVERS, calls, some).runs]
+
+
+@pytest.mark.slow
+def test_runs_are_the_same_while_workers_are_killed(loopback, exact):
+    loopback.start_worker(), loopback.start_worker()
+    over = threading.Event()
+
+    def kill():
+        while not over.wait(4.0):
+            victim = next(worker for worker in loopback.workers if worker.poll() is None)
+            loopback.start_worker()
+            victim.kill()
+            victim.wait()
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        assert ran(loopback) == exact
+    finally:
+        over.set()
+        killer.join()
+    assert sum(worker.poll() is not None for worker in loopback.workers) >= 2
+
+
+@pytest.mark.slow
+def test_runs_are_the_same_when_the_scheduler_was_gone(loopback, exact, capsys):
+    loopback.start_worker(), loopback.start_worker()
+
+    def restart():
+        time.sleep(12.0)
+        loopback.scheduler.kill()
+        loopback.scheduler.wait()
+        time.sleep(12.0)  # longer than the client tries to reconnect by itself
+        loopback.start_scheduler()
+        loopback.start_worker(), loopback.start_worker()
+
+    again = threading.Thread(target=restart)
+    again.start()
+    try:
+        assert ran(loopback) == exact
+    finally:
+        again.join()
+    assert "is gone" in capsys.readouterr().err
+
+
+def without(tmp_path, package: str) -> str:
+    """A folder in which a package cannot be imported."""
+    other = tmp_path / "other" / package
+    other.mkdir(parents=True)
+    (other / "__init__.py").write_text("raise ImportError('not here')\n")
+    return str(other.parent)
+
+
+def with_version(tmp_path, package: str) -> str:
+    """A folder in which a package says that it has another version."""
+    told = tmp_path / "other" / f"{package}-0.1.dist-info"
+    told.mkdir(parents=True)
+    (told / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 0.1\n")
+    return str(told.parent)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("lacks", "package", "words"),
+    [
+        (without, "exudyn", "exudyn is not_installed"),
+        (without, "heyoka", "method of the reference is dop853, not taylor"),
+        (with_version, "numpy", "numpy is 0.1, not"),
+    ],
+)
+def test_a_worker_that_differs_is_left_out_and_the_reason_told(loopback, tmp_path, capsys, lacks, package, words):
+    loopback.start_worker(path=lacks(tmp_path, package))
+    with pytest.raises(Nobody, match=f"no worker at .* fits: .*{words}"):
+        ran(loopback, patience=40.0)
+    assert words in capsys.readouterr().err
