@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import operator
 import os
-import threading
+import re
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -140,12 +141,20 @@ def loopback(tmp_path):
 def exact():
     with Calls(2) as calls:
         found = experiment.run(CASES, SOLVERS, calls, some)
-    assert {run.outcome for run in found.runs} == {"right"} or len(found.runs) > 20
+    assert len(found.runs) > 20
     return [plain(run) for run in found.runs]
 
 
-def ran(loopback, patience: float = 120.0) -> list[tuple]:
-    with Calls(2) as calls:
+def ran(loopback, patience: float = 120.0, after=lambda number: None) -> list[tuple]:
+    """The runs by a cluster; `after(n)` is called when the n-th has come."""
+
+    def watched(step, total, answers):
+        for number, answer in enumerate(answers):
+            yield answer
+            if step.startswith("runs"):
+                after(number)
+
+    with Calls(2, progress=watched) as calls:
         present = calls.present(SOLVERS)
         identity = elsewhere.identity({name: calls.versions[name] for name in present})
         calls.cluster = Cluster(loopback.address, 2, identity, present, patience=patience)
@@ -155,43 +164,31 @@ def ran(loopback, patience: float = 120.0) -> list[tuple]:
 @pytest.mark.slow
 def test_runs_are_the_same_while_workers_are_killed(loopback, exact):
     loopback.start_worker(), loopback.start_worker()
-    over = threading.Event()
 
-    def kill():
-        while not over.wait(4.0):
+    def kill(number):
+        if number % 8 == 3:  # whoever is at work longest, with what it holds; another takes its place
             victim = next(worker for worker in loopback.workers if worker.poll() is None)
             loopback.start_worker()
             victim.kill()
             victim.wait()
 
-    killer = threading.Thread(target=kill)
-    killer.start()
-    try:
-        assert ran(loopback) == exact
-    finally:
-        over.set()
-        killer.join()
-    assert sum(worker.poll() is not None for worker in loopback.workers) >= 2
+    assert ran(loopback, after=kill) == exact
+    assert sum(worker.poll() is not None for worker in loopback.workers) >= 3
 
 
 @pytest.mark.slow
 def test_runs_are_the_same_when_the_scheduler_was_gone(loopback, exact, capsys):
     loopback.start_worker(), loopback.start_worker()
 
-    def restart():
-        time.sleep(12.0)
-        loopback.scheduler.kill()
-        loopback.scheduler.wait()
-        time.sleep(12.0)  # longer than the client tries to reconnect by itself
-        loopback.start_scheduler()
-        loopback.start_worker(), loopback.start_worker()
+    def restart(number):
+        if number == 5:
+            loopback.scheduler.kill()
+            loopback.scheduler.wait()
+            time.sleep(12.0)  # longer than the client tries to reconnect by itself
+            loopback.start_scheduler()
+            loopback.start_worker(), loopback.start_worker()
 
-    again = threading.Thread(target=restart)
-    again.start()
-    try:
-        assert ran(loopback) == exact
-    finally:
-        again.join()
+    assert ran(loopback, after=restart) == exact
     assert "is gone" in capsys.readouterr().err
 
 
@@ -225,3 +222,19 @@ def test_a_worker_that_differs_is_left_out_and_the_reason_told(loopback, tmp_pat
     with pytest.raises(Nobody, match=f"no worker at .* fits: .*{words}"):
         ran(loopback, patience=40.0)
     assert words in capsys.readouterr().err
+
+
+def test_the_batch_system_of_the_docs_gets_the_job_they_tell(monkeypatch):
+    """Nothing is submitted: there is no such system here."""
+    jobqueue = pytest.importorskip("dask_jobqueue", reason="dask-jobqueue is not part of the suite")
+    page = (Path(__file__).parents[2] / "docs" / "cluster.md").read_text(encoding="utf-8")
+    (code,) = (code for code in re.findall(r"```python\n(.*?)```", page, flags=re.S) if "dask_jobqueue" in code)
+    scaled = []
+    monkeypatch.setattr(jobqueue.SLURMCluster, "scale", lambda self, jobs: scaled.append(jobs))
+    names: dict = {}
+    exec(code, names)
+    script, address = names["cluster"].job_script(), names["cluster"].scheduler_address
+    names["cluster"].close()
+    assert scaled[-1] == 8 and f"dask_worker {address} " in script
+    for words in ("--cpus-per-task=16", "--mem=30G", "-t 04:00:00", "--nthreads 1", "--nworkers 16"):
+        assert words in script and words.removeprefix("-t ").removeprefix("04:00:00") in page
