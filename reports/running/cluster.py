@@ -47,6 +47,7 @@ def check(address: str) -> None:
     if address == LOCAL:
         return
     try:
+        distributed.comm.get_address_host_port(address)  # a client that cannot begin has no quiet end
         distributed.Client(address, timeout=5, set_as_default=False).close()
     except (OSError, TimeoutError, ValueError) as problem:
         raise BadValue(f"nobody answers at --dask {address} ({problem}); start a scheduler there") from None

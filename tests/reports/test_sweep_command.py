@@ -62,6 +62,15 @@ def test_a_sweep_writes_rows_and_a_map_and_goes_on_where_it_was(tmp_path, monkey
         (["disc_in_circle", "--vary", "mu=0:1:3", "--solver", "exudin"], "there is no solver 'exudin'"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--jobs", "0"], "from 1 to"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--rtol", "much"], "give a number"),
+        (
+            ["disc_in_circle", "--vary", "mu=0:1", "--sample", "random", "--number", "1.5"],
+            "--number is 1.5; give a whole",
+        ),
+        (
+            ["disc_in_circle", "--vary", "mu=0:1", "--sample", "random", "--seed", "0.5"],
+            "--seed is 0.5",
+        ),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--dask", "nonsense"], "missing port number in address 'nonsense'"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "."], "where you are working"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "mine"], "which holds something else"),
     ],
