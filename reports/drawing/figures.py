@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from cases import Case
 from cases.pictures import plots
 from cases.pictures import scene as scenes
-from cases.pictures.scene import Instant
+from cases.pictures.layout import Instant, instants
 
 from ..running.records import Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
 from .files import Picture, file_name, picture
@@ -249,7 +249,7 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     shown = truth.samples
     x, y, theta, xi1 = (shown[name] for name in ("x", "y", "theta", "xi1"))
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
-    chosen = scenes.instants(shown["t"], [t.time for t in truth.transitions])
+    chosen = instants(shown["t"], [t.time for t in truth.transitions])
     poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in chosen]
     scenes.draw(ax, case.scene, np.array([x, y]), xi1, poses)
     ax.set_title(case.label, loc="left", fontweight="bold")
