@@ -15,7 +15,7 @@ from cases import Mode
 
 from ..running.records import REFERENCE, Experiment, Truth
 from . import answers
-from .time_to_accuracy import REACHED, cost
+from .time_to_accuracy import DISTURBED, REACHED, cost
 from .words import level, seconds
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ COLUMN = {1e-2: "1e_2", 1e-4: "1e_4"}
 # Once, as a user tries an engine; for a sweep or a training.
 RUNS = {"once": 1, "thousand": 1000}
 ASKED = 1e-4
-_REACHED, _ONCE, _MANY = "reached_1e_4", "once_1e_4_s", "thousand_1e_4_s"
+_REACHED, _AWARD, _ONCE, _MANY = "reached_1e_4", "award_1e_4", "once_1e_4_s", "thousand_1e_4_s"
 
 
 def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
@@ -95,6 +95,8 @@ def _reach(row: Mapping[str, Any]) -> str:
 
 
 def _costs(row: Mapping[str, Any]) -> str:
+    if row[_AWARD] == DISTURBED:
+        return "; what that costs is not known, since the machine had other things to do"
     if not isfinite(row[_ONCE]):
         return "; what that costs was not timed"
     once, many = seconds(row[_ONCE]), seconds(row[_MANY])

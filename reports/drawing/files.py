@@ -140,7 +140,7 @@ def minify(svg: str) -> str:
         svg = svg.replace(f'"{name}"', f'"i{place}"')
         svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may begin another
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
-    svg = _bare_groups(_styles_once(svg))
+    svg = _bare_groups(_used_once(_styles_once(svg)))
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
 
 
@@ -170,6 +170,16 @@ def _path(text: str) -> str:
             here = there
         before = command
     return "".join(told)
+
+
+def _used_once(svg: str) -> str:
+    """Marks without the class that what they repeat has itself."""
+    classes = dict(re.findall(r'<path id="([^"]*)" d="[^"]*" class="([^"]*)"', svg))
+    return re.sub(
+        r'(<use xlink:href="#([^"]*)"[^>]*?) class="([^"]*)"',
+        lambda m: m[1] if classes.get(m[2]) == m[3] else m[0],
+        svg,
+    )
 
 
 def _bare_groups(svg: str) -> str:

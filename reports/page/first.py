@@ -65,7 +65,7 @@ def _compared(experiment: Experiment) -> str:
     many = len(experiment.cases)
     return (
         f"{many} scene{'s' * (many != 1)} of one rigid plate on one fixed curve with Coulomb friction, in "
-        f"{len(experiment.runs)} runs: {engines}, held against a motion computed from the equations of Ogaru and "
+        f"{len(experiment.runs):,} runs: {engines}, held against a motion computed from the equations of Ogaru and "
         "Pandrea and certified to the last digits."
     )
 
