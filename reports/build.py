@@ -108,7 +108,8 @@ def _build(plan: Plan) -> int:
     from .running.store import Store
 
     store = Store(plan.store, plan.fresh)
-    _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
+    many = f"{len(plan.cases)} case{'s' * (len(plan.cases) != 1)}"
+    _say(f"{many}, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
     versions.make(plan.solvers, _say)
@@ -283,7 +284,8 @@ def _summary(
     counts = tables.outcome_counts(shown)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
     count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
-    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {count}"]
+    many = len(shown.cases)
+    lines += [f"{many} case{'s' * (many != 1)}, {len(shown.runs):,} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
     lines += missing_words(shown.versions)
