@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cases
 from cases import Case, CaseError, kept
@@ -111,7 +111,8 @@ def _build(plan: Plan) -> int:
     if plan.dask is not None:
         cluster.check(plan.dask)
     store = Store(plan.store, plan.fresh)
-    _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
+    many = f"{len(plan.cases)} case{'s' * (len(plan.cases) != 1)}"
+    _say(f"{many}, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
     versions.make(plan.solvers, _say)
@@ -124,7 +125,7 @@ def _build(plan: Plan) -> int:
             studied = _studied(plan, calls)
             shown = external.joined(ran, plan.trajectories)
             with folder.written_whole(plan.out) as place, for_print(plan.paper):
-                _write(plan, shown, ran, measured, studied, calls, place)
+                answers = _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except cluster.Nobody as problem:
@@ -132,7 +133,7 @@ def _build(plan: Plan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, ran, measured, studied, store))
+    print(_summary(plan, shown, answers, studied, store))
     lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
@@ -226,8 +227,9 @@ def _write(
     studied: Sequence[Result],
     calls: Calls,
     place: Path,
-) -> None:
-    """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
+) -> list[dict[str, Any]]:
+    """Tables, figures, page and manifest into a folder; returns the rows of the answer table. `ran`: what was run here,
+    without what is external."""
     import pandas as pd
 
     from .analysis import advice, cost_tables, tables
@@ -261,7 +263,8 @@ def _write(
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
-    answers = with_version(pd.DataFrame(advice.rows(shown, frames)), ran.versions)
+    rows = advice.rows(shown, frames)
+    answers = with_version(pd.DataFrame(rows), ran.versions)
     words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
     frames = {"answers": answers} | frames
     text.write({"answers": answers}, words, place / "tables", command, plan.paper)
@@ -276,6 +279,7 @@ def _write(
     page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     folder.sign(place, told)
+    return rows
 
 
 def _options(plan: Plan) -> str:
@@ -289,28 +293,19 @@ def _options(plan: Plan) -> str:
 
 
 def _summary(
-    plan: Plan, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], store: Store
+    plan: Plan, shown: Experiment, answers: Sequence[dict[str, Any]], studied: Sequence[Result], store: Store
 ) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
-    import pandas as pd
-
-    from .analysis import answers, tables, time_to_accuracy, work_precision
-    from .page import text
+    from .analysis import advice, tables
+    from .page import first
     from .running.solvers import missing_words
 
-    frames = {name: frame for result in studied for name, frame in result.frames.items()}
-    costs = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured)) if measured.cases else []
-    told = pd.DataFrame(answers.rows(shown, frames, costs))
-    if len(told):
-        told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
-    lines = [text.plain(told), ""]
-    lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
-    if costs:
-        lines += ["costs: whole calls, s, the first from cold, the median over the timed cases that reach the accuracy"]
+    lines = [first.in_terminal(answers), "", *first.notes(answers), "", *advice.sentences(answers), ""]
     counts = tables.outcome_counts(shown)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
     count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
-    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {count}"]
+    many = len(shown.cases)
+    lines += [f"{many} case{'s' * (many != 1)}, {len(shown.runs):,} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
     lines += missing_words(shown.versions)

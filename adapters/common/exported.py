@@ -11,6 +11,7 @@ omega (m/s, rad/s), slip (m/s), normal_force and friction_force (N). What is mis
 
 A solver whose contacts creep while they stick says how fast, as our own adapters do: a column `creep` (m/s), or a line
 `# creep = 5e-3` before the columns. Coarse samples are judged as our own ladders' are: what they miss is a row.
+A bounce lower than a hundredth of the plate is told from lying on the track by the forces alone: 0 in flight.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, files
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, Unilateral, files
 from cases.contact import Contact, Motion, find, slip_velocity, start_motion
 from cases.nearest import nearest
 
@@ -220,6 +221,10 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
         )
     untold = np.isnan(xi1) | np.isnan(columns["slip"])
     columns["slip"] = np.where(untold, slip, columns["slip"])
+    if case.effect(Flight):  # in flight there is none, even if nothing is told
+        for name in ("normal_force", "friction_force"):
+            told = columns.get(name, np.full(len(t), np.nan))
+            columns[name] = np.where(np.isnan(xi1) & np.isnan(told), 0.0, told)
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
     return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)
@@ -253,13 +258,31 @@ def followed(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             break
     xi1, xi2, gap = found.T
     if flies:
-        aloft = ~(gap <= off)
+        aloft = _aloft(gap <= off, columns.get("normal_force"))
         xi1[aloft] = xi2[aloft] = np.nan
     turns = np.abs(np.diff(case.track.tangent_angle(xi1)))
     turn = turns[np.isfinite(turns)].max(initial=0.0)
     if turn > MOST_TURN:
         raise DoesNotFit(f"the track turns by {turn:.3g} rad between two samples, too coarse; give more samples")
     return xi1, xi2, gap
+
+
+def _aloft(near: np.ndarray, force: np.ndarray | None) -> np.ndarray:
+    """Which samples fly, of those `near` the track and the others: a bounce passes near it before and after it touches.
+    Where forces are told, the samples between a flight and the first force, or the last, belong to the flight."""
+    aloft = ~near
+    if force is None:
+        return aloft
+    edges = [0, *(np.flatnonzero(np.diff(near)) + 1).tolist(), len(near)]
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        if near[start]:
+            pressed = start + np.flatnonzero(force[start:stop])
+            first, last = (int(pressed[0]), int(pressed[-1]) + 1) if len(pressed) else (stop, start)
+            if start > 0:
+                aloft[start:first] = True
+            if stop < len(near):
+                aloft[last:stop] = True
+    return aloft
 
 
 def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int, str, str]:
@@ -270,10 +293,14 @@ def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int,
         if landed.size and not case.effect(Impact):
             return int(landed[0]) + 2, "landing", "The plate meets its track again, and the case names no Impact."
         return len(gap), Trajectory.status, Trajectory.reason
-    count = int(touching[-1]) + 1
+    count, force = int(touching[-1]) + 1, columns.get("normal_force", np.full(len(gap), np.nan))
     if count == len(gap):
+        # A file that ends where the force would vanish within another gap ends because it does.
+        if case.effect(Unilateral) and columns["t"][-1] < case.duration * (1 - 1e-9) and 2 * force[-1] <= force[-2]:
+            return count, "lift_off", "The file ends where the normal force does."
         return count, Trajectory.status, Trajectory.reason
-    pressed = np.flatnonzero(columns["normal_force"][:count] > 0.0) if "normal_force" in columns else touching
+    pressed = np.flatnonzero(force[:count] > 0.0)
+    pressed = pressed if len(pressed) else touching
     # Without forces the flight is seen once the gap is there, and told so much later than it began.
     return max(int(pressed[-1]) + 1, 2), "lift_off", "The plate left its track."
 

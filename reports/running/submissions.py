@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cases
-from adapters.common import exported
 from cases import BadValue, Case, CaseError, UnknownName
 
-from .external import External, digest
+from . import external
+from .external import External
 
 ROUTE = "submission"
 HEAD = "submission.toml"
@@ -27,8 +27,9 @@ WORDS = {
     "machine": "what they were made on: processor, system",
     "settings": "step, shapes, solver: what someone needs to make them again",
 }
-# Bytes: a line or two for each word; ten million numbers. A stranger's file is not to fill the memory.
-LARGEST_HEAD, LARGEST_MOTION = 16_384, 200_000_000
+# Bytes: a line or two for each word. A stranger's file is not to fill the memory; a motion's own bound is
+# `exported.LARGEST_FILE`.
+LARGEST_HEAD = 16_384
 LONGEST = 300  # characters of one word
 # Names stand in figures, file names and spreadsheets, where a dollar sign or an equals sign begins a formula.
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,59}")
@@ -102,14 +103,9 @@ def motion(submission: Submission, label: str) -> External:
     """One motion of it; raises CaseError, with one sentence that names the file, if it is none of the case's."""
     path = submission.files[label]
     try:
-        case = cases.load(label)
-        _check_size(path, LARGEST_MOTION)
-        table = exported.read_table(path)
-        found = exported.trajectory_of(case, table, submission.creep)
+        return external.read(submission.name, cases.load(label), path, ROUTE, submission.creep)
     except CaseError as problem:
         raise type(problem)(f"{path}: {problem}") from problem
-    columns = exported.columns_of(table)
-    return External(submission.name, case, path.name, digest(path), found, columns, ROUTE)
 
 
 def found_in(folder: Path) -> list[Submission]:

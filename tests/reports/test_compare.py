@@ -9,8 +9,9 @@ import reference
 from adapters.common import exported
 from adapters.interface import engine as adapter_of
 from cases import registry
-from reports import compare
+from reports import compare, export
 from reports.judging import noticed, residuals
+from reports.running import external, tasks
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
@@ -247,6 +248,35 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
     assert np.mean(np.isnan(told.slip) != flying) < 0.02
     gap = np.where(flying, 1.0, 0.0)
     assert residuals.laws_broken(case, told, gap) == []
+
+
+# Rebounds too low for a pose to tell from lying on the track, a landing that sticks at once, a lift-off at the end.
+FLIGHTS = {"bouncing_disc[e=0.5]": 4, "disc_onto_incline[mu=0.5]": 0, "disc_rolling_off_hill": 0}
+EVERY = [case.label for name in cases.names(hard=False) for case in cases.select(name)]
+
+
+@pytest.mark.parametrize(
+    "label", [*FLIGHTS, *(pytest.param(n, marks=pytest.mark.slow) for n in EVERY if n not in FLIGHTS)]
+)
+def test_the_true_motion_as_it_is_exported_is_right(tmp_path, label):
+    case = cases.load(label)
+    names, rows = export.motion(case)
+    np.savetxt(tmp_path / "motion.csv", rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
+    run = external.judged(external.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case))
+    assert run.outcome == "right", run.reason
+    short = [row for row in run.ledger if row.verdict == "unresolved"]
+    if label in FLIGHTS:
+        assert len(short) == FLIGHTS[label]
+    # Only what is shorter than two and a half samples, and it is the truth's.
+    assert all(row.before is row.after is cases.Mode.FLIGHT for row in short)
+    assert max((abs(row.error) for row in run.ledger if row.verdict == "matched"), default=0.0) < 1e-4
+
+
+def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():
+    case = cases.load("disc_rolling_off_hill")
+    names, rows = export.motion(case)
+    table = pd.DataFrame(rows, columns=list(names)).assign(normal_force=0.0)
+    assert exported.trajectory_of(case, table).status == "lift_off"
 
 
 def test_landing_without_impact_ends_the_motion(tmp_path):
