@@ -10,6 +10,7 @@ import io
 import os
 import shlex
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
@@ -416,5 +417,7 @@ def checked_store(text: str | Path | None, out: Path) -> Path:
 def check_writable(option: str, path: Path, folder: Path) -> None:
     """Raises BadValue unless the folder is there and open, or can be made."""
     above = next(some for some in (folder, *folder.parents) if some.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder")
+    try:
+        tempfile.TemporaryFile(dir=above).close()  # what the rights say is not what every file system does
+    except OSError:
+        raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder") from None

@@ -43,6 +43,8 @@ CREEP = "creep"
 
 # A file's size in bytes, and its samples: each is looked at by itself, a tenth of a millisecond.
 LARGEST_FILE, MOST_SAMPLES = 100 * 2**20, 200_000
+# Squares of what is read, and of its slopes, have to be doubles.
+LARGEST = 1e100
 # A slope to second order takes so many samples. (Our own adapters ask for no more.)
 LEAST_SAMPLES = 3
 # By so much (rad) the plate or the track may turn between samples: from a quarter of a turn on, the contact is not
@@ -72,7 +74,7 @@ def parsed(text: str, called: str) -> pd.DataFrame:
         table = pd.read_csv(StringIO(text), skipinitialspace=True, comment="#", header=None, dtype=str, index_col=False)
     except (ValueError, OverflowError, RecursionError) as problem:
         raise BadValue(f"{called} cannot be read as comma-separated values: {problem}") from problem
-    heading = ["" if cell is None else str(cell).strip() for cell in table.iloc[0].where(table.iloc[0].notna(), None)]
+    heading = ["" if pd.isna(cell) else str(cell).strip() for cell in table.iloc[0]]
     table = table.iloc[1:].reset_index(drop=True)
     table.columns = pd.Index(heading)
     _check_heading(called, heading)
@@ -100,6 +102,10 @@ def parsed(text: str, called: str) -> pd.DataFrame:
         bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
         if len(bad):
             raise BadValue(f"{name} in line {bad[0] + 2 + len(head)} of {called} is not a finite number")
+        large = np.flatnonzero(np.abs(numbers) > LARGEST)
+        if len(large):
+            line = large[0] + 2 + len(head)
+            raise BadValue(f"{name} in line {line} of {called} is beyond all sizes; give numbers up to {LARGEST:g}")
         table = table.assign(**{str(name): numbers.astype(float)})
     backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
     if len(backwards):
@@ -115,8 +121,10 @@ _UNITS = "(ms|us|min|h|mm|cm|km|deg|in|ft)"
 
 def _check_heading(file: str, heading: list[str]) -> None:
     """Raises BadValue for a first line that leaves open what a column holds."""
-    if "" in heading:
-        number = heading.index("") + 1
+    # pandas calls a nameless column "Unnamed: 0" where it read it and writes it again.
+    nameless = [not cell or cell.startswith("Unnamed:") for cell in heading]
+    if any(nameless):
+        number = nameless.index(True) + 1
         raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
     for name in (*NEEDED, *OPTIONAL):
         if heading.count(name) > 1:

@@ -1,5 +1,5 @@
-"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way, a
-creep that it does not declare.
+"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way,
+another unit, a creep that it does not declare.
 
 Pure functions; each gives a sentence, or nothing. Nothing is mended: the motion is judged as it was given.
 """
@@ -16,6 +16,12 @@ from cases import Trajectory
 # Velocities stand half a step beside the poses if they are so far from there, in steps; and if, moved there, they are
 # off by no more than this part.
 HALF, MENDED = (0.25, 0.75), 0.3
+# An axis is mirrored, or a column in another unit, if the motion read so is off the truth by no more than this part.
+NEARER = 0.1
+# Of fewer samples than these in the truth's time nothing is said.
+LEAST = 3
+
+
 # An axis is mirrored if the mirrored motion is off the truth by no more than this part.
 MIRRORED = 0.1
 # What should stick creeps if it slips at no more than this part of the motion's fastest slip; of rounding's part of the
@@ -31,6 +37,16 @@ _IMAGES = {
     "y and theta": (1, -1, -1),
     "x and y": (-1, -1, 1),
 }
+
+# Columns in units that are common elsewhere: name, unit, and the unit in seconds, metres or radians.
+_UNITS = (
+    *((name, unit, size) for name in ("x", "y") for unit, size in
+      (("millimetres", 1e-3), ("centimetres", 1e-2), ("kilometres", 1e3), ("inches", 0.0254), ("feet", 0.3048))),
+    *(("t", unit, size) for unit, size in
+      (("minutes", 60.0), ("hours", 3600.0), ("milliseconds", 1e-3), ("microseconds", 1e-6))),
+    ("theta", "degrees", pi / 180.0),
+    ("theta", "turns", 2.0 * pi),
+)  # fmt: skip
 
 Columns = Mapping[str, np.ndarray]
 
@@ -68,26 +84,44 @@ def half_step(columns: Columns) -> str:
 
 def mirrored_axis(columns: Columns, truth: Trajectory) -> str:
     """Whether the poses of a table, with an axis turned round, come much nearer to the truth."""
-    inside = columns["t"] <= truth.t[-1]
-    true = truth(columns["t"][inside])
-    x, y, theta = (columns[name][inside] for name in ("x", "y", "theta"))
-    # A turn counts as much as the way that goes with it.
-    size = float(np.hypot(np.ptp(true.x), np.ptp(true.y))) / max(float(np.ptp(true.theta)), 1e-9)
-
-    def off(signs: tuple[int, int, int]) -> float:
-        turned = signs[2] * theta - true.theta
-        turned = size * (turned - 2 * pi * np.round(turned[0] / (2 * pi)))
-        away = np.hypot(signs[0] * x - true.x, signs[1] * y - true.y)
-        return float(np.sqrt(np.mean(away**2 + turned**2)))
-
-    name = min(_IMAGES, key=lambda image: off(_IMAGES[image]))
-    if not off(_IMAGES[name]) < MIRRORED * off((1, 1, 1)):
+    images = {name: dict(zip(("x", "y", "theta"), signs, strict=True)) for name, signs in _IMAGES.items()}
+    name = _much_nearer(columns, truth, images)
+    if not name:
         return ""
     verb = "seem" if " and " in name else "seems"
     return (
         f"{name} {verb} to be mirrored: turned round, the motion comes much nearer to the truth; give x to the right, "
         "y upwards, and theta counter-clockwise"
     )
+
+
+def other_unit(columns: Columns, truth: Trajectory) -> str:
+    """Whether a table, with one column taken for another unit's, comes much nearer to the truth."""
+    images = {f"{name} seems to be in {unit}": {name: factor} for name, unit, factor in _UNITS}
+    seems = _much_nearer(columns, truth, images)
+    return seems and (f"{seems}: read so, the motion comes much nearer to the truth; give seconds, metres and radians")
+
+
+def _much_nearer(columns: Columns, truth: Trajectory, images: Mapping[str, Mapping[str, float]]) -> str:
+    """The image of a table, by factors of its columns, that is nearest to the truth; "" if that is not much nearer than
+    the table itself."""
+    whole = truth(np.linspace(truth.t[0], truth.t[-1], len(columns["t"])))
+    # A turn counts as much as the way that goes with it.
+    size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), 1e-9)
+
+    @np.errstate(over="ignore", invalid="ignore")  # what is given may be of any size
+    def off(factors: Mapping[str, float]) -> float:
+        t, x, y, theta = (factors.get(name, 1.0) * columns[name] for name in ("t", "x", "y", "theta"))
+        inside = t <= truth.t[-1]
+        if inside.sum() < LEAST:
+            return np.inf
+        true = truth(t[inside])
+        turned = theta[inside] - true.theta
+        turned = size * (turned - 2 * pi * np.round(turned[0] / (2 * pi)))
+        return float(np.sqrt(np.mean(np.hypot(x[inside] - true.x, y[inside] - true.y) ** 2 + turned**2)))
+
+    name = min(images, key=lambda image: off(images[image]))
+    return name if off(images[name]) < NEARER * off({}) else ""
 
 
 def creep(motion: Trajectory, truth: Trajectory) -> str:

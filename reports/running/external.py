@@ -121,6 +121,7 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
     true = true_motion(case, truth.method)
     run = judge(row, case, motion, true, truth)
     said = [run.reason, noticed.half_step(columns), noticed.mirrored_axis(columns, true)]
+    said.append(noticed.other_unit(columns, true))
     if any(line.verdict == "missed" for line in run.ledger):
         said.append(noticed.creep(motion, true))
     return replace(run, reason="; ".join(text for text in said if text))

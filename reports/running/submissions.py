@@ -60,7 +60,7 @@ def read(folder: Path) -> Submission:
     _check_size(head, LARGEST_HEAD)
     try:
         given = tomllib.loads(head.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+    except (ValueError, RecursionError) as problem:  # a number of too many digits, brackets of too many kinds
         raise BadValue(f"{head} is no TOML: {problem}") from problem
     words = {name: _word(head, given, name) for name in WORDS}
     for place, name in ((folder.resolve().parent, "engine"), (folder.resolve(), "version")):
@@ -73,7 +73,7 @@ def read(folder: Path) -> Submission:
                 f"{head} says {name} = {words[name]!r}, and lies in a folder {place.name!r}; call both alike"
             )
     creep = given.get("creep", 0.0)
-    if isinstance(creep, bool) or not isinstance(creep, int | float):
+    if isinstance(creep, bool) or not isinstance(creep, int | float) or abs(creep) > exported.LARGEST:
         raise BadValue(f"creep in {head} is {creep!r}; give a speed in m/s, without quotation marks")
     stray = sorted(set(given) - {*WORDS, "creep"})
     if stray:
@@ -94,6 +94,8 @@ def _word(head: Path, given: dict, name: str) -> str:
 
 
 def _check_size(path: Path, most: int) -> None:
+    if path.is_symlink():  # a refusal quotes a line of what is read: it is to be the stranger's own
+        raise BadValue(f"{path} is a link; hand in the file itself")
     size = path.stat().st_size
     if size > most:
         raise BadValue(f"{path} has {size} bytes; give at most {most}")

@@ -35,6 +35,10 @@ def case_file(tmp_path, monkeypatch):
     return str(file)
 
 
+# There everybody may write, says the system, and nobody can.
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="no /proc")
+
+
 @pytest.mark.parametrize(
     "argv, hint",
     [
@@ -54,6 +58,7 @@ def case_file(tmp_path, monkeypatch):
         (["--out", "."], "inside it"),
         (["--store", "a/b", "--out", "a"], "not inside each other"),
         (["--store", __file__], "which is a file"),
+        pytest.param(["--out", "/proc/report"], "cannot be written to", marks=LINUX),
     ],
 )
 def test_nonsense_is_told_in_one_line_and_nothing_is_written(argv, hint, tmp_path, monkeypatch, capsys):

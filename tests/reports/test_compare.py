@@ -118,6 +118,9 @@ def test_broken_law_is_told(tmp_path, capsys, spoil, law):
         (_with("theta", lambda theta: theta + 1.0), "give radians"),
         (_with("omega", lambda omega: -omega), "omega is not the rate of theta"),
         (lambda frame: frame.iloc[100:], "begins at 0"),
+        (_with("x", lambda x: x.mask(x.index == 7, 1e300)), "x in line 9 of motion.csv is beyond all sizes"),
+        (lambda frame: frame.reset_index(names=""), "column 1 of motion.csv has no name (an index?)"),
+        (lambda frame: frame.reset_index(names="Unnamed: 0"), "column 1 of motion.csv has no name (an index?)"),
     ],
 )
 def test_unusable_file_is_told_in_one_sentence(tmp_path, capsys, spoil, sentence):
@@ -179,7 +182,8 @@ def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
     adapter.run(model)
     motion = adapter.read(model)
     columns = {name: getattr(motion, name) for name in FULL[:7]}
-    assert noticed.half_step(columns) == noticed.mirrored_axis(columns, MOTION) == ""
+    told = noticed.mirrored_axis(columns, MOTION), noticed.other_unit(columns, MOTION)
+    assert (noticed.half_step(columns), *told) == ("", "", "")
 
 
 def test_mirrored_angle_is_noticed(tmp_path, capsys):
@@ -188,6 +192,24 @@ def test_mirrored_angle_is_noticed(tmp_path, capsys):
     assert status == 0
     assert "theta seems to be mirrored" in text
     assert "mirrored" not in judged(tmp_path, capsys, frame)[1]
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "factor"),
+    [
+        ("x", "millimetres", 1e3),
+        ("x", "inches", 1 / 0.0254),
+        ("t", "minutes", 1 / 60),
+        ("theta", "degrees", 180 / np.pi),
+    ],
+)
+def test_another_unit_is_asked_about_and_not_right(tmp_path, capsys, column, unit, factor):
+    name = "disc_on_line[mu=0.3]"  # it starts where x, t and theta are zero: nothing else tells the unit
+    frame = table(FULL[:4], reference.simulate(cases.load(name), rtol=1e-12))
+    status, text, _ = judged(tmp_path, capsys, frame.assign(**{column: factor * frame[column]}), name)
+    assert status == 0 and f"{name}: wrong" in text
+    assert f"{column} seems to be in {unit}" in text
+    assert "seems" not in judged(tmp_path, capsys, frame, name)[1]
 
 
 def test_axis_that_is_mirrored_about_the_start_is_noticed(tmp_path, capsys):
