@@ -118,7 +118,8 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
     run = judge(row, case, motion, true, truth)
-    said = [run.reason, noticed.half_step(columns), noticed.mirrored_axis(columns, true)]
+    said = [run.reason, noticed.half_step(columns), noticed.slip_half_a_step_beside(case, motion)]
+    said.append(noticed.mirrored_axis(columns, true))
     return replace(run, reason="; ".join(text for text in said if text))
 
 
