@@ -306,7 +306,7 @@ def _check_slip(told: np.ndarray, slip: np.ndarray, vague: np.ndarray) -> None:
     Of the samples that slip by either of the two, half decide: at a kink or an impact few are off, and what sticks has
     no slip whose unit or sign could be wrong.
     """
-    if not np.isfinite(told - slip).any():
+    if np.isfinite(slip).any() and not np.isfinite(told - slip).any():
         raise DoesNotFit("slip is a number nowhere where the plate touches its track; give it there, or leave it out")
     allowed = OFF * np.abs(slip) + vague + 1e-9
     slips = (np.fmax(np.abs(told), np.abs(slip)) > allowed) & np.isfinite(told - slip)

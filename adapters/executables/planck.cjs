@@ -62,4 +62,4 @@ function get() {
   return { x, y, theta: body.getAngle(), vx, vy, omega: body.getAngularVelocity() };
 }
 
-common.run(scene, { get, move: (x, y, theta) => body.setTransform({ x, y }, theta) }, step);
+common.run(scene, { get, move: (x, y, theta) => body.setTransform({ x, y }, theta) }, step, Number.EPSILON);
