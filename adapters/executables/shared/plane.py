@@ -133,8 +133,8 @@ INSIDE = 0.999
 
 
 class Touch(NamedTuple):
-    """A place where a step of the engine's pushed the plate: the point (m), the contact's unit normal towards the plate,
-    and the force on the plate (N)."""
+    """A place where a step of the engine's pushed the plate: the point (m), the contact's unit normal towards the
+    plate, and the force on the plate (N)."""
 
     point: tuple[float, float]
     normal: tuple[float, float]
