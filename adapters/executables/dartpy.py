@@ -22,7 +22,7 @@ except ImportError:
 plane.tell_version("dartpy")
 
 # Of a curved track; friction that no forces exhaust.
-CHORDS, ROUGH = 3200, 1e3
+CHORDS, ROUGH = 800, 1e3
 # Its constraint force mixing, DART_CFM of ContactConstraint.cpp: so much of the velocity that friction takes is left.
 MIXING = 1e-5
 
@@ -35,27 +35,18 @@ tuned = scene["setting"].get("rung") != "defaults"
 mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
 
 
-def shaped(body, shape) -> None:
-    """Give a body a shape that collides, with friction and without restitution."""
+def shaped(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -> None:
+    """Give a body a shape that collides, with friction and without restitution, somewhere in the body's frame."""
     node = body.createShapeNode(shape)
+    place = dart.math.Isometry3()
+    place.set_translation([x, y, 0.0])
+    place.set_rotation(np.array([[cos(angle), -sin(angle), 0.0], [sin(angle), cos(angle), 0.0], [0.0, 0.0, 1.0]]))
+    node.setRelativeTransform(place)
     node.createCollisionAspect()
     node.createDynamicsAspect()
     # Of two bodies' coefficients the engine takes the smaller.
     node.getDynamicsAspect().setFrictionCoeff(mu)
     node.getDynamicsAspect().setRestitutionCoeff(0.0)
-
-
-def fixed(name: str, shape, x: float, y: float, angle: float) -> None:
-    """Put a shape of the track into the world."""
-    skeleton = dart.dynamics.Skeleton(name)
-    joint, body = skeleton.createWeldJointAndBodyNodePair()
-    place = dart.math.Isometry3()
-    place.set_translation([x, y, 0.0])
-    place.set_rotation(np.array([[cos(angle), -sin(angle), 0.0], [sin(angle), cos(angle), 0.0], [0.0, 0.0, 1.0]]))
-    joint.setTransformFromParentBodyNode(place)
-    shaped(body, shape)
-    skeleton.setMobile(False)
-    world.addSkeleton(skeleton)
 
 
 world = dart.simulation.World()
@@ -64,6 +55,9 @@ world.setTimeStep(h)
 if tuned:
     # As it comes, shapes become meshes; its own detector has spheres and boxes.
     world.getConstraintSolver().setCollisionDetector(dart.collision.DARTCollisionDetector())
+ground = dart.dynamics.Skeleton("track")
+fixed = ground.createWeldJointAndBodyNodePair()[1]
+ground.setMobile(False)
 track = plane.shape(scene)
 thick = 0.5 * radius
 if track.kind == "line":
@@ -74,13 +68,14 @@ if track.kind == "line":
     along = (start["x"] - track.x) * cos(track.angle) + (start["y"] - track.y) * sin(track.angle)
     x, y = track.x + along * cos(track.angle), track.y + along * sin(track.angle)
     x, y = x + thick * sin(track.angle), y - thick * cos(track.angle)
-    fixed("track", dart.dynamics.BoxShape([4 * way, 2 * thick, 4 * radius]), x, y, track.angle)
+    shaped(fixed, dart.dynamics.BoxShape([4 * way, 2 * thick, 4 * radius]), x, y, track.angle)
 elif track.kind == "hill":
-    fixed("track", dart.dynamics.SphereShape(track.radius), track.x, track.y, 0.0)
+    shaped(fixed, dart.dynamics.SphereShape(track.radius), track.x, track.y)
 else:
-    for number, box in enumerate(plane.chords(scene, CHORDS)):
+    for box in plane.chords(scene, CHORDS):
         x, y = box.x + thick * sin(box.angle), box.y - thick * cos(box.angle)
-        fixed(f"chord {number}", dart.dynamics.BoxShape([2 * box.half, 2 * thick, 4 * radius]), x, y, box.angle)
+        shaped(fixed, dart.dynamics.BoxShape([2 * box.half, 2 * thick, 4 * radius]), x, y, box.angle)
+world.addSkeleton(ground)
 plate = dart.dynamics.Skeleton("plate")
 joint, body = plate.createPlanarJointAndBodyNodePair()
 inertia = scene["plate"]["inertia"]

@@ -17,7 +17,8 @@ my_package.my_engine.
 
 Every law is tried on every route, with the finest setting but one of its ladder: kept, broken (and by how much),
 refused (and why), not told (a law about forces, of an engine that tells none), failed with an exception, crashed or
-timed_out (it runs in a process of its own, whose output is not shown). The exit status is 0 if none is broken and none failed, else 1; 2 if there is no such adapter, route or law.
+timed_out (it runs in a process of its own, whose output is not shown). The exit status is 0 if none is broken and none
+failed, else 1; 2 if there is no such adapter, route or law.
 """
 
 
