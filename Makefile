@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
-.PHONY: report quick test test-all check docs browser clean
+.PHONY: report quick test test-all smoke check docs browser clean
 
 # Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
 EXTRAS ?=
@@ -25,6 +25,12 @@ test: $(VENV)/installed check
 test-all: $(VENV)/installed check
 	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile -m "slow or not slow" --ignore=tests/reports/test_clock.py
 	$(KEPT) $(BIN)/python -m pytest -m "slow or not slow" tests/reports/test_clock.py
+
+# What is over in seconds and says that nothing is broken outright: rooms, their arrows, exact values.
+SMOKE := tests/test_architecture.py tests/test_import_layers.py tests/reference/test_reference_exact.py
+
+smoke: $(VENV)/installed check
+	$(KEPT) $(BIN)/python -m pytest -q $(SMOKE)
 
 check: $(VENV)/installed
 	$(BIN)/ruff check .

@@ -100,7 +100,7 @@ def test_points_beside_a_case_file_are_read_from_there(desk, capsys, tmp_path_fa
     before = "Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3))"
     assert before in text
     text = text.replace(before, 'Curve.from_csv("points.csv", closed=False)').replace("xi1=-1.0", "xi1=-0.8")
-    s = np.linspace(-1.5, 1.5, 60)
+    s = np.linspace(-1.5, 1.5, 20)
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (desk / "scenes").mkdir()
     (desk / "scenes" / "my_points.py").write_text(text)

@@ -4,11 +4,13 @@ import importlib.util
 import json
 import re
 import shutil
+from itertools import islice
 from pathlib import Path
 
 import pytest
 
 import cases
+import reference
 from cases import registry
 from cases.pictures import animation
 from reports import options
@@ -20,11 +22,14 @@ _NOT_RUN = re.compile(r"<!-- not run: .*? -->\s*```python\n.*?```", flags=re.S)
 
 @pytest.fixture
 def desk(tmp_path, monkeypatch):
-    """A folder to write into, a catalogue that forgets what is added to it, and films of few pictures."""
+    """A folder to write into, a catalogue that forgets what is added to it, films of few pictures, and of sweeps that
+    go on for minutes the first chunks."""
     monkeypatch.chdir(tmp_path)
     cases.names()
     monkeypatch.setattr(registry, "_entries", dict(registry._entries))
     monkeypatch.setattr(animation, "FRAMES_A_SECOND", 1)
+    whole = reference.sweep_chunks
+    monkeypatch.setattr(reference, "sweep_chunks", lambda *of, **over: islice(whole(*of, **over), 2))
     return tmp_path
 
 

@@ -32,7 +32,7 @@ from reference.minimal.eliminated import Motion
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
 from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_augmented, uniqueness
 from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate
-from tests.scenes.elliptic import elliptic_scenes
+from tests.scenes.elliptic import elliptic_scenes, examples
 
 
 def modes(case):
@@ -46,7 +46,7 @@ def _state(case, mode):
 
 
 @given(elliptic_scenes)
-@settings(max_examples=60, deadline=None)
+@examples(20, 60)
 def test_multipliers_satisfy_newton_and_euler(case):
     gravity, m, J = case.effect(Gravity), case.plate.mass, case.plate.inertia
     for mode in modes(case):
@@ -63,7 +63,7 @@ def test_multipliers_satisfy_newton_and_euler(case):
 
 
 @given(elliptic_scenes)
-@settings(max_examples=60, deadline=None)
+@examples(20, 60)
 def test_accelerations_satisfy_the_constraints_differentiated_numerically(case):
     # The derivative of (8) and (9) along the motion by central differences: nothing of (25) is used.
     for mode in modes(case):
@@ -84,7 +84,7 @@ def test_accelerations_satisfy_the_constraints_differentiated_numerically(case):
 
 
 @given(elliptic_scenes)
-@settings(max_examples=60, deadline=None)
+@examples(20, 60)
 def test_eliminated_equations_agree_with_the_literal_matrix(case):
     for mode in modes(case):
         state = _state(case, mode)
@@ -100,7 +100,7 @@ def test_eliminated_equations_agree_with_the_literal_matrix(case):
 
 
 @given(elliptic_scenes)
-@settings(max_examples=60, deadline=None)
+@examples(20, 60)
 def test_the_two_forms_of_the_slip_velocity_agree(case):
     k = kinematics(case, *start_state(case))
     assert slip_vector(k) == pytest.approx(slip_vector_of_plate(k), abs=1e-12)

@@ -175,7 +175,7 @@ def test_a_longer_motion_begins_like_a_shorter_one(method):
 
 
 @given(elliptic_scenes)
-@examples(5, 10)
+@examples(2, 10)
 def test_the_mirror_image_of_a_scene_moves_as_the_mirror_image(case):
     s = case.start
     gravity = case.effect(Gravity)
