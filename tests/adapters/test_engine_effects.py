@@ -243,6 +243,19 @@ def test_impact_that_an_engine_cannot_do_is_refused_with_the_reason():
     assert reason("pymunk", "native", PLATE) is None  # by a law of its own, which its row tells
 
 
+def test_the_law_handed_to_exudyn_has_a_restitution_of_its_own_as_its_refusal_tells():
+    """A critically damped spring that may not pull lets go where its force is none: at e^-2 of the speed it began with,
+    whatever restitution is asked for."""
+    adapter = pytest.importorskip("adapters.exudyn")
+    fall = np.sqrt(2 * 9.81 * 0.1)
+    for e in (0.0, 0.6):
+        case = Case(line(0.0), DISC, (G, *FLIES, Impact(e)), Start(0.0, gap=0.1), 0.16)
+        assert "a seventh" in adapter.refuses(case, "integrator")
+        model = adapter.build(case, "integrator", adapter.ladder(case, "integrator")[-1])
+        adapter.run(model)
+        assert adapter.read(model).vy.max() / fall == pytest.approx(np.exp(-2.0), rel=2e-2)
+
+
 @pytest.mark.parametrize(("name", "route"), ROUTES)
 def test_rolling_resistance_is_refused_by_its_name(name, route):
     pytest.importorskip(f"adapters.{name}")
