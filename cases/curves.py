@@ -226,12 +226,27 @@ class Curve:
         For a number or an array; this is what makes the plate's rotation θ a function of (ξ₁, ξ₂) alone, by (6).
         """
         if np.ndim(s) == 0:
-            xp, yp = self.jet(float(s))[2:4]
-            angle, near = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s, dtype=float)))
-            turns = (near - angle) / (2 * np.pi)
-            return angle + 2 * np.pi * round(turns) if isfinite(turns) else nan
+            return self._angle_of(float(s), *self.jet(float(s))[2:4])
         s = np.asarray(s, dtype=float)
-        d = self.jets(s)[2:4]
+        return self._angles_of(s, self.jets(s)[2:4])
+
+    def place(self, s) -> tuple[np.ndarray, Any]:
+        """`point` and `tangent_angle` from one evaluation."""
+        if np.ndim(s) == 0:
+            x, y, xp, yp = self.jet(float(s))[:4]
+            return np.array([x, y]), self._angle_of(float(s), xp, yp)
+        s = np.asarray(s, dtype=float)
+        jets = self.jets(s)
+        return jets[:2], self._angles_of(s, jets[2:4])
+
+    def _angle_of(self, s: float, xp: float, yp: float) -> float:
+        """The tangent's direction where the curve runs along (xp, yp)."""
+        angle, near = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s)))
+        turns = (near - angle) / (2 * np.pi)
+        return angle + 2 * np.pi * round(turns) if isfinite(turns) else nan
+
+    def _angles_of(self, s: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """The same for arrays."""
         principal = np.arctan2(d[1], d[0]).reshape(s.shape)
         rough = self._rough_tangent_angle(s)
         return principal + 2 * np.pi * np.round((rough - principal) / (2 * np.pi))

@@ -43,9 +43,9 @@ class Motion(NamedTuple):
 
 def pose(track: Curve, outline: Curve, xi1, xi2):
     """(x, y, theta) of the plate that touches at (xi1, xi2): (6) gives θ, (5) gives R₀. Numbers or arrays."""
-    theta = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
+    ((X, Y), along_track), ((x, y), along_outline) = track.place(xi1), outline.place(xi2)
+    theta = along_track - along_outline
     c, s = np.cos(theta), np.sin(theta)
-    (X, Y), (x, y) = track.point(xi1), outline.point(xi2)
     return X - (c * x - s * y), Y - (s * x + c * y), theta
 
 

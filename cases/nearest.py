@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import cos, inf, sin
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from .contact import Contact, find
 from .curves import Curve
 from .errors import DoesNotFit
 
-if TYPE_CHECKING:
-    from scipy.spatial import KDTree
-
 # Points of the outline that are looked at: closer than the curvature of any smooth outline is likely to hide a nearer
 # one between two of them, and Newton's method goes on from the nearest.
 OUTLINE_POINTS = 128
@@ -23,16 +20,58 @@ OUTLINE_POINTS = 128
 POINTS_A_SIZE = 24
 # Where no track is any more, m: squares of distances overflow there.
 FARTHEST = 1e150
+# Of distances, in parts of them.
+ROUNDING = 1e-12
+
+
+class _Stretches(NamedTuple):
+    """Samples of a curve in stretches of equal length, to look up which is nearest: their points (stretches, length,
+    2), a centre (stretches, 2) and the farthest of them from it, m (stretches,).
+
+    (SciPy's trees are as quick, and take a seventh of a second to import, more than a first motion does.)
+    """
+
+    points: np.ndarray
+    centres: np.ndarray
+    radii: np.ndarray
+
+    @classmethod
+    def of(cls, points: np.ndarray) -> _Stretches:
+        """Short ones, of the cube root of the samples' number; the last sample (n, 2) fills the last of them up."""
+        length = int(np.ceil(np.cbrt(len(points))))
+        filled = np.minimum(np.arange(-(-len(points) // length) * length), len(points) - 1)
+        stretches = points[filled].reshape(-1, length, 2)
+        centres = stretches.mean(axis=1)
+        return cls(stretches, centres, np.sqrt(_squares(stretches, centres[:, None]).max(axis=1)))
+
+    def nearest(self, there: np.ndarray) -> np.ndarray:
+        """Which sample is the nearest to each of the points (m, 2), the first of equal ones.
+
+        Stretches are looked into unless they begin farther away than another ends, whichever of the points one asks.
+        """
+        middle = there.mean(axis=0)
+        spread = 2.0 * float(np.sqrt(_squares(there, middle).max()))
+        away = np.sqrt(_squares(middle, self.centres))
+        some = np.flatnonzero(away - self.radii <= ((away + self.radii).min() + spread) * (1.0 + ROUNDING))
+        found = _squares(self.points[some].reshape(-1, 2), there[:, None]).argmin(axis=1)
+        length = self.points.shape[1]
+        return some[found // length] * length + found % length
+
+
+def _squares(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Squares of distances of points whose coordinates stand last, m²."""
+    x, y = a[..., 0] - b[..., 0], a[..., 1] - b[..., 1]
+    return x * x + y * y
 
 
 class _Track(NamedTuple):
-    """Samples of a track: parameters, points (n, 2), left normals (n, 2), a tree to look points up in, and which of
-    them show features."""
+    """Samples of a track: parameters, points (n, 2), left normals (n, 2), the same in stretches to look points up in,
+    and which of them show features."""
 
     parameters: np.ndarray
     points: np.ndarray
     normals: np.ndarray
-    tree: KDTree
+    stretches: _Stretches
     fine: np.ndarray
 
 
@@ -105,7 +144,7 @@ def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarra
     low, high = case.track.span
     while True:
         track = _track(case.track, low, high, _size(case.plate.outline))
-        _, places = track.tree.query(there)
+        places = track.stretches.nearest(there)
         ends = np.zeros(len(places), dtype=bool)
         if not case.track.period:
             ends = (places == 0) | (places == len(track.parameters) - 1)
@@ -119,14 +158,14 @@ def _poking(case: Case, track: _Track, x: float, y: float, theta: float) -> _Gue
     outline; None if no feature is near."""
     if not len(track.fine) or not case.plate.outline.period:
         return None
-    parameters, points, normals, tree = _outline(case.plate.outline)
+    parameters, points, normals, stretches = _outline(case.plate.outline)
     c, s = cos(theta), sin(theta)
     u, v = track.points[track.fine, 0] - x, track.points[track.fine, 1] - y
     seen = np.column_stack([c * u + s * v, c * v - s * u])
     near = np.flatnonzero(np.hypot(*seen.T) <= 1.5 * float(np.hypot(*points).max()))
     if not near.size:
         return None
-    _, places = tree.query(seen[near])
+    places = stretches.nearest(seen[near])
     apart = np.einsum("ij,ij->i", points.T[places] - seen[near], normals[places])
     best = int(np.argmin(apart))
     return _Guess(float(track.parameters[track.fine[near[best]]]), float(parameters[places[best]]), float(apart[best]))
@@ -137,16 +176,14 @@ def _outside(curve: Curve, parameter: float) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray, KDTree]:
-    """Samples of an outline: parameters (n,), points (2, n), left normals (n, 2), and a tree to look points up in."""
-    from scipy.spatial import KDTree  # slow to import, needed only where something flies
-
+def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray, _Stretches]:
+    """Samples of an outline: parameters (n,), points (2, n), left normals (n, 2), and the same in stretches."""
     parameters = np.linspace(*outline.span, OUTLINE_POINTS + 1)
     if outline.features:
         parameters = np.union1d(parameters, outline.features.places(*outline.span))
     parameters = parameters[:-1] if outline.period else parameters
     points = outline.point(parameters)
-    return parameters, points, outline.normal(parameters).T, KDTree(points.T)
+    return parameters, points, outline.normal(parameters).T, _Stretches.of(points.T)
 
 
 @lru_cache(maxsize=64)
@@ -157,8 +194,6 @@ def _size(outline: Curve) -> float:
 
 @lru_cache(maxsize=64)
 def _track(track: Curve, low: float, high: float, size: float) -> _Track:
-    from scipy.spatial import KDTree
-
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
     # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
     parameters = np.linspace(low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))
@@ -168,4 +203,5 @@ def _track(track: Curve, low: float, high: float, size: float) -> _Track:
         fine = track.features.places(low, high)[1:-1]
         parameters = np.union1d(parameters, fine)
     points = track.point(parameters).T
-    return _Track(parameters, points, track.normal(parameters).T, KDTree(points), np.searchsorted(parameters, fine))
+    shown = np.searchsorted(parameters, fine)
+    return _Track(parameters, points, track.normal(parameters).T, _Stretches.of(points), shown)

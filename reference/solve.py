@@ -139,7 +139,8 @@ def _known(method: str | None) -> str:
 def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
     """Derive and compile what a run of the case may need, so that no run pays for it."""
     prepare_phase, _ = INTEGRATORS[_known(method)]
-    for regime in (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ())):
+    kinds = {regime.kind: regime for regime in reversed(candidates(case))}  # slip forward or backward, it is one system
+    for regime in (*kinds.values(), *((FLIGHT,) if case.effect(Flight) is not None else ())):
         prepare_phase(phase(case, regime), rtol)
 
 
@@ -153,9 +154,9 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         start = start._replace(normal_force=nothing, friction_force=nothing)
         return Trajectory(t=np.zeros(1), **start._asdict(), **told)
 
-    @np.errstate(all="ignore")
     def samples() -> tuple[np.ndarray, State]:
-        states = [_observe(case, segment.phase, segment.times, segment.states(segment.times)) for segment in segments]
+        with np.errstate(all="ignore"):
+            states = [_observe(case, s.phase, s.times, s.states(s.times)) for s in segments]
         times = np.concatenate([segment.times for segment in segments])
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 

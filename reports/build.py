@@ -9,7 +9,8 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,7 @@ def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
         "case", "case_file", "solver", "engine", "trajectory", "submissions",
-        "quick", "full", "jobs", "store", "fresh", "paper", "list",
+        "quick", "full", "jobs", "dask", "store", "fresh", "paper", "list",
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
@@ -102,11 +103,13 @@ def _build(plan: Plan) -> int:
     from .drawing.files import for_print
     from .page import folder
     from .page.text import lost_words
-    from .running import experiment, external, versions
+    from .running import cluster, experiment, external, versions
     from .running.calls import Calls
     from .running.progress import Display, usual
     from .running.store import Store
 
+    if plan.dask is not None:
+        cluster.check(plan.dask)
     store = Store(plan.store, plan.fresh)
     _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
@@ -115,7 +118,7 @@ def _build(plan: Plan) -> int:
     try:
         folder.rehearse(plan.out)
         shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
-        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
+        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
@@ -124,6 +127,8 @@ def _build(plan: Plan) -> int:
                 _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
+    except cluster.Nobody as problem:
+        raise OSError(f"{problem}; {store.kept_words()}") from None
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
@@ -134,6 +139,21 @@ def _build(plan: Plan) -> int:
     if calls.lost:
         _say(f"{COMMAND}: {lost_words(calls.lost)}")
     return 3 if lacking else 0
+
+
+@contextmanager
+def _machines(plan: Plan, calls: Calls) -> Iterator[None]:
+    """Runs that are not timed are made on the plan's cluster, if it has one, in the block."""
+    from .running import elsewhere
+    from .running.cluster import Cluster
+
+    if plan.dask is None:
+        yield
+        return
+    present = calls.present(plan.solvers)
+    identity = elsewhere.identity({name: calls.versions[name] for name in present})
+    with closing(Cluster(plan.dask, plan.jobs, identity, present)) as calls.cluster:
+        yield
 
 
 def _without_truth(shown: Experiment) -> list[str]:

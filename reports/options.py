@@ -220,6 +220,7 @@ class Plan:
     fresh: bool = False  # whether what is kept there is left out of account
     trajectories: tuple[External, ...] = ()
     paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
+    dask: str | None = None  # who makes the runs that are not timed, if not this machine
 
     @property
     def limit(self) -> float:
@@ -274,9 +275,12 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
     external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
     named = bool(names)
+    if options.dask is not None and own_engines:
+        raise BadValue("--engine names files of this machine, which --dask leaves; give one of the two")
     return Plan(
-        out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper
-    )
+        out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper,
+        options.dask,
+    )  # fmt: skip
 
 
 def plan_by_hand(

@@ -38,9 +38,10 @@ def _text(submission: Submission, runs: Sequence[Run]) -> str:
             verdict: sum(r.verdict == verdict for r in run.ledger) for verdict in ("matched", "missed", "spurious")
         }
         error = next((r.error for r in run.ledger if r.event == 1), float("nan"))
-        rows.append((run.case, run.outcome, *counts.values(), error, run.reason))
-    head = ("case", "outcome", "matched", "missed", "spurious", "first transition's error / s", "why")
-    return f"{submission.name}, by {submission.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}"
+        rows.append((run.case, run.outcome, *counts.values(), error))
+    head = ("case", "outcome", "matched", "missed", "spurious", "first transition's error / s")
+    why = "".join(f"\n\n{run.case}: {run.reason}" for run in runs if run.reason)
+    return f"{submission.name}, by {submission.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}{why}"
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -17,7 +17,10 @@ ALLOWED = {
 # Of `reports`, from the top: each may import what stands below it. Those of one floor do not import each other.
 FLOORS = (
     {"cli"},
-    {"build", "compare", "compare_builds", "comparison", "submit", "study", "show", "export", "sweep", "animate"},
+    {
+        "build", "compare", "compare_builds", "comparison", "publish", "submit",
+        "study", "show", "export", "sweep", "animate",
+    },
     {"options"},
     {"page"},
     {"studies"},
@@ -26,7 +29,7 @@ FLOORS = (
     {"analysis"},
     {"running"},
     {"judging"},
-)
+)  # fmt: skip
 # Commands that name one case with the same words.
 NEIGHBOURS = {("export", "show"), ("animate", "show")}
 

@@ -21,7 +21,7 @@ DATA = (".csv", ".json", ".html", ".css", ".typed")
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory) -> Path:
     """The wheel, built from a copy of the sources so that nothing is left beside them."""
-    pytest.importorskip("setuptools", minversion="70.1")  # the first that makes wheels by itself
+    pytest.importorskip("setuptools", minversion="77")  # the first that take a licence by its name
     source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
     for room in ROOMS:
         shutil.copytree(ROOT / room, source / room, ignore=shutil.ignore_patterns("__pycache__"))

@@ -95,7 +95,7 @@ def parsed(text: str, called: str) -> pd.DataFrame:
     for name in table:
         numbers = pd.to_numeric(table[name], errors="coerce")
         # In flight there is no slip: an empty cell, as `Trajectory.to_csv` writes it.
-        empty = table[name].isna() if name == "slip" else False
+        empty = table[name].isna() if name == "slip" else np.zeros(len(table), dtype=bool)
         bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
         if len(bad):
             raise BadValue(f"{name} in line {bad[0] + 2 + len(head)} of {called} is not a finite number")

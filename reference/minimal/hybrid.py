@@ -15,7 +15,7 @@ from .bouncing import Bounces
 from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
-from .integrators.segment import BREAKDOWN, EXHAUSTED, MOST_STEPS, Segment
+from .integrators.segment import BREAKDOWN, EXHAUSTED, Segment
 from .landing import Landing, first_landing, start_impact
 from .modes import (
     FLIGHT,
@@ -40,8 +40,9 @@ from .touch import over_touch
 # Changes of regime accumulate where this many follow each other in this part of the motion's own time.
 MANY, NO_TIME = 1000, 1e-9
 
-# What one run follows: a segment takes 7 kB and more, so that these fill a gigabyte or two.
-MOST_PHASES = 200_000
+# What one run follows: a segment takes 7 kB and more, so that these fill a gigabyte or two, and so does the record of
+# these steps, which is made where samples are asked for. (A hundred thousand changes of a limping wheel take 830,000.)
+MOST_PHASES, MOST_STEPS = 200_000, 1_000_000
 
 # Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
 LOCATED = 1e-12

@@ -14,11 +14,11 @@ from functools import lru_cache
 from math import copysign
 from typing import NamedTuple
 
-from cases import Case, Load, Mode
+from cases import Case, Curve, Load, Mode, Plate, Start
 from cases.contact import pose, start_motion, velocity
 from cases.features import Features
 
-from .effects import SLIP_SIGN, laws
+from .effects import SLIP_SIGN, Laws, laws
 from .eliminated import U1, U2, X1, X2
 from .system import THETA, Kind, System, contact_system, flight_system, parameter_values
 
@@ -48,8 +48,8 @@ class Phase(NamedTuple):
     """A regime of a case with its equations and their parameters: all an integrator needs.
 
     `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: what counts as a
-    change of order one. `features` are those a step could pass over, each with the row of the state they are met by
-    (None: time).
+    change of order one. `places` say where its variables stand in the full state. `features` are those a step could
+    pass over, each with the row of the state they are met by (None: time).
     """
 
     regime: Regime
@@ -57,14 +57,18 @@ class Phase(NamedTuple):
     parameters: tuple[float, ...]
     size: float
     lengths: tuple[float, ...]
+    places: tuple[int, ...]
     case: Case
     features: tuple[tuple[int | None, Features], ...] = ()
 
 
-@lru_cache(maxsize=1024)
 def candidates(case: Case) -> tuple[Regime, ...]:
     """The contacts the case's effects allow; where two are possible (static friction) the earlier one is taken."""
-    law = laws(case)
+    return _allowed(laws(case))
+
+
+@lru_cache(maxsize=256)
+def _allowed(law: Laws) -> tuple[Regime, ...]:
     sides = (1, -1) if law.sided else (1,)
     return tuple(
         Regime(Mode.REST if mode is Mode.ROLL and turn == 0 else mode, side, turn)
@@ -107,23 +111,25 @@ def phase(case: Case, regime: Regime) -> Phase:
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
         parameters = parameter_values(case, {}, equations.parameters)
-        return Phase(regime, equations, parameters, size, (size, size, 1.0), case, _features(case, in_contact=False))
+        features = _features(case, in_contact=False)
+        return Phase(regime, equations, parameters, size, (size, size, 1.0), tuple(range(6)), case, features)
     equations = contact_system(case, regime.kind)
     law = laws(case)
     values = {"nu": float(regime.side)}
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)
-    lengths = _lengths(case)
+    lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
     parameters = parameter_values(case, values, equations.parameters)
-    features = _features(case, in_contact=True)
-    return Phase(regime, equations, parameters, size, lengths[: equations.positions], case, features)
+    places = tuple([_PLACES[v] for v in equations.variables])
+    return Phase(regime, equations, parameters, size, lengths, places, case, _features(case, in_contact=True))
 
 
+# What friction has no part in is kept by what decides it: scenes are made again and again with another friction.
 @lru_cache(maxsize=1024)
-def _lengths(case: Case) -> tuple[float, float, float]:
+def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, float]:
     """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian."""
-    start, size = start_motion(case), case.plate.gyration
-    return size / float(case.track.speed(start.xi1)), size / float(case.plate.outline.speed(start.xi2)), 1.0
+    begun, size = start.motion(track, plate.outline), plate.gyration
+    return size / float(track.speed(begun.xi1)), size / float(plate.outline.speed(begun.xi2)), 1.0
 
 
 @lru_cache(maxsize=1024)
@@ -138,20 +144,17 @@ def _features(case: Case, in_contact: bool) -> tuple[tuple[int | None, Features]
 
 def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
     """The full state in the mode's own variables."""
-    if phase.regime.mode is Mode.FLIGHT:
-        return tuple(y)
-    return tuple(y[_PLACES[v]] for v in phase.system.variables)
+    return tuple([y[place] for place in phase.places])
 
 
 def full_state(case: Case, phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
     """A mode's own variables as the full state."""
     if phase.regime.mode is Mode.FLIGHT:
         return tuple(float(v) for v in y)
-    known = {v: float(value) for v, value in zip(phase.system.variables, y, strict=True)}
-    known.setdefault(U1, 0.0)
-    if U2 not in known:
-        known[U2] = without_slip(case, known[X1], known[X2], known[U1])
-    return tuple(known[v] for v in _PLACES if v in known)
+    known = dict(zip(phase.places, map(float, y), strict=True))
+    xi1, xi2, u1 = known[0], known[1], known.get(2, 0.0)
+    u2 = known[3] if 3 in known else without_slip(case, xi1, xi2, u1)
+    return (xi1, xi2, u1, u2, known[4]) if 4 in known else (xi1, xi2, u1, u2)
 
 
 def without_slip(case: Case, xi1: float, xi2: float, u1: float) -> float:

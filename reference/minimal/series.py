@@ -13,6 +13,8 @@ import math
 from collections.abc import Callable, Sequence
 
 EPS = 2.0**-52
+# Of a product and the sum that it goes into.
+ROUNDING = 2 * EPS
 
 
 class Series:
@@ -47,19 +49,26 @@ class Series:
     __radd__ = __add__
 
     def __sub__(self, other):
-        return self + (-other)
+        if not isinstance(other, Series):
+            return self + (-other)
+        c = [a - b for a, b in zip(self.c, other.c, strict=True)]
+        return Series(c, [a + b + EPS * abs(s) for a, b, s in zip(self.e, other.e, c, strict=True)])
 
     def __rsub__(self, other):
         return (-self) + other
 
     def __mul__(self, other):
         if not isinstance(other, Series):
-            b, c = float(other), [a * float(other) for a in self.c]
-            return Series(c, [abs(b) * bound + 2 * EPS * abs(s) for bound, s in zip(self.e, c, strict=True)])
+            b = float(other)
+            size, c = abs(b), [a * b for a in self.c]
+            return Series(c, [size * bound + ROUNDING * abs(s) for bound, s in zip(self.e, c, strict=True)])
+        if len(self.c) == 1:
+            ((a,), (error,)), ((b,), (off,)) = (self.c, self.e), (other.c, other.e)
+            return Series([a * b], [abs(a) * (off + ROUNDING * abs(b)) + (abs(b) + off) * error])
         c, e = [], []
         left = [(a, abs(a), error) for a, error in zip(self.c, self.e, strict=True)]
         # From the back, so that each sum runs over two stretches side by side; with what |a| and a's error bring.
-        right = [(b, error + 2 * EPS * abs(b), abs(b) + error) for b, error in zip(other.c, other.e, strict=True)][::-1]
+        right = [(b, off + ROUNDING * abs(b), abs(b) + off) for b, off in zip(other.c, other.e, strict=True)][::-1]
         for k in range(len(left), 0, -1):
             value = bound = 0.0
             for (a, size, error), (b, off, most) in zip(left, right[k - 1 :], strict=False):

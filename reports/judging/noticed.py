@@ -1,4 +1,5 @@
-"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way.
+"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way, a
+creep that it does not declare.
 
 Pure functions; each gives a sentence, or nothing. Nothing is mended: the motion is judged as it was given.
 """
@@ -18,6 +19,9 @@ from cases.contact import slip_velocity
 HALF, MENDED = (0.25, 0.75), 0.3
 # An axis is mirrored if the mirrored motion is off the truth by no more than this part.
 MIRRORED = 0.1
+# What should stick creeps if it slips at no more than this part of the motion's fastest slip; of rounding's part of the
+# speed no word is said.
+CREEP, ROUNDING = 0.01, 1e-9
 
 # The signs of x, y and theta in each image of a motion.
 _IMAGES = {
@@ -108,4 +112,20 @@ def mirrored_axis(columns: Columns, truth: Trajectory) -> str:
     return (
         f"{name} {verb} to be mirrored: turned round, the motion comes much nearer to the truth; give x to the right, "
         "y upwards, and theta counter-clockwise"
+    )
+
+
+def creep(motion: Trajectory, truth: Trajectory) -> str:
+    """Whether the motion slips a little, and more than it declares, for most of the time that the truth rolls."""
+    inside = motion.t <= truth.t[-1]
+    true, slip = truth(motion.t[inside]), np.abs(motion.slip[inside])
+    still = np.abs(true.slip) <= ROUNDING * float(np.max(np.hypot(true.vx, true.vy)))
+    if not np.any(still) or not np.any(np.isfinite(slip[still])):
+        return ""
+    usual, fastest = float(np.nanmedian(slip[still])), float(np.nanmax(slip))
+    if not motion.slip_resolution < usual <= CREEP * fastest:
+        return ""
+    return (
+        f"where the truth rolls it slips at {usual:.1g} m/s as a rule: if that is how its contact creeps, declare it "
+        "(creep, the most of it, in m/s), or it is taken for slip"
     )

@@ -6,15 +6,21 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from ..running.fingerprint import installed, processor
 from ..running.store import now
 
 _ROOT = Path(__file__).resolve().parents[2]
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "pandas", "matplotlib", "exudyn", "pymunk", "heyoka")
+# What a report may be made with, of the suite's extras.
+_EXTRAS = ("taylor", "box2d", "bullet")
 
 
 def manifest(versions: Mapping[str, str]) -> dict[str, Any]:
@@ -23,10 +29,33 @@ def manifest(versions: Mapping[str, str]) -> dict[str, Any]:
         "made_at": now(),
         "python": sys.version.split()[0],
         "packages": {name: installed(name) for name in _PACKAGES},
+        "installed": needed(),
         "solvers": {name: told or "unknown" for name, told in versions.items()},
         "machine": f"{platform.platform()}, {processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }
+
+
+def needed(suite: str = "slip-to-roll", extras: Iterable[str] = _EXTRAS) -> dict[str, str]:
+    """Versions of all that the suite needs here, and what that needs, as far as it is installed; none where the suite
+    itself runs from a folder that was never installed."""
+    found: dict[str, str] = {}
+    asked: set[tuple[str, str]] = set()
+    waiting = [(suite, extra) for extra in ("", *extras)]
+    while waiting:
+        name, extra = waiting.pop()
+        try:
+            told = distribution(name)
+        except PackageNotFoundError:
+            continue
+        found[canonicalize_name(name)] = told.version
+        for requirement in map(Requirement, told.requires or ()):
+            if requirement.marker is None or requirement.marker.evaluate({"extra": extra}):
+                of_it = {(requirement.name, more) for more in ("", *requirement.extras)} - asked
+                asked |= of_it
+                waiting += of_it
+    found.pop(suite, None)
+    return dict(sorted(found.items()))
 
 
 def _commit() -> str:

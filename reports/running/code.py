@@ -9,7 +9,7 @@ import ast
 import hashlib
 import importlib.machinery
 import importlib.util
-from collections.abc import Iterator
+import os
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -160,14 +160,12 @@ def file_of(name: str) -> Path | None:
     if not spec.submodule_search_locations:
         return Path(spec.origin) if spec.origin and not rest else None
     for location in spec.submodule_search_locations:
-        folder = Path(location).joinpath(*rest.split(".")) if rest else Path(location)
-        for candidate in _candidates(folder):
-            if candidate.is_file():
-                return candidate
+        stem = os.path.join(location, *rest.split(".")) if rest else location
+        for ending in _ENDINGS:
+            if os.path.isfile(stem + ending):
+                return Path(stem + ending)
     return None
 
 
-def _candidates(folder: Path) -> Iterator[Path]:
-    for suffix in importlib.machinery.all_suffixes():
-        yield folder / f"__init__{suffix}"
-        yield folder.with_name(folder.name + suffix)
+# Of a package and of a module. Thousands of names are looked for, and most are none: texts, for paths are slow.
+_ENDINGS = [end for suffix in importlib.machinery.all_suffixes() for end in (f"{os.sep}__init__{suffix}", suffix)]

@@ -120,6 +120,8 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
     run = judge(row, case, motion, true, truth)
     said = [run.reason, noticed.half_step(columns), noticed.slip_half_a_step_beside(case, motion)]
     said.append(noticed.mirrored_axis(columns, true))
+    if any(line.verdict == "missed" for line in run.ledger):
+        said.append(noticed.creep(motion, true))
     return replace(run, reason="; ".join(text for text in said if text))
 
 

@@ -23,11 +23,11 @@ from .versions import parted
 LEAST_SETTINGS = 6
 # Wall seconds for all timings of a default report, and how many cases share them: once through the full ladder of every
 # route takes some five seconds on a dear case, and an interval needs three times.
-BUDGET, MOST_CASES = 54.0, 7
+BUDGET, MOST_CASES = 45.0, 7
 # A full report times every case, each for about so long.
 FULL_BUDGET_A_CASE = 60.0
 # Wall seconds a case may take for calls from cold, and for the parts of runs.
-COLD_BUDGET, PARTS_BUDGET = 4.0, 3.0
+COLD_BUDGET, PARTS_BUDGET = 2.0, 1.5
 # Beyond its budget a case may take as long as one run more and its compilations.
 PATIENCE = 60.0
 # The budget of those that are timed alone only to see whether they end their process.

@@ -69,7 +69,7 @@ def test_a_command_of_a_page_exists_and_takes_its_options(page, line):
 
 
 def test_links_lead_somewhere():
-    for page in PAGES:
+    for page in (*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"):
         for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 

@@ -45,7 +45,14 @@ sys.stdout.write(b"".join(getattr(motion, q).tobytes() for q in ("t", "x", "omeg
 """
 
 
-@pytest.mark.parametrize("name, method", [("disc_in_circle", "taylor"), ("ellipse_in_circle", "dop853")])
+@pytest.mark.parametrize(
+    "name, method",
+    [
+        ("disc_in_circle", "taylor"),
+        ("disc_in_circle", "dop853"),
+        pytest.param("ellipse_in_circle", "dop853", marks=pytest.mark.slow),
+    ],
+)
 def test_a_motion_is_the_same_to_its_last_bit_from_disk(tmp_path, name, method):
     """Derived and compiled anew, and kept by one process for the next."""
 

@@ -182,12 +182,12 @@ def test_grid_is_every_combination_from_coarse_to_fine(name):
 def test_command_writes_a_row_for_every_setting_and_a_picture(tmp_path, capsys):
     pytest.importorskip("adapters.pymunk")
     out = tmp_path / "parts"
-    argv = ["error_parts", "--case", "disc_sliding_off_hill", "--solver", "pymunk", "--out", str(out)]
+    argv = ["error_parts", "--case", "disc_on_line[mu=0.1]", "--solver", "pymunk", "--out", str(out)]
     assert study.main([*argv, "--store", str(tmp_path / "store")]) == 0
     assert str(out / "error_parts.csv") in capsys.readouterr().out
     lines = (out / "error_parts.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + 2 * 16 * len(error_parts.QUANTITIES)
-    assert (out / "error_parts_disc_sliding_off_hill.svg").stat().st_size > 1000
+    assert (out / "error_parts_disc_on_line_mu_0.1.svg").stat().st_size > 1000
 
 
 def test_command_tells_an_unknown_name_before_anything_runs(capsys):

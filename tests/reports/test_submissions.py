@@ -62,12 +62,14 @@ def test_a_right_motion_is_right(hand_in, poses, capsys):
 def test_a_wrong_motion_is_a_result(hand_in, poses):
     _, (run,) = submit.judged(hand_in(wrong(poses)))
     assert run.outcome == "wrong" and any(row.verdict == "missed" for row in run.ledger)
+    assert "creep" not in run.reason
 
 
 def test_creep_counts_as_rolling_where_it_is_declared(hand_in, poses, tmp_path):
     table = creeping(poses)
     _, (quiet,) = submit.judged(hand_in(table))
     assert any(row.verdict == "missed" for row in quiet.ledger)
+    assert "it slips at 0.005 m/s as a rule" in quiet.reason and "declare it" in quiet.reason
     head = tmp_path / "submissions" / "mine" / "1.0" / "submission.toml"
     head.write_text(head.read_text() + "\ncreep = 6e-3\n")
     _, (declared,) = submit.judged(head.parent)

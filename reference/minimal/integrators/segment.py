@@ -15,8 +15,7 @@ from ..modes import Phase
 BREAKDOWN = "breakdown"
 # Stands for a guard where a motion has taken all the steps that it may.
 EXHAUSTED = "exhausted"
-# So many steps a phase takes at most, and all phases together before the next one begins: the compiled loop takes five
-# seconds for them, their record 400 MB.
+# So many steps a phase takes at most: the compiled loop takes five seconds for them, their record 400 MB.
 MOST_STEPS = 400_000
 # The same where each step is looked at by itself (a third of a millisecond: half a minute).
 MOST_LOOKED_AT = 100_000

@@ -170,25 +170,26 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, 
     left = _leave_start(integrator, phase, series, t, y, end, float)
     if left.guard:
         return None
-    outcome, _ = integrator.step(min(end - left.time, _most(series)))
+    outcome = int(integrator.step(min(end - left.time, _most(series)))[0])
     steps, guard = left.steps + 1, _guard(outcome, phase)
-    if guard is None and int(outcome) not in (SUCCESS, TIME_LIMIT):
+    if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
     while guard is None and integrator.time < end:
-        outcome, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
+        ended, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
+        outcome = int(ended)
         steps, guard = steps + count, _guard(outcome, phase)
         if guard is None and steps >= MOST_STEPS:
             guard = EXHAUSTED
-        known = guard is not None or int(outcome) in (TIME_LIMIT, STEP_LIMIT)
+        known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(integrator.time) or not known:
             return None
     return Event(guard, integrator.time, tuple(integrator.state.tolist())), steps
 
 
-def _guard(outcome, phase: Phase) -> str | None:
-    """The guard whose event a step ended at."""
-    number = -int(outcome) - 1
-    return phase.system.guards.names[number] if 0 <= number < len(phase.system.guards) else None
+def _guard(outcome: int, phase: Phase) -> str | None:
+    """The guard whose event a step ended at: heyoka counts terminal events down from -1, all else lies below them."""
+    guards = phase.system.guards.names
+    return guards[-outcome - 1] if -len(guards) <= outcome < 0 else None
 
 
 def _one_by_one(
@@ -213,7 +214,7 @@ def _one_by_one(
             coefficients.append(integrator.tc.astype(float))
             times.append(float(integrator.time))
             if int(outcome) not in (SUCCESS, TIME_LIMIT):
-                guard = _guard(outcome, phase)
+                guard = _guard(int(outcome), phase)
                 if guard is None:
                     return _broken(phase, times, coefficients, y)
             elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
@@ -343,10 +344,10 @@ def _reach(phase: Phase, series: Rows, t: float, y) -> float:
     All terms count: those of even or of odd order vanish in a motion from rest. Where none is left the forces balance,
     and a load may change them; infinite where there are no forces either.
     """
-    positions = series[: phase.system.positions]
-    forces = phase.system.observed_of_numbers(t, tuple(y), phase.parameters)
-    falls = (max(abs(forces[NORMAL]), abs(forces[FRICTION])) / phase.size) ** 0.5
-    fastest = max([falls, *[_fastest(row, length, 1) for row, length in zip(positions, phase.lengths, strict=True)]])
+    forces = phase.system.observed_of_numbers(t, y, phase.parameters)
+    fastest = (max(abs(forces[NORMAL]), abs(forces[FRICTION])) / phase.size) ** 0.5
+    for row, length in zip(series, phase.lengths, strict=False):  # positions come first
+        fastest = max(fastest, _fastest(row, length, 1))
     return 1.0 / fastest if fastest else inf
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 from typing import NamedTuple
 
 import cases
@@ -19,6 +20,8 @@ print(time.process_time() - began)
 """
 # Of so many new processes the quickest tells: what else the machine does only adds.
 PROCESSES = 3
+# Where the suite lies: what is run by `python -c` imports first what lies where it is run, maybe somebody's `cases`.
+_HOME = Path(cases.__file__).parents[1]
 
 
 class Cold(NamedTuple):
@@ -29,7 +32,8 @@ class Cold(NamedTuple):
 
 
 def _told(program: str, *words: str) -> float:
-    told = subprocess.run([sys.executable, "-c", program, *words], check=True, capture_output=True, text=True)
+    argv = [sys.executable, "-c", program, *words]
+    told = subprocess.run(argv, check=True, capture_output=True, text=True, cwd=_HOME)
     return float(told.stdout)
 
 

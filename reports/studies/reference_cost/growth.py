@@ -10,9 +10,9 @@ import cases
 import reference
 
 RTOL = 1e-9
-# What is told is the least of so many calls, none of them longer than this in all, s: growth is a matter of 15 %, and
-# whatever disturbs a call makes it longer.
-CALLS, LONG = 5, 10.0
+# What is told is the least of so many calls and so many seconds of them, and no more begin after LONG: growth is a
+# matter of 15 %, whatever disturbs a call makes it longer, and calls of a tenth of a millisecond need many.
+CALLS, BRIEF, LONG = 5, 0.3, 10.0
 
 
 class Growth(NamedTuple):
@@ -58,6 +58,11 @@ class Grown(NamedTuple):
     status: str
 
 
+def _again(calls: int, spent: float) -> bool:
+    """Whether so many calls in so many seconds are too few."""
+    return spent < LONG and (calls < CALLS or spent < BRIEF)
+
+
 def measure(growth: Growth, size: int) -> Grown:
     """One size, in the process that calls it."""
     reference.simulate(case_of(growth, 1), rtol=RTOL).t  # noqa: B018 - compiled and imported before the clock starts
@@ -66,7 +71,7 @@ def measure(growth: Growth, size: int) -> Grown:
     calls: list[float] = []
     samples: list[float] = []
     began = time.perf_counter()
-    while len(calls) < CALLS and (not calls or time.perf_counter() - began < LONG):
+    while not calls or _again(len(calls), time.perf_counter() - began):
         motion = None  # what is kept of the call before would count for this one
         start = time.process_time()
         motion = reference.simulate(case, rtol=RTOL)

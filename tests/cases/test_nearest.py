@@ -1,0 +1,33 @@
+"""Which sample of a curve is nearest: the same as by looking at all of them."""
+
+import sys
+from subprocess import run
+
+import numpy as np
+import pytest
+
+from cases.nearest import _Stretches
+
+
+@pytest.mark.parametrize("count", [1, 2, 17, 720, 5000])
+@pytest.mark.parametrize("far", [0.1, 1.0, 1e8])
+def test_stretches_find_the_nearest_of_all_samples(count, far):
+    random = np.random.default_rng(count)
+    s = np.linspace(0.0, 6.0, count)
+    samples = np.column_stack([np.cos(s), 0.7 * np.sin(3 * s)])
+    there = random.normal(size=(40, 2)) * far
+    found = _Stretches.of(samples).nearest(there)
+    apart = np.hypot(*(there[:, None] - samples).T)
+    np.testing.assert_allclose(apart[found, range(40)], apart.min(axis=0), rtol=1e-14)
+    if far <= 1.0:  # from far away all are equally near, to rounding
+        np.testing.assert_array_equal(found, apart.argmin(axis=0))
+
+
+def test_a_first_flight_imports_no_scipy():
+    """Its trees and root finders take a fifth of a second to import, more than the motion."""
+    program = (
+        "import sys, cases, reference\n"
+        "assert reference.simulate(cases.load('bouncing_disc')).transitions\n"
+        "print([name for name in sys.modules if name.startswith('scipy.')])"
+    )
+    assert run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.strip() == "[]"

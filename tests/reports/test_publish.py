@@ -1,0 +1,240 @@
+"""The published report: what may stand for a release, what is kept of it, and that README and answers are still its."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import cases
+from reports import compare_builds, options, publish
+from reports.page import folder
+
+ROOT = Path(__file__).parent.parent.parent
+LAST = publish.releases()[-1]
+MANIFEST = json.loads((LAST / "manifest.json").read_text(encoding="utf-8"))
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def table(name: str) -> pd.DataFrame:
+    return pd.read_csv(LAST / "tables" / f"{name}.csv")
+
+
+# --- the one that is kept ---------------------------------------------------------------------------------------------
+
+
+def test_the_last_release_is_this_version_or_an_older_one():
+    from packaging.version import Version
+
+    assert Version(LAST.name) <= Version(cases.__version__)
+    assert MANIFEST["solvers"]["reference"] == LAST.name and re.fullmatch(r"[0-9a-f]{40}", MANIFEST["commit"])
+
+
+def test_nothing_of_it_was_edited_or_lost():
+    told = MANIFEST["sha256"]
+    assert {path.relative_to(LAST).as_posix() for path in LAST.rglob("*") if path.is_file()} == {*told, "manifest.json"}
+    assert {name: publish.digest(LAST / name) for name in told} == told
+    page = (LAST / "index.html").read_text(encoding="utf-8")
+    linked = set(re.findall(r'(?:href|src)="((?:tables|figures)/[^"]+|manifest\.json)"', page))
+    assert len(linked) > 10 and all((LAST / name).is_file() for name in linked)
+
+
+def test_it_is_small_enough_to_be_kept_for_each_release():
+    assert sum(path.stat().st_size for path in LAST.rglob("*") if path.is_file()) < 10e6
+
+
+def test_the_data_package_tells_its_licence_its_version_and_every_table():
+    package = json.loads((LAST / publish.PACKAGE).read_text(encoding="utf-8"))
+    assert package["version"] == LAST.name
+    (licence,) = package["licenses"]
+    said = (ROOT / "docs" / "licences.md").read_text(encoding="utf-8")
+    assert licence["name"] == "CC-BY-4.0" and licence["path"] in said
+    assert {one["path"] for one in package["resources"]} == {file.name for file in (LAST / "tables").glob("*.csv")}
+    for one in package["resources"]:
+        header = (LAST / "tables" / one["path"]).read_text(encoding="utf-8").partition("\n")[0]
+        assert [field["name"] for field in one["schema"]["fields"]] == header.split(",")
+        assert one["bytes"] == (LAST / "tables" / one["path"]).stat().st_size
+
+
+def test_the_readme_begins_with_its_picture_and_its_numbers():
+    picture = re.search(r"!\[[^]]*\]\((.*?)\)", README)[1]
+    assert picture == f"docs/results/{LAST.name}/figures/headline.png" and (ROOT / picture).is_file()
+    part = README[README.index(publish.BEGIN) : README.index(publish.END)]
+    when, bar, pymunk, exudyn = map(float, re.findall(r"(?<![\w./-])\d[\d.]*(?:e-\d+)?(?= s\b)", part))
+    of_disc = table("truth").query("case == 'disc_in_circle[mu=0.2]' and event == 1").iloc[0]
+    assert when == pytest.approx(of_disc["time"], abs=5e-10) and bar == float(f"{of_disc['truth_error_bar']:.0e}")
+    rows = table("headline").query("case == 'disc_in_circle[mu=0.2]' and route == 'native'").set_index("solver")
+    for name, told in (("pymunk", pymunk), ("exudyn", exudyn)):
+        assert told == float(f"{abs(rows.loc[name, 'default_first_error']):.1e}")
+
+
+def test_what_is_cited_and_packed_is_the_last_release():
+    cited = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.search(r"^version: (.*)$", cited, flags=re.M)[1] == LAST.name
+    packed = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    assert f"docs/results/{LAST.name}/constraints.txt" in packed
+    told = (LAST / "constraints.txt").read_text(encoding="utf-8")
+    for name, version in MANIFEST["packages"].items():
+        assert f"\n{name}=={version}\n" in told
+
+
+# --- the command ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def report(tmp_path):
+    """A copy of the published report as a build would have left it, of the version that runs here."""
+    made = tmp_path / "report"
+    shutil.copytree(LAST, made)
+    (made / "constraints.txt").unlink()
+    told = {name: value for name, value in MANIFEST.items() if name not in ("sha256", "licence")}
+    told["files"] = [name for name in told["files"] if name != "constraints.txt"]
+    told["solvers"] |= {"reference": cases.__version__}
+    told["cases"] = {case.label: {} for name in cases.names(hard=False) for case in cases.select(name)}
+    (made / "manifest.json").write_text(json.dumps(told))
+    (made / "figures" / "headline.svg").write_text(publish.CASE)
+    return made
+
+
+def test_a_report_is_kept_whole_and_again_in_its_own_place(report, tmp_path, capsys):
+    for _ in range(2):
+        assert publish.main([str(report), "--out", str(tmp_path / "results")]) == 0
+        (place,) = publish.releases(tmp_path / "results")
+        assert place.name == cases.__version__ and str(place) in capsys.readouterr().out
+    assert compare_builds.compare(report, place).same
+    assert (place / "index.html").read_bytes() == (report / "index.html").read_bytes()
+    assert folder.foreign_file(place) == ""
+
+
+def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
+    picture = '<img alt="a" src="data:,">'
+    page = f'<a href="tables/a.csv">a</a><a href="figures/b.svg">{picture}</a>'
+    page += '<p><a href="figures/c.svg">c</a>, <a href="figures/d.svg">d</a>, as figures of their own.</p>'
+    page += '<noscript><img src="figures/c.svg"></noscript>'
+    told = publish._by_itself(page, ["tables/a.csv"])
+    assert told == f'<a href="tables/a.csv">a</a>{picture}{publish._INSTEAD}'
+    with pytest.raises(cases.BadValue, match="refers to figures/e.svg"):
+        publish._by_itself('<img src="figures/e.svg">', ["tables/a.csv"])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"made_by": "somebody"}, "holds no report"),
+        ({"commit": "0" * 40 + "+"}, "differ from their commit"),
+        ({"commit": ""}, "which commit"),
+        ({"options": "--quick"}, "--quick"),
+        ({"cases": {}}, "has no "),
+        ({"lost": ["a run"]}, "lost"),
+        ({"installed": {}}, "what was installed"),
+        ({"solvers": {"reference": "0.0.1"}}, "is of version 0.0.1"),
+        ({"files": ["nowhere.csv"]}, "is without nowhere.csv"),
+    ],
+)
+def test_what_may_not_stand_for_a_release_is_told_in_one_sentence(change, said, report, tmp_path, capsys):
+    file = report / "manifest.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    assert publish.main([str(report), "--out", str(tmp_path / "results")]) == 2
+    told = capsys.readouterr().err
+    assert said in told and told.count("\n") == 1 and not (tmp_path / "results").exists()
+
+
+def test_a_readme_without_a_place_for_the_picture_is_left_alone(tmp_path):
+    (tmp_path / "README.md").write_text("mine")
+    with pytest.raises(cases.BadValue, match="put both lines"):
+        publish.refresh(tmp_path / "README.md", LAST)
+    assert (tmp_path / "README.md").read_text() == "mine"
+
+
+# --- the watch --------------------------------------------------------------------------------------------------------
+
+
+def told_in(changelog: str, release: str) -> list[str]:
+    """The answers that the changelog says have changed since a release: of `- Answers of A B, C: …` the parts A B, C,
+    patterns that a row's words have to match."""
+    since = re.split(r"^## ", changelog, flags=re.M)[1:]
+    lines = [part for part in since if part.split()[0] != release]
+    found = re.findall(r"^- Answers of ([^:]*):", "\n".join(lines), flags=re.M)
+    return [part.strip() for one in found for part in one.split(",")]
+
+
+def is_told(difference: compare_builds.Difference, patterns: list[str]) -> bool:
+    words = [difference.table, difference.column, *difference.row.split(", ")]
+    return any(all(any(fnmatchcase(w, part) for w in words) for part in one.split()) for one in patterns)
+
+
+def test_a_change_is_told_by_a_line_since_the_last_release_that_names_it():
+    log = "# Changelog\n\n## 0.2.0\n\n- Answers of exudyn native, bouncing_*: 1e-3 s\n"
+    log += "\n## 0.1.0\n\n- Answers of pymunk: 1\n"
+    patterns = told_in(log, "0.1.0")
+    assert patterns == ["exudyn native", "bouncing_*"]
+    change = compare_builds.Difference("headline", "disc_on_line[mu=0.1], exudyn, native", "finest_error", "1", "2")
+    assert is_told(change, patterns)
+    assert not is_told(change._replace(row="disc_on_line[mu=0.1], exudyn, integrator"), patterns)
+    assert is_told(change._replace(row="bouncing_disc[e=0.5], pymunk, native"), patterns)
+    assert not is_told(change._replace(row="disc_on_line[mu=0.1], pymunk, native"), patterns)
+
+
+def other_machine() -> str:
+    """What differs between here and where the published report was made, of all that may change a last digit: versions,
+    processor, the C library with its sines."""
+    from reports.page.manifest import manifest
+
+    here = manifest({})
+    for told in (here, there := dict(MANIFEST)):
+        told["machine"] = re.findall(r"x86_64|aarch64|arm64|glibc[\d.]+|, .*", told["machine"])
+    different = (name for name in ("python", "packages", "machine") if here[name] != there[name])
+    return next((f"{name}: {here[name]} here, {there[name]} there" for name in different), "")
+
+
+@pytest.fixture(scope="module")
+def rebuilt(tmp_path_factory) -> Path:
+    """The accuracy of a default report, made anew by this commit: no timings, no pictures, no studies."""
+    from reports.analysis import tables
+    from reports.analysis.columns import with_version
+    from reports.page.text import inert
+    from reports.running import experiment
+    from reports.running.calls import Calls
+    from reports.running.progress import Display
+    from reports.running.store import Store
+
+    place = tmp_path_factory.mktemp("rebuilt")
+    every = [case for name in cases.names(hard=False) for case in cases.select(name)]
+    # Named cases would have whole ladders.
+    plan = replace(options.plan_by_hand(every, None, place / "none", "default", 2, None, False), named=False)
+    with Display([]) as display, Calls(plan.jobs, plan.limit, Store(None), display) as calls:
+        ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
+    (place / "tables").mkdir()
+    for name, frame in tables.frames(ran).items():
+        inert(with_version(frame, ran.versions)).to_csv(place / "tables" / f"{name}.csv", index=False)
+    (place / "manifest.json").write_text("{}")
+    return place
+
+
+@pytest.mark.slow
+def test_no_accuracy_changes_without_a_line_and_no_bar_widens(rebuilt):
+    """To the last digit; while the version is that of the last release nothing may change at all."""
+    if other_machine():
+        pytest.skip(f"last digits are those of one kind of machine; {other_machine()}")
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    patterns = told_in(changelog, LAST.name) if LAST.name != cases.__version__ else []
+    compared = {"headline", "transitions", "trajectories", "convergence", "truth"}
+    assert compared <= {file.stem for file in (rebuilt / "tables").glob("*.csv")}
+    found = compare_builds.compare(LAST, rebuilt).accuracies
+    untold = [d for d in found if d.one != "missing" and not is_told(d, patterns)]
+    assert not untold, compare_builds.told(compare_builds.Comparison(untold, [], [], [], 0), LAST, rebuilt)
+
+
+@pytest.mark.slow
+def test_no_bar_of_the_truth_widens(rebuilt):
+    keys = ["case", "event"]
+    both = table("truth").merge(pd.read_csv(rebuilt / "tables" / "truth.csv"), on=keys, suffixes=("", "_now"))
+    assert len(both) >= len(table("truth"))
+    wider = both[both["truth_error_bar_now"] > both["truth_error_bar"]]
+    assert wider.empty, wider[[*keys, "truth_error_bar", "truth_error_bar_now"]].to_string()
