@@ -114,7 +114,8 @@ def refuses(case: Case, route: str) -> str | None:
         return native.refuses(case)
     if case.effect(Impact):
         return (
-            "The law handed to Exudyn has a damper and no restitution: after an impact a seventh of the speed is left."
+            "The law handed to Exudyn has a damper and no restitution, and its steps are longer than an impact: "
+            "a disc leaves faster than it came."
         )
     return None
 

@@ -11,7 +11,8 @@ from math import pi
 
 import numpy as np
 
-from cases import Trajectory
+from cases import Case, Trajectory
+from cases.contact import slip_velocity
 
 # Velocities stand half a step beside the poses if they are so far from there, in steps; and if, moved there, they are
 # off by no more than this part.
@@ -59,20 +60,10 @@ def half_step(columns: Columns) -> str:
     """
     t, shifts = columns["t"], dict[str, float]()
     for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
-        if rate not in columns:
-            continue
-        slope = np.gradient(columns[name], t, edge_order=2)
-        growth, off = np.gradient(slope, t) * np.gradient(t), columns[rate] - slope
-        # Kinks of the motion are few and large: the middle nine tenths decide.
-        usual = np.abs(off) <= np.quantile(np.abs(off), 0.9)
-        off, growth = off[usual], growth[usual]
-        size = float(growth @ growth)
-        if size == 0.0:
-            continue
-        shift = float(off @ growth) / size
-        left = off - shift * growth
-        if HALF[0] <= abs(shift) <= HALF[1] and left @ left <= MENDED**2 * (off @ off):
-            shifts[rate] = shift
+        if rate in columns:
+            slope = np.gradient(columns[name], t, edge_order=2)
+            shifts[rate] = _shift(columns[rate], slope, np.gradient(slope, t) * np.gradient(t))
+    shifts = {rate: shift for rate, shift in shifts.items() if shift}
     if not shifts:
         return ""
     when = "before" if sum(shifts.values()) < 0.0 else "after"
@@ -80,6 +71,40 @@ def half_step(columns: Columns) -> str:
         f"{', '.join(shifts)} seem to stand half a step {when} the poses, as a semi-implicit step leaves them: slip, "
         "and what is read from it, is off by what half a step changes; write velocities of the poses' times"
     )
+
+
+def slip_half_a_step_beside(case: Case, motion: Trajectory) -> str:
+    """Whether the slip that a motion tells stands half a step beside its poses, though its velocities do not."""
+    touches = np.isfinite(motion.xi1) & np.isfinite(motion.slip)
+    t, told = motion.t[touches], motion.slip[touches]
+    if len(t) < 3:
+        return ""
+    moved = (getattr(motion, name)[touches] for name in ("x", "y", "vx", "vy", "omega", "xi1"))
+    own = slip_velocity(case, *moved)
+    shift = _shift(told, own, np.gradient(own, t) * np.gradient(t))
+    if not shift:
+        return ""
+    when = "before" if shift < 0.0 else "after"
+    return (
+        f"slip seems to stand half a step {when} the poses: every transition is off by as much; "
+        "write the slip of the poses' times"
+    )
+
+
+def _shift(told: np.ndarray, own: np.ndarray, growth: np.ndarray) -> float:
+    """By which share of a step a column is beside its samples' times, if that is about half and explains what it is
+    off by; else 0. `growth`: of what it should be, from one sample to the next."""
+    off = told - own
+    # Kinks of the motion are few and large: the middle nine tenths decide.
+    usual = np.abs(off) <= np.quantile(np.abs(off), 0.9)
+    off, growth = off[usual], growth[usual]
+    size = float(growth @ growth)
+    if size == 0.0:
+        return 0.0
+    shift = float(off @ growth) / size
+    left = off - shift * growth
+    mended = left @ left <= MENDED**2 * (off @ off)
+    return shift if HALF[0] <= abs(shift) <= HALF[1] and mended else 0.0
 
 
 def mirrored_axis(columns: Columns, truth: Trajectory) -> str:

@@ -120,8 +120,8 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
     run = judge(row, case, motion, true, truth)
-    said = [run.reason, noticed.half_step(columns), noticed.mirrored_axis(columns, true)]
-    said.append(noticed.other_unit(columns, true))
+    said = [run.reason, noticed.half_step(columns), noticed.slip_half_a_step_beside(case, motion)]
+    said += [noticed.mirrored_axis(columns, true), noticed.other_unit(columns, true)]
     if any(line.verdict == "missed" for line in run.ledger):
         said.append(noticed.creep(motion, true))
     return replace(run, reason="; ".join(text for text in said if text))

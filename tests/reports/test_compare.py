@@ -175,6 +175,59 @@ def test_velocities_half_a_step_beside_the_poses_are_noticed(tmp_path, capsys, s
     assert "half a step" not in judged(tmp_path, capsys, frame)[1]
 
 
+@pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
+def test_slip_half_a_step_beside_its_poses_is_noticed(tmp_path, capsys, shift, when):
+    frame = table(FULL[:8]).iloc[::4]
+    moved = frame.assign(slip=MOTION(np.clip(frame.t + 4e-3 * shift, 0.0, MOTION.t[-1])).slip)
+    status, text, _ = judged(tmp_path, capsys, moved)
+    assert status == 0 and f"slip seems to stand half a step {when} the poses" in text
+    assert "half a step" not in judged(tmp_path, capsys, frame)[1]
+
+
+LINE, ROLLS = "disc_on_line[mu=0.1]", "disc_on_incline"
+# What a liar, or another convention, makes of a slip column.
+LIES = {
+    "sign": lambda frame: -frame.slip,
+    "millimetres": lambda frame: 1e3 * frame.slip,
+    "kilometres": lambda frame: 1e-3 * frame.slip,
+    "mirrored spin": lambda frame: 2 * frame.vx - frame.slip,
+    "the centre's speed": lambda frame: np.hypot(frame.vx, frame.vy),
+    "none below a tenth": lambda frame: frame.slip.where(frame.slip > 0.9 * frame.slip[0], 0.0),
+}
+
+
+@pytest.mark.parametrize("lie", LIES)
+@pytest.mark.parametrize("rolling", [20, 200, 1800])
+def test_a_slip_of_another_kind_is_refused_however_short_the_sliding(lie, rolling):
+    """It slides for 200 samples, and the more of them follow in which it rolls, the less a median of all would see."""
+    case = cases.load(LINE)
+    exact = reference.simulate(case, rtol=1e-12)
+    slides = exact.transitions[0].time
+    t = np.unique(np.r_[np.linspace(0, slides, 200), np.linspace(slides, exact.t[-1], rolling)])
+    frame = pd.DataFrame({"t": t, **exact(t)._asdict()})[list(FULL)]
+    exported.trajectory_of(case, frame)
+    with pytest.raises(cases.DoesNotFit, match="slip is not the velocity"):
+        exported.trajectory_of(case, frame.assign(slip=LIES[lie](frame)))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_slip_at_a_solvers_own_point_of_contact_is_honest_in_rolling(share):
+    """A plate that lies deep in its track, or above it, has its contact between the two; one beyond them lies."""
+    case, t = cases.load(ROLLS), np.linspace(0.0, 1.0, 501)
+    exact = reference.simulate(case, rtol=1e-12)(t)
+    tangent, normal = case.track.tangent(0.0), case.track.normal(0.0)
+    for deep in (-5e-4, 5e-4):
+        x, y = np.array([exact.x, exact.y]) + deep * normal[:, None]
+        frame = pd.DataFrame({"t": t, "x": x, "y": y, "theta": exact.theta, "vx": exact.vx, "vy": exact.vy})
+        frame = frame.assign(omega=exact.omega, slip=-(1 - share) * deep * exact.omega)
+        assert np.abs(frame.slip).max() <= abs(deep * exact.omega).max()
+        exported.trajectory_of(case, frame)
+        # So far away no pose would be taken for the track's; and the centre's own speed is no slip.
+        for lie in (4 * deep * exact.omega, -4 * deep * exact.omega, tangent @ [exact.vx, exact.vy]):
+            with pytest.raises(cases.DoesNotFit, match="slip is not the velocity"):
+                exported.trajectory_of(case, frame.assign(slip=lie))
+
+
 @pytest.mark.parametrize("engine", ["exudyn", "pymunk"])
 def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
     adapter, case = adapter_of(engine), cases.load(NAME)
