@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cases
+from adapters.common import exported
 from cases import BadValue, Case, CaseError, UnknownName
 
 from . import external
