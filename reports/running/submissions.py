@@ -58,6 +58,7 @@ def read(folder: Path) -> Submission:
     head = folder / HEAD
     if not head.is_file():
         raise BadValue(f"{folder} has no {HEAD}; write one with {', '.join(WORDS)}")
+    _check_own(head)
     _check_size(head, LARGEST_HEAD)
     try:
         given = tomllib.loads(head.read_text(encoding="utf-8"))
@@ -94,9 +95,13 @@ def _word(head: Path, given: dict, name: str) -> str:
     return word.strip()
 
 
-def _check_size(path: Path, most: int) -> None:
-    if path.is_symlink():  # a refusal quotes a line of what is read: it is to be the stranger's own
+def _check_own(path: Path) -> None:
+    """A refusal quotes a line of what is read: it is to be the stranger's own."""
+    if path.is_symlink():
         raise BadValue(f"{path} is a link; hand in the file itself")
+
+
+def _check_size(path: Path, most: int) -> None:
     size = path.stat().st_size
     if size > most:
         raise BadValue(f"{path} has {size} bytes; give at most {most}")
@@ -105,6 +110,7 @@ def _check_size(path: Path, most: int) -> None:
 def motion(submission: Submission, label: str) -> External:
     """One motion of it; raises CaseError, with one sentence that names the file, if it is none of the case's."""
     path = submission.files[label]
+    _check_own(path)
     try:
         return external.read(submission.name, cases.load(label), path, ROUTE, submission.creep)
     except CaseError as problem:
