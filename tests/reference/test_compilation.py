@@ -65,5 +65,6 @@ def test_a_motion_is_the_same_to_its_last_bit_from_disk(tmp_path, name, method):
 
     anew, first, second = motion("off"), motion(str(tmp_path / "kept")), motion(str(tmp_path / "kept"))
     assert (anew[0], anew[1]) == (first[0], second[1]) == (0, 0)
-    assert first[1] == second[0] > 0
+    # What others were compiled from (a decision's series) is not asked for again.
+    assert first[1] >= second[0] > 0
     assert anew[2] == first[2] == second[2]
