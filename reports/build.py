@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from .analysis.work_precision import Measured
     from .running.calls import Calls
     from .running.records import Experiment
-    from .running.store import Store
     from .studies import Result
 
 COMMAND = "reports.build"
@@ -127,7 +126,7 @@ def _build(plan: Plan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, ran, measured, studied, store))
+    print(_summary(plan, shown, ran, measured, studied, calls))
     lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
@@ -215,7 +214,7 @@ def _write(
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
-    from .running import external
+    from .running import external, spent
     from .running.solvers import missing_words
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
@@ -246,6 +245,7 @@ def _write(
     frames = {"answers": answers} | frames
     text.write({"answers": answers}, words, place / "tables", command, plan.paper)
     dictionary.write(frames, words, place / "tables", command)
+    calls.spent.book("tables")
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
     for figure in drawn:
@@ -255,6 +255,8 @@ def _write(
             embed_command(figures, figure, result.command)
     page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
+    calls.spent.book("page")
+    told["phases"] = spent.told(calls.spent.phases)
     folder.sign(place, told)
 
 
@@ -269,13 +271,14 @@ def _options(plan: Plan) -> str:
 
 
 def _summary(
-    plan: Plan, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], store: Store
+    plan: Plan, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], calls: Calls
 ) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
     import pandas as pd
 
     from .analysis import answers, tables, time_to_accuracy, work_precision
     from .page import text
+    from .running import spent
     from .running.solvers import missing_words
 
     frames = {name: frame for result in studied for name, frame in result.frames.items()}
@@ -294,8 +297,10 @@ def _summary(
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
     lines += missing_words(shown.versions)
+    store = calls.store
     lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
+    lines += [spent.words(calls.spent.phases)]
     return "\n".join([*lines, str(plan.out / "index.html")])
 
 

@@ -21,6 +21,7 @@ from .progress import Progress, silent
 from .records import now
 from .serving import Answer
 from .solvers import is_missing, names, version
+from .spent import Spent
 from .store import Store
 from .versions import parted
 
@@ -64,7 +65,7 @@ class Calls:
 
     `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
     depends on the solver is kept. `lost`: a sentence for each call that something outside ended twice, so that it would
-    come out otherwise another time. A context manager: the workers end with it.
+    come out otherwise another time. `spent`: what each step took. A context manager: the workers end with it.
     """
 
     jobs: int = 2
@@ -73,6 +74,7 @@ class Calls:
     progress: Progress = silent
     versions: dict[str, str] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
+    spent: Spent = field(default_factory=Spent)
 
     def __enter__(self) -> Calls:
         self._pool = workers.Pool(self.jobs)
@@ -130,6 +132,7 @@ class Calls:
                 slow.append(arguments[i])
             yield i, answer
         if not left:
+            self.spent.book(step)
             return
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
@@ -144,6 +147,7 @@ class Calls:
                     answer = replace(answer, when=now())
                     self._keep(keys[left[k]], keep, limit, answer)
                 yield left[k], answer
+        self.spent.book(step)
 
     def _kept(self, function: Callable, key: Key | None, keep: Keep | None, limit: float) -> Answer | None:
         if keep is None or key is None:

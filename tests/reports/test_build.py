@@ -164,6 +164,9 @@ def test_manifest_tells_how_it_was_made(report):
     assert manifest["made_by"] == folder.MADE_BY and "--quick" in manifest["command"]
     assert {"numpy", "scipy"} <= manifest["packages"].keys() and manifest["python"].startswith("3.")
     assert set(manifest["solvers"]) == {"reference", "pymunk"}
+    phases = manifest["phases"]
+    assert {"versions", "truth", "survey", "runs", "figures", "tables", "page"} <= phases.keys()
+    assert all(0.0 <= phase["cpu_s"] and 0.0 < phase["wall_s"] for phase in phases.values())
 
 
 def test_tables_have_the_promised_columns(report):
