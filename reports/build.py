@@ -115,6 +115,7 @@ def _build(plan: Plan) -> int:
         folder.rehearse(plan.out)
         shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
         with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
+            calls.begin(plan.solvers)
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)

@@ -83,6 +83,12 @@ class Calls:
     def __exit__(self, *_) -> None:
         self._pool.close()
 
+    def begin(self, solvers: Iterable[str]) -> None:
+        """Have workers start, and meanwhile read the code that decides the solvers' results."""
+        solvers = tuple(solvers)
+        self._pool.begin(sorted({group for name in solvers if not parted(group := _group((name,), names()[1:]))[1]}))
+        made_with(dict.fromkeys(solvers, "any"), solvers)
+
     def alone(self) -> Calls:
         """The same with one worker of its own and nothing shown: for what is timed."""
         return replace(self, jobs=1, progress=silent)
@@ -91,7 +97,7 @@ class Calls:
         """Note the versions of solvers that are not known yet."""
         new = [name for name in solvers if name not in self.versions]
         limit = min(self.limit, ASKING_SECONDS)
-        answers = self.all("versions", version, [(name,) for name in new], limit=limit)
+        answers = self.all("versions", version, [(name,) for name in new], limit=limit, brief=True)
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
 
     def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
@@ -112,12 +118,14 @@ class Calls:
         limit: float | None = None,
         keep: Keep | None = None,
         skip: Skip = lambda call, slow: None,
+        brief: bool = False,
     ) -> Iterator[tuple[int, Answer]]:
         """Index and answer of `function(*arguments[i])` for every i as they come: what is kept first, then the rest.
 
-        `limit` stands in the place of the usual one. With `keep` a call that returned is made only once, and so is one
-        that ended its process or ran out of time under this limit; the function's annotation says what it returns. What
-        came from outside (a signal, an exception that is the machine's fault) is not kept.
+        `limit` stands in the place of the usual one; `brief` calls take milliseconds each. With `keep` a call that
+        returned is made only once, and so is one that ended its process or ran out of time under this limit; the
+        function's annotation says what it returns. What came from outside (a signal, an exception that is the machine's
+        fault) is not kept.
         """
         limit = self.limit if limit is None else limit
         keys = [keep and self.key(function, call, keep) for call in arguments]
@@ -137,7 +145,7 @@ class Calls:
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
         groups = [_group(call, names()[1:]) for call in calls]
-        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups)) as coming:
+        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])
