@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any, NamedTuple, get_type_hints
@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, get_type_hints
 from cases import Case
 
 from . import workers
-from .fingerprint import Key, content, made_with, plain, record_digest, sources
+from .fingerprint import Key, adapter_sources, content, made_with, plain, record_digest, sources
 from .progress import Progress, silent
 from .records import now
 from .serving import Answer
@@ -87,7 +87,9 @@ class Calls:
         """Have workers start, and meanwhile read the code that decides the solvers' results."""
         solvers = tuple(solvers)
         self._pool.begin(sorted({group for name in solvers if not parted(group := _group((name,), names()[1:]))[1]}))
-        made_with(dict.fromkeys(solvers, "any"), solvers)
+        for name in solvers:
+            with suppress(SyntaxError, ValueError, LookupError, OSError):  # its solver fails when it is asked, in a row
+                adapter_sources(name)
 
     def alone(self) -> Calls:
         """The same with one worker of its own and nothing shown: for what is timed."""

@@ -48,10 +48,10 @@ def words(phases: Mapping[str, Seconds]) -> str:
     """The longest phases in a line, by wall time."""
     longest = sorted(phases.items(), key=lambda pair: -pair[1].wall)
     named = [f"{name} {s.wall:.0f} s" for name, s in longest[:_NAMED] if s.wall >= 0.5]
-    wall, cpu = (sum(column) for column in zip(*phases.values(), strict=True))
+    wall, cpu = sum(s.wall for s in phases.values()), sum(s.cpu for s in phases.values())
     others = wall - sum(s.wall for _, s in longest[: len(named)])
     more = [f"all else {others:.0f} s"] if len(named) < len(phases) else []
-    return f"where the time went: {', '.join([*named, *more])}; {wall:.0f} s, of CPU {cpu:.0f} s"
+    return f"where the time went: {', '.join([*named, *more]) or 'nowhere'}; {wall:.0f} s, of CPU {cpu:.0f} s"
 
 
 # --- CPU time ---------------------------------------------------------------------------------------------------------

@@ -166,7 +166,8 @@ def test_manifest_tells_how_it_was_made(report):
     assert set(manifest["solvers"]) == {"reference", "pymunk"}
     phases = manifest["phases"]
     assert {"versions", "truth", "survey", "runs", "figures", "tables", "page"} <= phases.keys()
-    assert all(0.0 <= phase["cpu_s"] and 0.0 < phase["wall_s"] for phase in phases.values())
+    assert all(seconds >= 0.0 for phase in phases.values() for seconds in phase.values())
+    assert phases["runs"]["wall_s"] > 0.0
 
 
 def test_tables_have_the_promised_columns(report):
