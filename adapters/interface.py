@@ -67,6 +67,9 @@ PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version
 # What the first rung of a ladder is called: `Setting.of(rung=DEFAULTS, …)`.
 DEFAULTS = "defaults"
 
+# What of an adapter is called, those that not every one has among it.
+FUNCTIONS = {"refuses", "ladder", "grid", "wide_grid", "build", "run", "read", "version", "stripped"}
+
 # What else lies in this folder.
 NO_ADAPTERS = {"by_process", "common", "executables", "interface", "laws"}
 
@@ -191,6 +194,35 @@ def find(name: str) -> ModuleType:
     if missing:
         raise BadValue(f"{name} is no adapter: it has no {', '.join(missing)}; see `adapters.interface`")
     return adapter
+
+
+class ReturnsOnce:
+    """An adapter each of whose functions returns in the process that called it and in no other.
+
+    An engine may fork and let both processes come back. Each would go on as its caller does, and the next call would
+    double them again: a copy ends here instead.
+    """
+
+    def __init__(self, adapter: Any):
+        self._adapter = adapter
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self._adapter, name)
+        return returns_once(found) if name in FUNCTIONS else found
+
+
+def returns_once(function: Callable) -> Callable:
+    """The function, in whose forked copies nobody comes back from it."""
+
+    def called(*args: Any, **named: Any) -> Any:
+        own = os.getpid()
+        try:
+            return function(*args, **named)
+        finally:
+            if os.getpid() != own:
+                os._exit(0)
+
+    return called
 
 
 def _from_file(path: Path) -> ModuleType:

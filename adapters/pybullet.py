@@ -59,8 +59,10 @@ def refuses(case: Case, route: str) -> str | None:
     if route not in routes:
         raise unknown("route of pybullet", route, routes)
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if {"Flight", "Impact"} & {*strange}:
+        return f"pybullet's plane is put where the plate touches its track: this route has no {' and '.join(strange)}."
     if strange:
-        return f"pybullet has nothing for {' and '.join(strange)}."
+        return f"This adapter has not told pybullet how to do {' and '.join(strange)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pybullet has one friction coefficient for slip and stick."

@@ -21,7 +21,7 @@ from .plate import Plate
 from .start import Start
 
 if TYPE_CHECKING:
-    from .pictures.scene import Scene
+    from .pictures.layout import Scene
 
 # Of a case's name, which file names hold.
 LONGEST_NAME = 100
@@ -111,7 +111,7 @@ class Case:
     @property
     def scene(self) -> Scene:
         """What a picture of it needs."""
-        from .pictures.scene import Scene
+        from .pictures.layout import Scene
 
         gravity = self.effect(Gravity)
         return Scene(self.track, self.plate.outline, self.label, gravity is not None and sin(gravity.direction) > 0)

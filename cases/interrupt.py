@@ -1,30 +1,40 @@
 """Ctrl-C is said in one sentence, whatever a command is at; imports are most of the first second of all of them.
 
-Each room imports this first of all. It does nothing but where Python was started with `-m`: in a script, a notebook or
-a test, Ctrl-C is theirs.
+Each room imports this first of all. It does nothing but where Python was started with `-m` or as the console command:
+in a script, a notebook or a test, Ctrl-C is theirs.
 """
 
 from __future__ import annotations
 
+import signal
 import sys
-from types import TracebackType
+from types import FrameType, TracebackType
 
 # While `python -m` imports the packages of what it is to run, this stands where the program's name will.
 _IMPORTING = "-m"
+# The name of the file that pip makes of the console command.
+_CONSOLE = "slip-to-roll"
 
 
 def say_so(command: str) -> None:
     """Let an interrupt that nobody catches end this process with a line that names the command."""
-    usual = sys.excepthook
+    usual, came = sys.excepthook, False
+
+    def note(number: int, frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+        signal.default_int_handler(number, frame)
 
     def hook(kind: type[BaseException], problem: BaseException, trace: TracebackType | None) -> None:
         interrupt = _interrupt_behind(problem)
-        if interrupt is None:
-            usual(kind, problem, trace)
+        if interrupt is not None or came:  # modules in C may forget it over an error of their own
+            print(f"\n{command}: stopped{f'; {interrupt}' if str(interrupt or '') else ''}", file=sys.stderr)
         else:
-            print(f"\n{command}: stopped{str(interrupt) and f'; {interrupt}'}", file=sys.stderr)
+            usual(kind, problem, trace)
 
     sys.excepthook = hook
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, note)
 
 
 def _interrupt_behind(problem: BaseException | None) -> KeyboardInterrupt | None:
@@ -37,3 +47,5 @@ def _interrupt_behind(problem: BaseException | None) -> KeyboardInterrupt | None
 if sys.argv[:1] == [_IMPORTING]:
     words = sys.orig_argv
     say_so(words[words.index(_IMPORTING) + 1] if _IMPORTING in words[:-1] else "python -m")
+elif sys.argv and sys.argv[0].endswith(_CONSOLE):
+    say_so(_CONSOLE)

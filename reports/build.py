@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cases
 from cases import Case, CaseError, kept
@@ -39,7 +40,7 @@ def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
         "case", "case_file", "solver", "engine", "trajectory", "submissions",
-        "quick", "full", "jobs", "store", "fresh", "paper", "list",
+        "quick", "full", "jobs", "dask", "store", "fresh", "paper", "list",
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
@@ -101,39 +102,59 @@ def _build(plan: Plan) -> int:
     from .drawing.files import for_print
     from .page import folder
     from .page.text import lost_words
-    from .running import experiment, external, versions
+    from .running import cluster, experiment, external, versions
     from .running.calls import Calls
     from .running.progress import Display, usual
     from .running.store import Store
 
+    if plan.dask is not None:
+        cluster.check(plan.dask)
     store = Store(plan.store, plan.fresh)
-    _say(f"{len(plan.cases)} cases, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
+    many = f"{len(plan.cases)} case{'s' * (len(plan.cases) != 1)}"
+    _say(f"{many}, solvers {', '.join(plan.solvers)}, {plan.effort} effort, {plan.jobs} at a time")
     if store.problem():
         _say(f"store: {store.problem()}")
     versions.make(plan.solvers, _say)
     try:
         folder.rehearse(plan.out)
         shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
-        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls:
+        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
             calls.begin(plan.solvers)
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
             shown = external.joined(ran, plan.trajectories)
             with folder.written_whole(plan.out) as place, for_print(plan.paper):
-                _write(plan, shown, ran, measured, studied, calls, place)
+                answers = _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
+    except cluster.Nobody as problem:
+        raise OSError(f"{problem}; {store.kept_words()}") from None
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, ran, measured, studied, calls))
+    print(_summary(plan, shown, answers, studied, calls))
     lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
     if calls.lost:
         _say(f"{COMMAND}: {lost_words(calls.lost)}")
     return 3 if lacking else 0
+
+
+@contextmanager
+def _machines(plan: Plan, calls: Calls) -> Iterator[None]:
+    """Runs that are not timed are made on the plan's cluster, if it has one, in the block."""
+    from .running import elsewhere
+    from .running.cluster import Cluster
+
+    if plan.dask is None:
+        yield
+        return
+    present = calls.present(plan.solvers)
+    identity = elsewhere.identity({name: calls.versions[name] for name in present})
+    with closing(Cluster(plan.dask, plan.jobs, identity, present)) as calls.cluster:
+        yield
 
 
 def _without_truth(shown: Experiment) -> list[str]:
@@ -206,8 +227,9 @@ def _write(
     studied: Sequence[Result],
     calls: Calls,
     place: Path,
-) -> None:
-    """Tables, figures, page and manifest into a folder; `ran`: what was run here, without what is external."""
+) -> list[dict[str, Any]]:
+    """Tables, figures, page and manifest into a folder; returns the rows of the answer table. `ran`: what was run here,
+    without what is external."""
     import pandas as pd
 
     from .analysis import advice, cost_tables, tables
@@ -241,7 +263,8 @@ def _write(
     for result in studied:
         text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
         frames, words = frames | result.frames, words | result.words
-    answers = with_version(pd.DataFrame(advice.rows(shown, frames)), ran.versions)
+    rows = advice.rows(shown, frames)
+    answers = with_version(pd.DataFrame(rows), ran.versions)
     words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
     frames = {"answers": answers} | frames
     text.write({"answers": answers}, words, place / "tables", command, plan.paper)
@@ -259,6 +282,7 @@ def _write(
     calls.spent.book("page")
     told["phases"] = spent.told(calls.spent.phases)
     folder.sign(place, told)
+    return rows
 
 
 def _options(plan: Plan) -> str:
@@ -272,29 +296,20 @@ def _options(plan: Plan) -> str:
 
 
 def _summary(
-    plan: Plan, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], calls: Calls
+    plan: Plan, shown: Experiment, answers: Sequence[dict[str, Any]], studied: Sequence[Result], calls: Calls
 ) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
-    import pandas as pd
-
-    from .analysis import answers, tables, time_to_accuracy, work_precision
-    from .page import text
+    from .analysis import advice, tables
+    from .page import first
     from .running import spent
     from .running.solvers import missing_words
 
-    frames = {name: frame for result in studied for name, frame in result.frames.items()}
-    costs = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured)) if measured.cases else []
-    told = pd.DataFrame(answers.rows(shown, frames, costs))
-    if len(told):
-        told["finest_error"] = told["finest_error"].astype(object).where(~told.pop("is_truth"), "is the truth")
-    lines = [text.plain(told), ""]
-    lines += ["errors: of the first transition's time, s, the median over the cases; a failure is a crash or a timeout"]
-    if costs:
-        lines += ["costs: whole calls, s, the first from cold, the median over the timed cases that reach the accuracy"]
+    lines = [first.in_terminal(answers), "", *first.notes(answers), "", *advice.sentences(answers), ""]
     counts = tables.outcome_counts(shown)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
     count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
-    lines += [f"{len(shown.cases)} cases, {len(shown.runs)} runs in {shown.seconds:.0f} s: {count}"]
+    many = len(shown.cases)
+    lines += [f"{many} case{'s' * (many != 1)}, {len(shown.runs):,} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
     lines += missing_words(shown.versions)

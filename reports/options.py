@@ -10,6 +10,7 @@ import io
 import os
 import shlex
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
@@ -220,6 +221,7 @@ class Plan:
     fresh: bool = False  # whether what is kept there is left out of account
     trajectories: tuple[External, ...] = ()
     paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
+    dask: str | None = None  # who makes the runs that are not timed, if not this machine
 
     @property
     def limit(self) -> float:
@@ -274,9 +276,12 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
     external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
     named = bool(names)
+    if options.dask is not None and own_engines:
+        raise BadValue("--engine names files of this machine, which --dask leaves; give one of the two")
     return Plan(
-        out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper
-    )
+        out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper,
+        options.dask,
+    )  # fmt: skip
 
 
 def plan_by_hand(
@@ -412,5 +417,7 @@ def checked_store(text: str | Path | None, out: Path) -> Path:
 def check_writable(option: str, path: Path, folder: Path) -> None:
     """Raises BadValue unless the folder is there and open, or can be made."""
     above = next(some for some in (folder, *folder.parents) if some.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder")
+    try:
+        tempfile.TemporaryFile(dir=above).close()  # what the rights say is not what every file system does
+    except OSError:
+        raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder") from None

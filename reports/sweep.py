@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cases import BadValue
-from cases.errors import finite
+from cases.errors import finite, whole
 
 from . import options
 
@@ -43,6 +43,7 @@ def _plan(given, files: Sequence[str]):
     """The plan of the options; raises CaseError, in one sentence."""
     try:
         from reference.sweeping import plan, table
+        from reference.sweeping.plan import MOST
     except ImportError as problem:
         raise BadValue(f"sweeps keep their rows in Parquet ({problem}); install it: pip install pyarrow") from None
 
@@ -54,8 +55,8 @@ def _plan(given, files: Sequence[str]):
         if name.strip() in vary:
             raise BadValue(f"--vary {name.strip()} is given twice; give each parameter once")
         vary[name.strip()] = values.strip()
-    number = None if given.number is None else int(_number("--number", given.number))
-    seed, rtol = int(_number("--seed", given.seed)), _number("--rtol", given.rtol)
+    number = None if given.number is None else whole("--number", _number("--number", given.number), 1, MOST)
+    seed, rtol = whole("--seed", _number("--seed", given.seed), 0, MOST), _number("--rtol", given.rtol)
     found = plan(given.CASE, vary, given.sample, number, seed, rtol, files)
     table.check_names(found)
     return found
@@ -83,8 +84,9 @@ def _width(text: str, plan) -> float:
 def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: float | None, command: str) -> None:
     """Make the rows, the boundaries and the maps, and say where they are."""
     from .drawing.files import embed_command
+    from .running import cluster
     from .running.progress import Display
-    from .sweeping import cluster, maps, refine, run
+    from .sweeping import maps, refine, run
     from .sweeping.folder import Folder
 
     if given.dask is not None:

@@ -14,7 +14,7 @@ from adapters.common import exported
 from cases import CaseError, Curve, Load, kept, registry
 from cases.effects import MOTION
 from reports.analysis.columns import Table
-from reports.page import text
+from reports.page import folder, text
 from reports.running import external, packing, store
 
 SCENE = Path(__file__).resolve().parents[1]
@@ -110,16 +110,23 @@ def test_no_pickle_is_read_from_a_store_or_an_array(mark, tmp_path):
     (tmp_path / "bomb.csv").write_bytes(content)
     refused(exported.read_table, tmp_path / "bomb.csv")
     refused(Curve.from_csv, tmp_path / "bomb.csv", closed=True)
-    folder = tmp_path / "store"
-    results = store.Store(folder)
+    place = tmp_path / "store"
+    results = store.Store(place)
     assert results.problem() == ""
     key = {"what": "a run"}
     results.put("run", key, 1.0)
-    (file,) = folder.glob("run-*.npz")
+    (file,) = place.glob("run-*.npz")
     file.write_bytes(content)
-    assert store.Store(folder).get("run", key, float) is None
+    assert store.Store(place).get("run", key, float) is None
     np.savez(file, record=np.array([Bomb(mark)], dtype=object))
-    assert store.Store(folder).get("run", key, float) is None
+    assert store.Store(place).get("run", key, float) is None
+
+
+def test_a_folder_with_an_odd_manifest_is_somebodys(tmp_path):
+    (tmp_path / "mine.txt").write_text("precious")
+    for odd in ("[" * 200_000, "9" * 5000, "{}", "nonsense", '{"files": 3}'):
+        (tmp_path / "manifest.json").write_text(odd)
+        assert folder.foreign_file(tmp_path) != ""
 
 
 def test_a_record_says_nothing_about_what_code_runs(mark):
@@ -132,12 +139,12 @@ def test_a_record_says_nothing_about_what_code_runs(mark):
 
 @pytest.mark.parametrize("open_to", [0o777, 0o770, 0o707])
 def test_what_others_could_have_put_into_the_cache_is_not_read(mark, tmp_path, monkeypatch, open_to, caplog):
-    folder = tmp_path / "cache"
-    folder.mkdir(mode=0o700)
-    monkeypatch.setenv(kept.VARIABLE, str(folder))
+    cache = tmp_path / "cache"
+    cache.mkdir(mode=0o700)
+    monkeypatch.setenv(kept.VARIABLE, str(cache))
     made = kept.kept("jet", ("a secret", open_to), Path(kept.__file__).parent, lambda: 1.0)
     assert made == 1.0
-    (file,) = folder.glob("*.kept")
+    (file,) = cache.glob("*.kept")
     content = pickle.dumps(Bomb(mark))
     import hashlib
 

@@ -82,9 +82,12 @@ class Engine:
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""
         stretched, longest = max(1.0, case.duration / USUAL_DURATION), case.duration / FEWEST_STEPS
-        first, *others = STEPS
-        steps = dict.fromkeys(min(h * stretched, longest) for h in others)
-        return Setting.of(rung="defaults", h=min(first, longest)), *(Setting.of(h=h) for h in steps)
+        steps = dict.fromkeys(min(h * stretched, longest) for h in STEPS[1:])
+        return Setting.of(rung="defaults", h=min(self.own_step(), longest)), *(Setting.of(h=h) for h in steps)
+
+    def own_step(self) -> float:
+        """The step (s) of the engine as it comes: nothing is known of it, and a game's is taken."""
+        return STEPS[0]
 
     def build(self, case: Case, route: str, setting: Setting) -> Model:
         """The scene and the setting as text."""

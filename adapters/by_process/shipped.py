@@ -12,6 +12,9 @@ from pathlib import Path
 from .engine import Engine
 
 FOLDER = Path(__file__).parents[1] / "executables"
+# The steps (s) that the engines themselves begin with: Drake's MultibodyPlantConfig.time_step, MuJoCo's option
+# timestep, DART's World.getTimeStep; Rapier's IntegrationParameters.dt and planck's first example have a game's.
+OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3}
 # Seconds in which an engine has to tell its version; importing one takes a few where the disk is cold.
 MOST_SECONDS = 60.0
 
@@ -43,6 +46,10 @@ class Shipped(Engine):
         """What its first line says."""
         first = path.read_text(encoding="utf-8").partition("\n")[0]
         return [*first.removeprefix("#!").split(), str(path)]
+
+    def own_step(self) -> float:
+        """The step (s) of the engine as it comes."""
+        return OWN_STEPS.get(self.NAME, super().own_step())
 
     def version(self) -> str:
         """The engine's own version, and the digest of the file."""

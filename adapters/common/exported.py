@@ -11,6 +11,7 @@ omega (m/s, rad/s), slip (m/s), normal_force and friction_force (N). What is mis
 
 A solver whose contacts creep while they stick says how fast, as our own adapters do: a column `creep` (m/s), or a line
 `# creep = 5e-3` before the columns. Coarse samples are judged as our own ladders' are: what they miss is a row.
+A bounce lower than a hundredth of the plate is told from lying on the track by the forces alone: 0 in flight.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, files
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, Unilateral, files
 from cases.contact import Contact, Motion, find, slip_velocity, start_motion
 from cases.nearest import nearest
 
@@ -42,13 +43,15 @@ CREEP = "creep"
 
 # A file's size in bytes, and its samples: each is looked at by itself, a tenth of a millisecond.
 LARGEST_FILE, MOST_SAMPLES = 100 * 2**20, 200_000
+# Squares of what is read, and of its slopes, have to be doubles.
+LARGEST = 1e100
 # A slope to second order takes so many samples. (Our own adapters ask for no more.)
 LEAST_SAMPLES = 3
 # By so much (rad) the plate or the track may turn between samples: from a quarter of a turn on, the contact is not
 # found from the one before, and degrees, or an angle that jumps by whole turns, look like a motion.
 MOST_TURN = 0.5 * pi
-# Relative to the largest: by how much half of a column may differ from what follows from the others. A solver's own
-# lever or half a step is less; another unit, sign or frame is more.
+# By which part half of a column may differ from what follows from the others: rates of the largest, slip of itself.
+# A solver's own facets or half a step is less; another unit, sign or frame is more.
 OFF = 0.05
 
 
@@ -71,7 +74,7 @@ def parsed(text: str, called: str) -> pd.DataFrame:
         table = pd.read_csv(StringIO(text), skipinitialspace=True, comment="#", header=None, dtype=str, index_col=False)
     except (ValueError, OverflowError, RecursionError) as problem:
         raise BadValue(f"{called} cannot be read as comma-separated values: {problem}") from problem
-    heading = ["" if cell is None else str(cell).strip() for cell in table.iloc[0].where(table.iloc[0].notna(), None)]
+    heading = ["" if pd.isna(cell) else str(cell).strip() for cell in table.iloc[0]]
     table = table.iloc[1:].reset_index(drop=True)
     table.columns = pd.Index(heading)
     _check_heading(called, heading)
@@ -99,6 +102,10 @@ def parsed(text: str, called: str) -> pd.DataFrame:
         bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
         if len(bad):
             raise BadValue(f"{name} in line {bad[0] + 2 + len(head)} of {called} is not a finite number")
+        large = np.flatnonzero(np.abs(numbers) > LARGEST)
+        if len(large):
+            line = large[0] + 2 + len(head)
+            raise BadValue(f"{name} in line {line} of {called} is beyond all sizes; give numbers up to {LARGEST:g}")
         table = table.assign(**{str(name): numbers.astype(float)})
     backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
     if len(backwards):
@@ -114,8 +121,10 @@ _UNITS = "(ms|us|min|h|mm|cm|km|deg|in|ft)"
 
 def _check_heading(file: str, heading: list[str]) -> None:
     """Raises BadValue for a first line that leaves open what a column holds."""
-    if "" in heading:
-        number = heading.index("") + 1
+    # pandas calls a nameless column "Unnamed: 0" where it read it and writes it again.
+    nameless = [not cell or cell.startswith("Unnamed:") for cell in heading]
+    if any(nameless):
+        number = nameless.index(True) + 1
         raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
     for name in (*NEEDED, *OPTIONAL):
         if heading.count(name) > 1:
@@ -206,20 +215,20 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     xi1, xi2, gap = followed(case, columns)
     kept, status, reason = _ending(case, columns, xi1, gap)
     slip, resolution = _slip(case, columns, xi1), _creep(columns, creep)
-    # What the pose may miss the track by, its point of contact may, too: in rolling that is all there is of the slip.
-    lever = LOOSE * case.plate.reach * float(np.abs(columns["omega"]).max())
     if "slip" not in columns:
         columns["slip"] = slip
         resolution = max(resolution, _resolution(case, columns, xi1) if measured else 0.0)
-    elif not np.isfinite(columns["slip"] - slip)[:kept].any():
-        raise DoesNotFit("slip is a number nowhere where the plate touches its track; give it there, or leave it out")
-    elif np.nanquantile(np.abs(columns["slip"] - slip)[:kept], 0.5) > OFF * np.nanmax(np.abs(slip)) + lever + 1e-9:
-        raise DoesNotFit(
-            "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "
-            "give it so, in m/s, or leave it out"
-        )
+    else:
+        vague = _vague(case, columns, slip, xi1)
+        if measured:
+            vague += _resolution(case, {**columns, "slip": slip}, xi1)
+        _check_slip(columns["slip"][:kept], slip[:kept], vague[:kept])
     untold = np.isnan(xi1) | np.isnan(columns["slip"])
     columns["slip"] = np.where(untold, slip, columns["slip"])
+    if case.effect(Flight):  # in flight there is none, even if nothing is told
+        for name in ("normal_force", "friction_force"):
+            told = columns.get(name, np.full(len(t), np.nan))
+            columns[name] = np.where(np.isnan(xi1) & np.isnan(told), 0.0, told)
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
     return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)
@@ -253,13 +262,31 @@ def followed(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             break
     xi1, xi2, gap = found.T
     if flies:
-        aloft = ~(gap <= off)
+        aloft = _aloft(gap <= off, columns.get("normal_force"))
         xi1[aloft] = xi2[aloft] = np.nan
     turns = np.abs(np.diff(case.track.tangent_angle(xi1)))
     turn = turns[np.isfinite(turns)].max(initial=0.0)
     if turn > MOST_TURN:
         raise DoesNotFit(f"the track turns by {turn:.3g} rad between two samples, too coarse; give more samples")
     return xi1, xi2, gap
+
+
+def _aloft(near: np.ndarray, force: np.ndarray | None) -> np.ndarray:
+    """Which samples fly, of those `near` the track and the others: a bounce passes near it before and after it touches.
+    Where forces are told, the samples between a flight and the first force, or the last, belong to the flight."""
+    aloft = ~near
+    if force is None:
+        return aloft
+    edges = [0, *(np.flatnonzero(np.diff(near)) + 1).tolist(), len(near)]
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        if near[start]:
+            pressed = start + np.flatnonzero(force[start:stop])
+            first, last = (int(pressed[0]), int(pressed[-1]) + 1) if len(pressed) else (stop, start)
+            if start > 0:
+                aloft[start:first] = True
+            if stop < len(near):
+                aloft[last:stop] = True
+    return aloft
 
 
 def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int, str, str]:
@@ -270,10 +297,14 @@ def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int,
         if landed.size and not case.effect(Impact):
             return int(landed[0]) + 2, "landing", "The plate meets its track again, and the case names no Impact."
         return len(gap), Trajectory.status, Trajectory.reason
-    count = int(touching[-1]) + 1
+    count, force = int(touching[-1]) + 1, columns.get("normal_force", np.full(len(gap), np.nan))
     if count == len(gap):
+        # A file that ends where the force would vanish within another gap ends because it does.
+        if case.effect(Unilateral) and columns["t"][-1] < case.duration * (1 - 1e-9) and 2 * force[-1] <= force[-2]:
+            return count, "lift_off", "The file ends where the normal force does."
         return count, Trajectory.status, Trajectory.reason
-    pressed = np.flatnonzero(columns["normal_force"][:count] > 0.0) if "normal_force" in columns else touching
+    pressed = np.flatnonzero(force[:count] > 0.0)
+    pressed = pressed if len(pressed) else touching
     # Without forces the flight is seen once the gap is there, and told so much later than it began.
     return max(int(pressed[-1]) + 1, 2), "lift_off", "The plate left its track."
 
@@ -285,6 +316,40 @@ def _slip(case: Case, columns, xi1: np.ndarray) -> np.ndarray:
     x, y, vx, vy, omega = (columns[name][known] for name in ("x", "y", "vx", "vy", "omega"))
     slip[known] = slip_velocity(case, x, y, vx, vy, omega, xi1[known])
     return slip
+
+
+def _vague(case: Case, columns, slip: np.ndarray, xi1: np.ndarray) -> np.ndarray:
+    """By how much (m/s) an honest slip may differ from the `slip` of its pose, at each sample.
+
+    A solver's point of contact lies in the overlap of its own shapes, skins and all: how far from the track the file
+    does not tell, but no farther than a pose may be, and a point that much higher on the plate is faster by that times
+    ω. (Beside the track's point it only moves along the normal.) Its slip may be that of the step that ends at the
+    sample, or half a step beside: along the tangent of the step's beginning a velocity v whose direction turns by a
+    misses v a²/2, with the lever from there what ω makes of its change, and the slip itself changes in the step.
+    """
+    x, y, vx, vy, omega = (columns[name] for name in ("x", "y", "vx", "vy", "omega"))
+    turn = np.gradient(case.track.tangent_angle(xi1))
+    lever = np.sum((case.track.point(xi1) - np.array([x, y])) * case.track.normal(xi1), axis=0)
+    bound = np.abs(omega) * (LOOSE * case.plate.reach + np.abs(np.gradient(lever)))
+    bound += np.hypot(vx, vy) * turn**2 / 2 + np.abs(np.gradient(slip)) / 2
+    return np.where(np.isfinite(bound), bound, 0.0)
+
+
+def _check_slip(told: np.ndarray, slip: np.ndarray, vague: np.ndarray) -> None:
+    """Raises DoesNotFit if the slip that is told is another quantity than the slip of the poses, m/s.
+
+    Of the samples that slip by either of the two, half decide: at a kink or an impact few are off, and what sticks has
+    no slip whose unit or sign could be wrong.
+    """
+    if np.isfinite(slip).any() and not np.isfinite(told - slip).any():
+        raise DoesNotFit("slip is a number nowhere where the plate touches its track; give it there, or leave it out")
+    allowed = OFF * np.abs(slip) + vague + 1e-9
+    slips = (np.fmax(np.abs(told), np.abs(slip)) > allowed) & np.isfinite(told - slip)
+    if 2 * np.sum(np.abs(told - slip)[slips] > allowed[slips]) > np.sum(slips):
+        raise DoesNotFit(
+            "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "
+            "give it so, in m/s, or leave it out"
+        )
 
 
 def _resolution(case: Case, columns, xi1: np.ndarray) -> float:

@@ -29,10 +29,10 @@ plane.tell_version("drake")
 
 # Of a curved track; friction that no forces exhaust.
 CHORDS, ROUGH = 3200, 1e3
-# How far (m) a plate at rest may sink in, and how fast (m/s) it may creep while it sticks.
-SUNK, CREEP = 1e-6, 1e-5
-# What is declared: ten times what a disc that rolls on a line has at its nominal radius (6.5e-5 m/s).
-DECLARED = 1e-3
+# How far (m) a plate at rest may sink in, and how fast (m/s) it may creep while it sticks; the engine's own is 1e-3 and
+# 1e-4. TAMSI's friction grows with the slip's share x of that as mu x (2 - x), so it is what sticks at the cone's edge
+# creeps with (MultibodyPlant.set_stiction_tolerance, tamsi_solver.h), to a hundredth: Newton's tolerance there.
+SUNK, CREEP, TOLERANCE = 1e-6, 1e-5, 1e-2
 
 scene = plane.read_scene("Drake", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
 radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["start"]
@@ -45,8 +45,11 @@ mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}
 
 builder = DiagramBuilder()
 plant, _ = drake.AddMultibodyPlantSceneGraph(builder, h)
-plant.set_contact_model(drake.ContactModel.kPoint)
-plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kTamsi)
+tuned = scene["setting"].get("rung") != "defaults"
+stiction = scene["setting"].get("stiction", CREEP) if tuned else drake.MultibodyPlantConfig().stiction_tolerance
+if tuned:
+    plant.set_contact_model(drake.ContactModel.kPoint)
+    plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kTamsi)
 plant.mutable_gravity_field().set_gravity_vector(np.array(plane.gravity(scene)))
 # Of two bodies' coefficients the engine takes 2 μ₁ μ₂ / (μ₁ + μ₂): the same where both are.
 friction = drake.CoulombFriction(mu, mu)
@@ -73,9 +76,9 @@ body = plant.AddRigidBody("plate", SpatialInertia(mass, np.zeros(3), unit))
 plant.RegisterCollisionGeometry(body, RigidTransform(), Sphere(radius), "plate", friction)
 joint = plant.AddJoint(PlanarJoint("plane", plant.world_frame(), body.body_frame(), np.zeros(3)))
 plant.Finalize()
-if scene["setting"].get("rung") != "defaults":
+if tuned:
     plant.set_penetration_allowance(SUNK)
-    plant.set_stiction_tolerance(CREEP)
+    plant.set_stiction_tolerance(stiction)
 diagram = builder.Build()
 simulator = Simulator(diagram)
 root = simulator.get_mutable_context()
@@ -83,9 +86,24 @@ context = plant.GetMyMutableContextFromRoot(root)
 plant.SetPositions(context, [start["x"], start["y"], start["theta"]])
 plant.SetVelocities(context, [start["vx"], start["vy"], start["omega"]])
 simulator.Initialize()
-motion = plane.Motion()
+results = plant.get_contact_results_output_port()
+
+
+def touches() -> list[plane.Touch]:
+    """What pushed in the last step: its port keeps the contacts of the step's begin, with the forces of its end."""
+    now, found = results.Eval(context), []
+    for number in range(now.num_point_pair_contacts()):
+        info = now.point_pair_contact_info(number)
+        # The force is on body B, the normal points to body A.
+        side = -1.0 if info.bodyB_index() == body.index() else 1.0
+        force, normal = -side * info.contact_force(), side * info.point_pair().nhat_BA_W
+        found.append(plane.Touch(info.contact_point()[:2].tolist(), normal[:2].tolist(), force[:2].tolist()))
+    return found
+
+
+motion = plane.Motion(scene)
 for k in range(count + 1):
-    motion.rows.append((k * h, *plant.GetPositions(context), *plant.GetVelocities(context)))
-    if k < count:
-        simulator.AdvanceTo((k + 1) * h)
-motion.write(count, DECLARED)
+    pose, velocities = plant.GetPositions(context).tolist(), plant.GetVelocities(context).tolist()
+    simulator.AdvanceTo((k + 1) * h)
+    motion.note(k * h, pose, velocities, touches(), plant.GetVelocities(context).tolist())
+motion.write((1 + TOLERANCE) * stiction)

@@ -17,14 +17,13 @@ import plane
 
 try:
     import mujoco
+    import numpy as np
 except ImportError:
     plane.not_installed("mujoco")
 plane.tell_version("mujoco")
 
 # Of a curved track; friction that no forces exhaust.
 CHORDS, ROUGH = 800, 1e3
-# What is declared, m/s: its contacts are soft, and a ring of boxes is bumpy.
-DECLARED = 5e-3
 
 scene = plane.read_scene("MuJoCo", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
 count, h = plane.steps(scene)
@@ -43,7 +42,8 @@ root = ElementTree.fromstring(scene["mjcf"])
 option = part(root, "option")
 option.set("timestep", repr(h))
 if tuned:
-    option.attrib.update(cone="elliptic", impratio="100", solver="Newton", tolerance="1e-12", iterations="100")
+    ratio = scene["setting"].get("impratio", 100)
+    option.attrib.update(cone="elliptic", impratio=f"{ratio}", solver="Newton", tolerance="1e-12", iterations="100")
 world = part(root, "worldbody")
 body = part(world, "body")
 for box in world.findall("geom"):
@@ -76,9 +76,43 @@ for geom in root.iter("geom"):
 model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
 data = mujoco.MjData(model)
 data.qvel[:] = start["vx"], start["vy"], start["omega"]
-motion = plane.Motion()
+
+
+def touches() -> list[plane.Touch]:
+    """What pushed in the last step: its contacts stay those of the step's begin."""
+    found, force = [], np.zeros(6)
+    for number, contact in enumerate(data.contact):
+        mujoco.mj_contactForce(model, data, number, force)
+        frame = contact.frame.reshape(3, 3)
+        # Both the normal and the force are the second geom's.
+        side = 1.0 if model.geom_bodyid[contact.geom2] else -1.0
+        push, normal = side * force[:3] @ frame, side * frame[0]
+        found.append(plane.Touch(contact.pos[:2].tolist(), normal[:2].tolist(), push[:2].tolist()))
+    return found
+
+
+def creep() -> float:
+    """The slip velocity (m/s) of what stuck in the last step.
+
+    In the friction directions the constraint's acceleration is -b v - R f ("Computation", reference acceleration, and
+    the identity R f = a_ref - a): what slips steadily under the friction f has v = R f / b. R and b are the engine's
+    own numbers of the step; of a pyramid's edges, which are mu times as steep, 2 mu^2 R is one.
+    """
+    fastest, force = 0.0, np.zeros(6)
+    for number, contact in enumerate(data.contact):
+        if contact.dim == 1 or contact.efc_address < 0:
+            continue
+        mujoco.mj_contactForce(model, data, number, force)
+        row, pyramid = contact.efc_address + 1, model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
+        softness = data.efc_R[row] / (2 * contact.friction[0] ** 2 if pyramid else 1.0)
+        fastest = max(fastest, softness * float(np.hypot(*force[1:3])) / data.efc_KBIP[row, 1])
+    return fastest
+
+
+motion, fastest = plane.Motion(scene), 0.0
 for k in range(count + 1):
-    (x, y, theta), velocities = data.qpos, data.qvel
-    motion.rows.append((k * h, start["x"] + x, start["y"] + y, start["theta"] + theta, *velocities))
+    turned, velocities = data.qpos + (start["x"], start["y"], start["theta"]), data.qvel.tolist()
     mujoco.mj_step(model, data)
-motion.write(count, DECLARED)
+    motion.note(k * h, turned.tolist(), velocities, touches(), data.qvel.tolist())
+    fastest = max(fastest, creep())
+motion.write(fastest)

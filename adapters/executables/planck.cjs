@@ -19,7 +19,8 @@ const overlap = tuned && track.kind === "hill" && plate.radius !== null ? scene.
 if (tuned) planck.Settings.linearSlop = overlap || 1e-5;
 
 // A sweep to the first time of impact stops a plate in a bowl at every facet.
-const world = new planck.World({ gravity: common.gravity(scene), allowSleep: false, continuousPhysics: false });
+const how = tuned ? { allowSleep: false, continuousPhysics: false } : {};
+const world = new planck.World({ gravity: common.gravity(scene), ...how });
 const material = { friction: effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0, restitution: 0 };
 const ground = world.createBody();
 if (track.kind === "line") {
@@ -62,4 +63,4 @@ function get() {
   return { x, y, theta: body.getAngle(), vx, vy, omega: body.getAngularVelocity() };
 }
 
-common.run(scene, { get, move: (x, y, theta) => body.setTransform({ x, y }, theta) }, step);
+common.run(scene, { get, move: (x, y, theta) => body.setTransform({ x, y }, theta) }, step, Number.EPSILON);

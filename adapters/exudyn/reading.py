@@ -25,6 +25,7 @@ class Model:
     """A case in the engine; after the run also what it cost and, if the engine gave up, what it said."""
 
     case: Case
+    route: str
     setting: Setting
     system: System
     cost: Cost = Cost()

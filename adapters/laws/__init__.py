@@ -1,7 +1,8 @@
 """The laws of mechanics that adapters are held to: this suite's in its tests, anybody's by `python -m adapters.laws`.
 
 `LAWS` maps names to laws, plain functions of a `Route`. A law raises AssertionError, which begins with its name, if the
-route breaks it, and `Refused` if the route cannot model its scene. `judge` tries them all. For tests of one's own there
+route breaks it, `Refused` if the route cannot model its scene, and `NotTold` if it tells nothing of what the law is
+about. `judge` tries them all. For tests of one's own there
 are the laws themselves (`adapters.laws.mechanics`), their scenes, `mirrored` and `turned`, and `hold` with the scales
 of a `Run`'s error.
 """
@@ -13,16 +14,29 @@ from typing import Any, NamedTuple
 
 from . import effects, mechanics
 from .mechanics import SCENES, Law, mirrored, turned
-from .runs import Refused, Route, Run, hold
+from .runs import NotTold, Refused, Route, Run, hold
 
-__all__ = ["LAWS", "SCENES", "Law", "Refused", "Route", "Run", "Verdict", "hold", "judge", "mirrored", "turned"]
+__all__ = [
+    "LAWS",
+    "SCENES",
+    "Law",
+    "NotTold",
+    "Refused",
+    "Route",
+    "Run",
+    "Verdict",
+    "hold",
+    "judge",
+    "mirrored",
+    "turned",
+]
 
 
 LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS}
 
 
 class Verdict(NamedTuple):
-    """What came of one law on one route: "kept", "broken", "refused" or "failed", and why in a sentence."""
+    """What came of one law on one route: "kept", "broken", "refused", "not told" or "failed", and why in a sentence."""
 
     route: str
     law: str
@@ -47,6 +61,8 @@ def _tried(law: str, route: Route) -> tuple[str, str]:
         LAWS[law](route)
     except Refused as refusal:
         return "refused", str(refusal)
+    except NotTold as silence:
+        return "not told", str(silence)
     except AssertionError as broken:
         return "broken", str(broken)
     except Exception as problem:

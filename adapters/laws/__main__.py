@@ -16,8 +16,9 @@ slip_to_roll.adapters), a Python file, an executable, or a module: exudyn, my_en
 my_package.my_engine.
 
 Every law is tried on every route, with the finest setting but one of its ladder: kept, broken (and by how much),
-refused (and why), failed with an exception, crashed or timed_out (it runs in a process of its own, whose output is
-not shown). The exit status is 0 if all are kept or refused, else 1; 2 if there is no such adapter, route or law.
+refused (and why), not told (a law about forces, of an engine that tells none), failed with an exception, crashed or
+timed_out (it runs in a process of its own, whose output is not shown). The exit status is 0 if none is broken and none
+failed, else 1; 2 if there is no such adapter, route or law.
 """
 
 
@@ -55,7 +56,7 @@ def _judged(name: str, routes: Sequence[str] | None, names: Sequence[str] | None
                 counts[outcome] += 1
                 print(f"{route}  {law}: {outcome}{': ' if reason else ''}{reason}", flush=True)
     print(f"{adapter.face.name}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
-    return 0 if counts.keys() <= {"kept", "refused"} else 1
+    return 0 if counts.keys() <= {"kept", "refused", "not told"} else 1
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from cases import CaseError
 
-from ..interface import find
+from ..interface import ReturnsOnce, find, returns_once
 
 # Wall seconds that a law may take on a route, and (always) an import: a hundred times what the slowest of ours takes.
 LIMIT_SECONDS = 300.0
@@ -126,7 +126,7 @@ def _serve(name: str, there: Connection) -> None:
         there.send((number, answer))
 
     try:
-        adapter = find(name)
+        adapter = ReturnsOnce(returns_once(find)(name))
         say(Face(str(adapter.NAME), tuple(map(str, adapter.routes))))
     except (CaseError, ImportError) as problem:
         say(problem)

@@ -137,7 +137,7 @@ def guide(route: Route) -> None:
         raise AssertionError("guide: the disc does not come to where it has to be pulled")
     # The first of them may be told before anything moved; a speed that is off by a kick is a force that is.
     allowed = 4 * MASS * run.kick * speed[1:] / length + MASS * run.kick + run.grain
-    hold("guide", "the normal force", motion.normal_force[1:] - exact[1:], allowed)
+    hold("guide", "the normal force", run.forces[0][1:] - exact[1:], allowed)
 
 
 def rolling_resistance(route: Route) -> None:

@@ -120,7 +120,7 @@ def friction_torque(route: Route) -> None:
 def cone(route: Route, scene: Case) -> None:
     """|T| ≤ μ N at every sample: friction never exceeds Coulomb's bound, nor acts where nothing presses."""
     run = route.run(scene)
-    normal, friction = run.motion.normal_force, run.motion.friction_force
+    normal, friction = run.forces
     mu = _mu(scene)
     # A push along a direction that is off by `tilt` has this share along the tangent; 1e-9 of the weight is rounding.
     nothing = 1e-9 * scene.plate.mass * G + run.grain
@@ -137,8 +137,8 @@ def friction_opposes_slip(route: Route, scene: Case) -> None:
     sure[0] = False
     if sure.sum() < 10:
         raise Refused("the plate hardly slips in this scene")
-    against = -np.sign(motion.slip[sure]) * motion.friction_force[sure]
-    pressed = motion.normal_force[sure]
+    normal, friction = run.forces
+    against, pressed = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
     # On facets the force of one step is noise, its sum is not.
     hold("friction opposes slip", "the sum of friction", against.sum() / pressed.sum() - mu, run.tilt + 1e-6)
 
@@ -165,7 +165,9 @@ def no_friction_no_spin(route: Route) -> None:
 
     # Nothing acts on the spin, so there is nothing a step could misplace: rounding of a thousand steps or more, and of
     # the lever of the normal force.
-    plate, pressed = run.case.plate, float(trapezoid(np.abs(run.motion.normal_force), run.motion.t))
+    # (A force that is not told has no rounding to allow for.)
+    force = np.nan_to_num(run.motion.normal_force)
+    plate, pressed = run.case.plate, float(trapezoid(np.abs(force), run.motion.t))
     allowed = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * pressed / plate.inertia
     hold("no spin-up without friction", "the spin", omega - omega[0], allowed)
 
@@ -222,7 +224,8 @@ def momentum_balance(route: Route, scene: Case) -> None:
 
     run, motion, plate = route.run(scene), route.run(scene).motion, scene.plate
     tangent, normal = scene.track.tangent(motion.xi1), scene.track.normal(motion.xi1)
-    fx, fy = motion.normal_force * normal + motion.friction_force * tangent
+    normal_force, friction_force = run.forces
+    fx, fy = normal_force * normal + friction_force * tangent
     arm = scene.track.point(motion.xi1) - pose(scene, motion.xi1, motion.xi2)[:2]
     pulled = -plate.mass * G
 
@@ -231,7 +234,7 @@ def momentum_balance(route: Route, scene: Case) -> None:
 
     lever = float(np.hypot(*arm).max())
     # Where on a facet the force acts is not reported; the arm is known to its length.
-    vague = lever * run.corners * sum_up(np.abs(motion.normal_force))[-1]
+    vague = lever * run.corners * sum_up(np.abs(normal_force))[-1]
     for what, change, force, allowed in (
         ("m vx", plate.mass * (motion.vx - motion.vx[0]), fx, plate.mass * run.kick),
         ("m vy", plate.mass * (motion.vy - motion.vy[0]), fy + pulled, plate.mass * run.kick),

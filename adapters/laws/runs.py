@@ -36,6 +36,10 @@ class Refused(Exception):
     """The route cannot model the law's scene; the text is the adapter's reason."""
 
 
+class NotTold(Exception):
+    """The route tells nothing of what the law is about; the text says of what. It is neither kept nor broken."""
+
+
 @dataclass(frozen=True)
 class Route:
     """One route of an adapter, `adapter` being a module or anything else with its functions."""
@@ -56,6 +60,14 @@ class Run:
     setting: Setting
     motion: Trajectory
     rounding: float  # relative, of the engine's numbers
+
+    @property
+    def forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normal and friction force, N; raises NotTold if the route tells none."""
+        for name in ("normal_force", "friction_force"):
+            if not np.isfinite(getattr(self.motion, name)).any():
+                raise NotTold(f"it tells no {name.replace('_', ' ')}")
+        return self.motion.normal_force, self.motion.friction_force
 
     @property
     def step(self) -> float:
@@ -126,12 +138,15 @@ def _run(adapter, route: str, case: Case) -> Run:
 
 
 def hold(law: str, what: str, error, tolerance) -> None:
-    """Raises AssertionError, with the law's name, where the error (a number or an array) exceeds its tolerance."""
+    """Raises AssertionError, with the law's name, where the error (a number or an array) exceeds its tolerance or is no
+    number."""
     error, tolerance = np.broadcast_arrays(np.abs(np.asarray(error, dtype=float)), tolerance)
-    # Written so that NaN fails.
-    bad = ~(error <= tolerance)
+    unknown = ~np.isfinite(error - tolerance)
+    if unknown.any():
+        raise AssertionError(f"{law}: {what} is no number ({unknown.sum()} samples of {unknown.size})")
+    bad = error > tolerance
     if bad.any():
-        at = int(np.argmax(np.where(np.isfinite(error), error - tolerance, np.inf)))
+        at = int(np.argmax(error - tolerance))
         raise AssertionError(
             f"{law}: {what} is off by {error.flat[at]:.3g}, allowed {tolerance.flat[at]:.3g} ({bad.sum()} samples)"
         )

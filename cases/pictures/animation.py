@@ -15,10 +15,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from ..errors import BadValue, positive, unknown
-from . import MADE_BY
+from . import MADE_BY, layout
 from . import scene as scenes
+from .layout import Scene
 from .plots import LABELS, MODE_WORDS, mark_transitions
-from .scene import Scene
 from .style import FAINT, FORCE, PLATE, Picture, styled
 
 # Frames a second: smooth, and a whole number of the hundredths of a second that a GIF counts.
@@ -88,7 +88,7 @@ class Animation:
         mark_transitions(right, motion.transitions, motion.first_mode, times[[0, -1]], 190.0)
         left.set_title(scene.label, loc="left", fontweight="bold")
         moving = _Moving(left, right, scene)
-        size = float(np.ptp(scene.outline.point(np.linspace(*scene.outline.span, scenes.CORNERS)), axis=1).max())
+        size = float(np.ptp(scene.corners(), axis=1).max())
         scale = _ARROW * size / self._weight if self._weight else 0.0
 
         def show(time: float) -> None:
@@ -117,7 +117,7 @@ class _Moving:
         (self._here,) = right.plot([], [], "o", color=PLATE, markersize=5)
 
     def show(self, now: Any, time: float, value: float, scale: float, mode: str | None) -> None:
-        corners, spoke = scenes.placed(self._scene, now)
+        corners, spoke = layout.placed(self._scene, now)
         self._body.set_xy(corners.T)
         self._spoke.set_data(*spoke)
         self._rim.set_data(*spoke[:, 1:])
@@ -145,9 +145,9 @@ def _mode_at(motion: Any, time: float) -> str | None:
 
 def _room(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray) -> None:
     """The track, and axes wide enough for the plate wherever it comes."""
-    X, Y = scene.track.point(scenes.visible(scene, path, xi1))
+    X, Y = scene.track.point(layout.visible(scene, path, xi1))
     ax.plot(X, Y, color="black", linewidth=1.6)
-    reach = float(np.hypot(*scene.outline.point(np.linspace(*scene.outline.span, scenes.CORNERS))).max())
+    reach = float(np.hypot(*scene.corners()).max())
     room = 0.3 * reach
     ax.set_xlim(min(X.min(), path[0].min() - reach) - room, max(X.max(), path[0].max() + reach) + room)
     ax.set_ylim(min(Y.min(), path[1].min() - reach) - room, max(Y.max(), path[1].max() + reach) + room)

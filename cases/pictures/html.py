@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import scene as scenes
-from .scene import Instant, Scene
+from .layout import Instant, Scene, instants
 from .style import Picture, styled
 
 # Transitions that a notebook shows; more are counted.
@@ -42,7 +42,7 @@ def of_motion(motion: Any) -> str:
         return words
     times = motion.times()
     state = motion(times)
-    chosen = scenes.instants(times, [t.time for t in motion.transitions][:_MOST])
+    chosen = instants(times, [t.time for t in motion.transitions][:_MOST])
     poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in chosen]
     return _beside(_scene(motion.case.scene, *poses, path=np.array([state.x, state.y]), xi1=state.xi1), words)
 

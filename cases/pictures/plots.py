@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import unknown
 from . import scene as scenes
-from .scene import Instant, Scene
+from .layout import Instant, Scene, instants
 from .style import FAINT, PLATE, Picture, styled
 
 # What may be drawn against time, as the axis says it.
@@ -69,7 +69,7 @@ def plot(motion: Any, scene: Scene | None, quantities: Iterable[str], colour: st
 
 
 def _scene(ax: Any, scene: Scene, motion: Any, times: np.ndarray, state: Any) -> None:
-    chosen = scenes.instants(times, [t.time for t in motion.transitions][:6])
+    chosen = instants(times, [t.time for t in motion.transitions][:6])
     poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in chosen]
     scenes.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses)
     ax.set_title(scene.label, loc="left", fontweight="bold")

@@ -11,7 +11,7 @@ from cases.contact import pose
 
 from . import bouncing, flight, hops, impact
 from .bouncing import Bounce
-from .course import Course, Flying, Landing, Leap, Stopped, Touching
+from .course import UNFINISHED, Course, Flying, Landing, Leap, Stopped, Touching
 from .equations import Phase, leaves
 from .flight import Touch
 
@@ -38,6 +38,7 @@ ELSEWHERE = 1e-9
 
 def fly(course: Course, now: Flying) -> Touching | Flying | Stopped:
     """A flight or a hop, and what follows its landing."""
+    course.work.done += 1
     hop = _short(course, now.leap) if now.leap and now.leap.short else None
     if hop is None:
         course.bounces.clear()  # no bounce of an accumulation yet
@@ -62,13 +63,14 @@ def _long(course: Course, now: Flying) -> Landing | Stopped:
     """A flight to wherever the outline meets the track."""
     lasts = now.leap.lasts if now.leap else inf
     flown = flight.fly(
-        course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts
-    )
+        course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts,
+        course.work,
+    )  # fmt: skip
     course.t = flown.end
     for start, until, interpolant in flown.pieces:
         course.record.flight(start, until, interpolant)
     if flown.touch is None:
-        return Stopped("completed")
+        return Stopped("completed" if course.t >= course.end else UNFINISHED)
     xi1, xi2, turns = _wound(course, flown.touch)
     seen = flight.frame(course.scene, flown.touch.body, xi1, xi2)
     return Landing([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)

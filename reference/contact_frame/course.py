@@ -12,6 +12,10 @@ from .bouncing import Bounce
 from .equations import Phase, Scene, decide
 from .flight import Surroundings
 from .record import Record
+from .steps import Work
+
+# The status of a motion whose work is used up.
+UNFINISHED = "unfinished"
 
 
 class Touching(NamedTuple):
@@ -63,7 +67,7 @@ class Course:
         self.overlaps = overlaps and bool(case.plate.outline.period)
         self.rtol, self.looks, self.end = max(rtol, 1e-13), looks, min(case.duration, until)
         self.record = Record(case, times)
-        self.t = 0.0
+        self.t, self.work = 0.0, Work()
         self.transitions: list[Transition] = []
         self.bounces: list[Bounce] = []
         self.fastest = 0.0  # closing speed since the plate last lay on its track

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from cases import Curve
 
 from .equations import Scene
-from .steps import Lost, Paced
+from .steps import Lost, Paced, UsedUp, Work
 
 # Points of the outline looked at, and track samples to the size of a plate: the sagitta between neighbours is some
 # 1e-5 of the size, so that every valley between the two curves wider than a hundredth of the plate is seen, and
@@ -77,7 +77,8 @@ class Touch(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """A flight: pieces (start, end, interpolant), its end, and the touch that ended it, if one did."""
+    """A flight: pieces (start, end, interpolant), its end, and the touch that ended it, if one did. One whose work is
+    used up ends at its last look."""
 
     pieces: list[tuple[float, float, Callable]]
     end: float
@@ -256,13 +257,15 @@ def _even(curve: Curve, low: float, high: float, count: int) -> tuple[np.ndarray
 class _Course:
     """A flight as it is integrated, step by step, and looked at."""
 
-    def __init__(self, scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int):
+    def __init__(
+        self, scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, work: Work
+    ):
         self.scene, self.around = scene, around
         self.rtol = max(rtol, 1e-13)
         # Without a load a flight is a parabola, which no step is too long for.
         pace = scene.free_pace if scene.load else lambda t, body: 0.0
         self.solver = Paced(
-            self.rates, t, np.array(body), end, pace=pace, looks=looks, features=scene.in_time,
+            self.rates, t, np.array(body), end, pace=pace, looks=looks, work=work, features=scene.in_time,
             rtol=self.rtol, atol=1e-2 * self.rtol,
         )  # fmt: skip
         self.pieces: list[tuple[float, float, Callable]] = []
@@ -277,6 +280,8 @@ class _Course:
         solver = self.solver
         while solver.t < t:
             problem = solver.step()
+            if solver.status == "failed" and solver.work.used_up:
+                raise UsedUp
             if solver.status == "failed":
                 raise Lost(f"the second formulation's flight stopped at t = {solver.t:.9g} s: {problem}")
             self.pieces.append((solver.t_old, solver.t, solver.dense_output()))
@@ -300,29 +305,39 @@ class _Course:
         return found.y[:, -1].tolist()
 
 
-def fly(scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, hop: float) -> Flown:
+def fly(
+    scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, hop: float, work: Work
+) -> Flown:
     """Free flight from a pose until the outline meets the track, at most until `end`.
 
     `looks`: steps to a turn under a load, at least; `hop`: roughly when a flight that begins on the track comes down
     again, s (inf: nothing known). A start overlapping its track by rounding is taken as touching it.
     """
-    course = _Course(scene, around, t, body, end, rtol, looks)
+    course = _Course(scene, around, t, body, end, rtol, looks, work)
     before, near = t, around.closest(body)
     # A flight that begins on the track is first looked at well before its hop is over, then at growing intervals.
     touching = near.gap <= TOUCH * around.size
-    while before < end:
-        stride = _stride(scene, around, before, course(before), near.gap)
-        if touching:
-            growing = 0.4 * hop if before == t else 0.4 * (before - t)
-            stride = min(stride, growing if isfinite(growing) else 1e-3 * sqrt(around.size) / _rush(scene, t, body))
-        now = min(max(before + stride, float(np.nextafter(before, end))), end)
-        body_now = course(now)
-        found = around.closest(body_now)
-        low, high = _bracket(scene, course, before, near, now, found)
-        if low is not None:
-            return _landed(course, low, high)
-        before, near = now, found
-    return Flown(course.pieces, end, None)
+    try:
+        while before < end and not work.used_up:
+            work.done += 1
+            stride = _stride(scene, around, before, course(before), near.gap)
+            if touching:
+                growing = 0.4 * hop if before == t else 0.4 * (before - t)
+                stride = min(stride, growing if isfinite(growing) else 1e-3 * sqrt(around.size) / _rush(scene, t, body))
+            now = min(max(before + stride, float(np.nextafter(before, end))), end)
+            body_now = course(now)
+            found = around.closest(body_now)
+            low, high = _bracket(scene, course, before, near, now, found)
+            if low is not None:
+                return _landed(course, low, high)
+            before, near = now, found
+    except UsedUp:
+        pass
+    return Flown(_until(course.pieces, before), before, None)
+
+
+def _until(pieces: list[tuple[float, float, Callable]], end: float) -> list[tuple[float, float, Callable]]:
+    return [(start, min(stop, end), course) for start, stop, course in pieces if start < end]
 
 
 def _rush(scene: Scene, t: float, body) -> float:
@@ -379,8 +394,7 @@ def _landed(course: _Course, low: float, high: float) -> Flown:
     time = brentq(gap, low, high, xtol=1e-9 * (high - low)) if gap(low) > 0.0 else high
     pair = around.closest(course(time))
     landing = _polished(course, time, pair, 0.5 * (high - low))
-    pieces = [(a, min(b, landing.time), sol) for a, b, sol in course.pieces if a < landing.time]
-    return Flown(pieces, landing.time, landing)
+    return Flown(_until(course.pieces, landing.time), landing.time, landing)
 
 
 def _polished(course: _Course, time: float, pair: Pair, furthest: float) -> Touch:

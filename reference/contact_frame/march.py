@@ -19,7 +19,7 @@ from cases import Case, CaseError, Flight, Mode, Transition
 from cases.contact import start_motion
 
 from . import aloft, overlap
-from .course import Course, Flying, Landing, Stopped, Touching
+from .course import UNFINISHED, Course, Flying, Landing, Stopped, Touching
 from .equations import Phase, leaves, lets_go, rates
 from .steps import Lost, Paced
 
@@ -70,8 +70,9 @@ def solve(
 
     `looks` is how many steps it takes at least while what acts on the plate turns once (`Scene.pace`): events are found
     by their signs at steps' ends. With `overlaps` a second place in which plate and track meet is looked for too, and
-    ends the motion. Raises Lost, a FloatingPointError with one sentence, where numbers leave the range of
-    a double, a load has no value, or steps come to nothing.
+    ends the motion. One that takes `steps.MOST_WORK` steps and looks is "unfinished" at its `end`. Raises Lost, a
+    FloatingPointError with one sentence, where numbers leave the range of a double, a load has no value, or steps come
+    to nothing.
     """
     course = None
     try:
@@ -90,8 +91,13 @@ def solve(
 
 def _run(course: Course) -> Answer:
     now: Touching | Flying | Stopped = _start(course)
+    if isinstance(now, Stopped):
+        _at_once(course)
     changes, counted_until = 0, 0.0
     while not isinstance(now, Stopped):
+        if course.work.used_up:
+            now = Stopped(UNFINISHED)
+            break
         if course.t >= counted_until:
             changes, counted_until = 0, course.t + _turn(course, now)
         changes += not (isinstance(now, Flying) and now.leap)  # rebounds end where they are no longer resolved
@@ -102,6 +108,17 @@ def _run(course: Course) -> Answer:
     if not course.record.finite_until(course.t):
         raise Lost(f"the second formulation's motion is not finite before t = {course.t:.9g} s; give smaller numbers")
     return Answer(tuple(course.transitions), now.status, course.t, course.record.states, course.record.motions)
+
+
+def _at_once(course: Course) -> None:
+    """Notes the start of a motion that ends there."""
+    begin = start_motion(course.case)
+    if course.case.start.in_contact:
+        z = [begin.xi1, begin.xi2, begin.omega, begin.slip]
+        course.record.contact(0.0, 0.0, lambda times: np.outer(z, np.ones_like(times)), 0)
+    else:
+        body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
+        course.record.flight(0.0, 0.0, lambda times: np.outer(body, np.ones_like(times)))
 
 
 def _turn(course: Course, now: Touching | Flying) -> float:
@@ -148,7 +165,7 @@ def _contact(course: Course, now: Touching) -> Touching | Flying | Stopped:
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
     fired = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
     if not fired:
-        return Stopped("completed")
+        return Stopped("completed" if course.t >= course.end else UNFINISHED)
     stop = next((STOPS[name] for name in fired if name in STOPS), None)
     if stop:
         return Stopped(stop)
@@ -250,10 +267,11 @@ def _integrate(course: Course, now: Touching, guards: dict[str, Callable]):
     solution = solve_ivp(
         lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, course.end), now.z,
         method=Paced, rtol=course.rtol, atol=1e-2 * course.rtol, events=events, dense_output=bool(course.record),
-        pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=course.looks,
+        pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=course.looks, work=course.work,
         features=scene.in_contact,
     )  # fmt: skip
-    if not solution.success or not np.isfinite(solution.y[:, -1]).all():
+    unfinished = not solution.success and course.work.used_up
+    if not (solution.success or unfinished) or not np.isfinite(solution.y[:, -1]).all():
         raise Lost(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
     course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
     return solution

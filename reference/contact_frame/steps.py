@@ -18,6 +18,9 @@ from cases.features import Features
 # steps shrink without end.
 MOST_STEPS = 20_000
 
+# What one motion takes, whatever its duration: minutes of work.
+MOST_WORK = 400_000
+
 # Between its ends a step's course is looked at by Hermite's cubic, which turns round where the motion does.
 INSIDE = np.linspace(0.0, 1.0, 9)[1:]
 
@@ -29,15 +32,32 @@ QUARTER = 4.0
 MOST_TURNS = 1e9
 
 
+class Work:
+    """Steps, hops and looks for a landing that a motion has taken so far."""
+
+    def __init__(self) -> None:
+        self.done = 0
+
+    @property
+    def used_up(self) -> bool:
+        """Whether it may take no more."""
+        return self.done >= MOST_WORK
+
+
 class Lost(FloatingPointError):
     """The second formulation cannot go on; one sentence says where and why."""
+
+
+class UsedUp(Exception):
+    """The motion's work is used up."""
 
 
 class Paced(DOP853):
     """DOP853 whose steps are at most a part of a turn: `looks` of them while the motion's frequency turns by 2π.
 
     `pace` maps (t, y) to that frequency (rad/s, zero where nothing sets one); `features` are what no step passes, each
-    with the row of the state it is met by (None: time). Raises Lost where steps come to nothing.
+    with the row of the state it is met by (None: time). Fails once the `work` of its motion is used up. Raises Lost
+    where steps come to nothing.
     """
 
     t: float
@@ -46,15 +66,17 @@ class Paced(DOP853):
     max_step: float
 
     def __init__(
-        self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int,
+        self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int, work: Work,
         features: Sequence[tuple[int | None, Features]] = (), **options,
     ):  # fmt: skip
-        self.pace, self.looks = pace, looks
+        self.pace, self.looks, self.work = pace, looks, work
         self.features = [(row, found) for row, found in features if not found.plain]
         self.steps, self.counted_until = 0, -inf
         super().__init__(fun, t0, y0, t_bound, **options)
 
     def _step_impl(self):
+        if self.work.used_up:
+            return False, "the motion's work is used up"
         frequency = self.pace(self.t, self.y)
         turn = 2 * pi / frequency if frequency > 0.0 else inf
         if self.t >= self.counted_until:
@@ -70,6 +92,7 @@ class Paced(DOP853):
         self.max_step = turn / self.looks
         t, y, f = self.t, self.y, self.f
         while True:
+            self.work.done += 1
             success, message = super()._step_impl()
             h = self.t - t
             # A step as short as ten roundings of the time is SciPy's shortest.

@@ -53,7 +53,8 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
     meeting = first_meeting(case, touching)
     if meeting is None:
         return solution
-    number = max(i for i, segment in enumerate(segments) if segment.start < meeting.time)
+    # It may meet it at its start, before which there is none.
+    number = max((i for i, segment in enumerate(segments) if segment.start < meeting.time), default=0)
     # What was integrated beyond the meeting was work all the same.
     work = sum(segment.evaluations for segment in segments[number:])
     kept = [*segments[:number], segments[number].until(meeting.time, work)]

@@ -22,8 +22,8 @@ from cases.registry import parse
 
 # How parameters vary: every combination, or as many points in all of their ranges together.
 SAMPLES = ("grid", "random", "sobol")
-# Numbers of scenarios are 64-bit integers.
-MOST = 2**62
+# A billion motions take half a day; the mere list of the parts of many more would fill a machine's memory.
+MOST = 10**9
 # Points of SciPy's Sobol sequence.
 MOST_SOBOL = 2**30
 # Philox gives four numbers a step.

@@ -1,63 +1,57 @@
-"""Whom to trust for rolling contact, and at what cost: the answer table of the page's first screen, and its sentence.
+"""Whom to trust for rolling contact, and at what cost: the answer table of page, terminal and file, and its sentences.
 
 Errors say how far a route is off in the middle of all cases; trust counts in how many of the cases that roll its ladder
-reached an accuracy so that no finer setting and no doubt contradicts it (`reached`); cost is of whole calls as used
-from Python, the median over the timed cases in which it was reached.
+reached an accuracy so that no finer setting and no doubt contradicts it (`reached`). Costs are of whole calls as used
+from Python, all of one case, so that they compare: the first of the timed ones that rolls.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan
-from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from cases import Mode
 
 from ..running.records import REFERENCE, Experiment, Truth
 from . import answers
-from .time_to_accuracy import REACHED, cost
+from .time_to_accuracy import DISTURBED, REACHED, cost
 from .words import level, seconds
 
 if TYPE_CHECKING:
     import pandas as pd
 
 HOLDS = "Whom to trust, and at what cost: a row for each solver and route, over all cases"
-# What a game and what an engineer asks for.
-ACCURACIES = (1e-2, 1e-4)
-# The accuracies in the names of columns.
+# What a game and what an engineer asks for, and how columns call it.
 COLUMN = {1e-2: "1e_2", 1e-4: "1e_4"}
 # Once, as a user tries an engine; for a sweep or a training.
 RUNS = {"once": 1, "thousand": 1000}
 ASKED = 1e-4
-_REACHED, _TIMED, _ONCE = (f"{word}_1e_4{unit}" for word, unit in (("reached", ""), ("timed", ""), ("once", "_s")))
+_REACHED, _AWARD, _ONCE, _MANY = "reached_1e_4", "award_1e_4", "once_1e_4_s", "thousand_1e_4_s"
 
 
 def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
-    """The rows of `answers`, whose errors' names say here that they are medians, the most trustworthy engine first and
-    the reference last, with
+    """The rows of `answers`, the most trustworthy engine first and the reference last, with
 
-    `rolling_cases`: those it was asked whose truth rolls; and for 1e-2 and 1e-4 `reached_…`: in how many of these it
-    reached it; `once_…_s`, `thousand_…_s` (s): whole calls, the first from cold, the median over the `timed_…` cases
-    that have such a time."""
+    `rolling_cases`: those it was asked whose truth rolls; for 1e-2 and 1e-4 `reached_…`: in how many of these it
+    reached it; and of the case `cost_case` `award_…`, whether it reached it there, and `once_…_s`, `thousand_…_s` (s):
+    whole calls, the first from cold. A solver that could not be asked for its routes has one row, of failures."""
     rolling = {label for label, truth in experiment.truths.items() if _rolls(truth)}
     headline, told = _records(frames.get("headline")), _records(frames.get("time_to_accuracy"))
+    told = [row for row in told if row["lead"] and row["case"] in rolling]
+    case = told[0]["case"] if told else ""
+    spent = {(r["solver"], r["route"], r["accuracy"]): r for r in told if r["case"] == case}
     found = []
     for row in answers.rows(experiment, frames):
-        if not row["route"]:
-            continue  # it could not be asked
-        row |= {f"middle_{which}_error": row.pop(f"{which}_error") for which in ("default", "finest")}
         who = (row["solver"], row["route"])
         mine = [r for r in headline if (r["solver"], r["route"]) == who and r["case"] in rolling]
-        row["rolling_cases"] = len(mine)
-        for accuracy in ACCURACIES:
-            name = COLUMN[accuracy]
+        row |= {"rolling_cases": len(mine), "cost_case": case}
+        for accuracy, name in COLUMN.items():
             row[f"reached_{name}"] = sum(r["reached"] <= accuracy for r in mine)
-            spent = [r for r in told if (r["solver"], r["route"]) == who and r["accuracy"] == accuracy and r["lead"]]
-            spent = [r for r in spent if r["case"] in rolling and r["award"] == REACHED and isfinite(cost(r, 1))]
-            row[f"timed_{name}"] = len(spent)
+            one = spent.get((*who, accuracy))
+            row[f"award_{name}"] = one["award"] if one else ""
             for word, runs in RUNS.items():
-                row[f"{word}_{name}_s"] = median(cost(r, runs) for r in spent) if spent else nan
+                row[f"{word}_{name}_s"] = cost(one, runs) if one and one["award"] == REACHED else nan
         found.append(row)
     return sorted(found, key=_trust)
 
@@ -87,13 +81,13 @@ def _rivals(engines: Sequence[Mapping[str, Any]], best: Mapping[str, Any]) -> st
     told = []
     for row in engines:
         if row is not best:
-            spent = f", {seconds(row[_ONCE])} once" if row[_TIMED] else ""
+            spent = f", {seconds(row[_ONCE])} once" if isfinite(row[_ONCE]) else ""
             told.append(f"{_who(row)} {row[_REACHED]} of {row['rolling_cases']}{spent}")
     return f"The other engines and routes: {'; '.join(told)}." if told else ""
 
 
 def _who(row: Mapping[str, Any]) -> str:
-    return f"{row['solver']} {row['route']}".strip()
+    return f"{row['solver']} {row['route']}"
 
 
 def _reach(row: Mapping[str, Any]) -> str:
@@ -101,17 +95,19 @@ def _reach(row: Mapping[str, Any]) -> str:
 
 
 def _costs(row: Mapping[str, Any]) -> str:
-    if not row[_TIMED]:
+    if row[_AWARD] == DISTURBED:
+        return "; what that costs is not known, since the machine had other things to do"
+    if not isfinite(row[_ONCE]):
         return "; what that costs was not timed"
-    once, many = (seconds(row[f"{word}_{COLUMN[ASKED]}_s"]) for word in RUNS)
-    return f", in {once} for one call from cold and {many} for a thousand (median of {row[_TIMED]} timed cases)"
+    once, many = seconds(row[_ONCE]), seconds(row[_MANY])
+    return f"; on {row['cost_case']} one call from cold takes {once}, a thousand {many}"
 
 
 def _trust(row: Mapping[str, Any]) -> tuple:
     """Engines before the reference; then by the share of cases at the accuracy asked for and at the others, by cost,
     by error."""
-    shares = [-row[f"reached_{COLUMN[a]}"] / max(row["rolling_cases"], 1) for a in (ASKED, *ACCURACIES)]
-    last = (row[_ONCE], row["middle_finest_error"])
+    shares = [-row[f"reached_{COLUMN[a]}"] / max(row["rolling_cases"], 1) for a in (ASKED, *COLUMN)]
+    last = (row[_MANY], row["middle_finest_error"])
     return (row["solver"] == REFERENCE, *shares, *(value if isfinite(value) else float("inf") for value in last))
 
 

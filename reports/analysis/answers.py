@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from math import isfinite, nan
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
-from .time_to_accuracy import DISTURBED, REACHED, cost
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -17,23 +16,13 @@ if TYPE_CHECKING:
 FAILED = ("crashed", "timed_out")
 
 
-# Accuracies of what leads a case, and how many runs they are asked for.
-LEVELS, RUNS = (1e-2, 1e-4), (1, 1000)
-
-
-def rows(
-    experiment: Experiment, frames: Mapping[str, pd.DataFrame] | None = None, told_cost: Sequence[dict[str, Any]] = ()
-) -> list[dict[str, Any]]:
-    """One row per solver and route.
+def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame] | None = None) -> list[dict[str, Any]]:
+    """One row per solver and route; the costs beside them: `advice`.
 
     `cases`: those it was asked; `right`, `wrong`, `refused`, `failed` (crashed or timed out): what came of its finest
-    setting; `default_error`, `finest_error` (s): the median over the cases of the first transition's error, without the
-    motions that are the truth itself (`is_truth`: all are); `hard_right`, …: the same of the study of hard scenes,
-    where the report has it.
-
-    `told_cost`: rows of `time_to_accuracy`. With them `s_1e-4_once`, `s_1e-4_1000` and so on: the median CPU time of so
-    many whole calls over the timed cases in which that accuracy was reached, and `reached_1e-4`, in how many of them; a
-    word where the machine was too busy for all of them.
+    setting; `middle_default_error`, `middle_finest_error` (s): the median over the cases of the first transition's
+    error, without the motions that are the truth itself (`is_truth`: all are); `hard_right`, …: what came of the study
+    of hard scenes, where the report has it.
     """
     found: dict[tuple[str, str], list[list[Run]]] = {}
     for (_, solver, route), group in routes(experiment.runs).items():
@@ -44,7 +33,8 @@ def rows(
         judged = [run for run in last if not is_truth(run, experiment.truths[run.case])]
         told.append(
             {"solver": solver, "route": route, "cases": len(groups), **_counted(run.outcome for run in last)}
-            | {"default_error": _middle(map(default, groups)), "finest_error": _middle(judged), "is_truth": not judged}
+            | {"middle_default_error": _middle(map(default, groups)), "middle_finest_error": _middle(judged)}
+            | {"is_truth": not judged}
         )
     stability = (frames or {}).get("stability")
     if stability is not None:
@@ -55,26 +45,7 @@ def rows(
         for row in told:
             outcomes = _counted(hard.get((row["solver"], row["route"]), ()))
             row.update({f"hard_{name}": count for name, count in outcomes.items()})
-    if told_cost:
-        for row in told:
-            row.update(_costs([r for r in told_cost if (r["solver"], r["route"]) == (row["solver"], row["route"])]))
     return told
-
-
-def _costs(of_route: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """What a route's accuracies cost: rows of `time_to_accuracy` of one solver and route."""
-    found: dict[str, Any] = {}
-    for accuracy in LEVELS:
-        level = f"{accuracy:.0e}".replace("e-0", "e-")
-        asked = [r for r in of_route if r["lead"] and r["accuracy"] == accuracy]
-        reached = [r for r in asked if r["award"] in (REACHED, DISTURBED)]
-        found[f"reached_{level}"] = f"{len(reached)}/{len(asked)}"
-        for runs in RUNS:
-            sure = [r for r in reached if r["award"] == REACHED]
-            spent = [seconds for r in sure if isfinite(seconds := cost(r, runs))]
-            nothing = DISTURBED if reached and not sure else nan
-            found[f"s_{level}_{'once' if runs == 1 else runs}"] = median(spent) if spent else nothing
-    return found
 
 
 def _counted(outcomes: Iterable[str]) -> dict[str, int]:

@@ -162,9 +162,12 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "rolling_cases": ("how many of its cases roll", ""),
     **{f"reached_1e_{n}": (f"in how many of these it reaches 1e-{n} in the quantity that leads the case", "")
        for n in (2, 4)},
-    **{f"timed_1e_{n}": (f"how many of these are timed at 1e-{n}", "") for n in (2, 4)},
-    **{f"once_1e_{n}_s": (f"one whole call from cold to 1e-{n}, median of the timed cases", "s") for n in (2, 4)},
-    **{f"thousand_1e_{n}_s": (f"a thousand calls, the first from cold, to 1e-{n}, the same", "s") for n in (2, 4)},
+    "cost_case": ("the case of the costs beside it: the first of the timed ones that rolls", ""),
+    **{f"award_1e_{n}": (f"`award` of 1e-{n} there", "") for n in (2, 4)},
+    **{f"once_1e_{n}_s": (f"one whole call from cold to 1e-{n} there; empty: not reached or not timed", "s")
+       for n in (2, 4)},
+    **{f"thousand_1e_{n}_s": (f"a thousand calls, the first from cold, to 1e-{n} there; the same", "s")
+       for n in (2, 4)},
     # errata
     "where": ("where in the paper", ""),
     "printed": ("as printed", ""),

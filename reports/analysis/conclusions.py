@@ -30,7 +30,8 @@ def headline(answers: Sequence[dict[str, Any]], told: Sequence[dict[str, Any]]) 
     """By rows of `which_engine` and of `time_to_accuracy`."""
     decided = [row for row in answers if row["cheaper"]]
     if not decided:
-        return Headline("No case has timings of both an engine and the reference to be compared by.", _disturbed(told))
+        nothing = "No case has timings of both an engine and the reference to be compared by."
+        return Headline(_disturbed(told) or nothing, "")
     accuracy = ASKED if any(row["accuracy"] == ASKED for row in decided) else decided[0]["accuracy"]
     of_level = [row for row in decided if row["accuracy"] == accuracy]
     case = of_level[0]["case"]
@@ -110,6 +111,6 @@ def _disturbed(told: Sequence[dict[str, Any]]) -> str:
     if not lost:
         return ""
     return (
-        f"The machine was disturbed during {number(100 * lost / len(timed))}% of these timings, which therefore rank "
-        "nothing: make them again on a quiet one."
+        f"The machine had other things to do during {number(100 * lost / len(timed))} % of these timings, which "
+        "therefore rank nothing: make the report again on a quiet one."
     )

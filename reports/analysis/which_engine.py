@@ -50,7 +50,9 @@ def _answer(case: str, accuracy: float, runs: int, level: Sequence[dict[str, Any
     row["engine_alone_s"] = runs * engine["engine_s"] if engine else nan
     row |= {"cheaper": "", "factor": nan, "break_even_runs": nan, "reason": ""}
     if not engine or not method:
-        row["reason"] = _reason(level, engine is None)
+        row["reason"] = "; ".join(
+            _reason(level, side) for side, one in ((True, engine), (False, method)) if one is None
+        )
         return row
     spent = (row["engine_total_s"], row["reference_total_s"])
     row["factor"] = max(spent) / min(spent)

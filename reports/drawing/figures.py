@@ -5,7 +5,7 @@ Every figure is made from an `Experiment` alone. Times in s, lengths in m, angle
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, nan
 
 import matplotlib
 import numpy as np
@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from cases import Case
 from cases.pictures import plots
 from cases.pictures import scene as scenes
-from cases.pictures.scene import Instant
+from cases.pictures.layout import Instant, instants
 
-from ..running.records import Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
+from ..running.records import REFERENCE, Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
 from .files import Picture, file_name, picture
 from .style import FAINT, POINTS, STYLE, TRUTH, Looks, logarithmic
 
@@ -27,8 +27,10 @@ from .style import FAINT, POINTS, STYLE, TRUTH, Looks, logarithmic
 _SMALLEST = 1e-17
 # A truth that varies by less, in SI units, is level: what varies is rounding.
 _LEVEL = 1e-9
-# Fewer samples than this over a motion are drawn as points.
-_FEW = 100
+# Fewer samples than this over a motion are drawn as dots, so many points wide.
+_FEW, _DOT = 100, 3.0
+# The height of a line of text, in parts of the axis it stands beside.
+_LINE = 0.075
 # What is drawn against time, the paper's own first: the label, the samples' name, and the name of its difference from
 # the truth.
 _QUANTITIES = (
@@ -124,10 +126,14 @@ def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: Looks) -> None:
     """Names beside the lines' right ends, moved apart where they would overlap."""
     low, high = np.log10(ax.get_ylim())
     places: list[float] = []
-    for value, run in sorted(ends, key=lambda end: end[0]):
-        wanted = (np.log10(value) - low) / (high - low)
-        place = max(float(wanted), places[-1] + 0.075 if places else 0.0)
-        places.append(place)
+    ends = sorted(ends, key=lambda end: end[0])
+    for value, _ in ends:
+        wanted = float((np.log10(value) - low) / (high - low))
+        places.append(max(wanted, places[-1] + _LINE if places else 0.0))
+    # What is pushed beyond the top pushes the others down.
+    for i, ceiling in enumerate(1.0 - _LINE * np.arange(len(places))):
+        places[-1 - i] = min(places[-1 - i], float(ceiling))
+    for (_, run), place in zip(ends, places, strict=True):
         ax.annotate(
             _name(run),
             (1.0, place),
@@ -172,15 +178,29 @@ def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: Looks) ->
     ax.set_ylim(bottom - room, top + room)
     for run in runs:
         values = run.samples[name]
+        if run.solver == REFERENCE:  # it lies on the truth: only its distance shows
+            ax.plot([], [], **looks.line(run.solver, run.route), label=_name(run))
+            continue
         if not np.any(np.isfinite(values)):
             continue
         every = max(1, len(values) // POINTS)
         exact = np.interp(run.samples["t"], truth.samples["t"], truth.samples[name])
         noisy = np.nanquantile(np.abs(values - exact), 0.9) > room
         look = looks.line(run.solver, run.route) | ({"linewidth": 0.4, "alpha": 0.5, "zorder": 1.5} if noisy else {})
-        # A solver that takes a few long steps gives points; straight lines between them would be this picture's error.
-        look |= {"linestyle": "", "marker": ".", "markersize": 4} if len(values) < _FEW else {}
-        ax.plot(run.samples["t"][::every], values[::every], **look, label=_name(run))
+        if len(values) < _FEW:
+            _dots(ax, run.samples["t"], values, look["color"], _name(run))
+        else:
+            ax.plot(run.samples["t"][::every], values[::every], **look, label=_name(run))
+
+
+def _dots(ax: Axes, t: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
+    """The samples of a solver that takes a few long steps; straight lines between them would be this picture's error.
+
+    They are one path of pieces with round ends, too short to see: as marks they were a quarter of the file."""
+    short = 1e-5 * float(np.ptp(t))
+    times, values = np.column_stack([t, t + short, np.full(len(t), nan)]), np.column_stack([y, y, np.full(len(t), nan)])
+    ax.plot(times.ravel(), values.ravel(), color=colour, linewidth=_DOT, solid_capstyle="round")
+    ax.plot([], [], linestyle="", marker=".", markersize=2 * _DOT, color=colour, label=label)
 
 
 def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
@@ -253,7 +273,7 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     shown = truth.samples
     x, y, theta, xi1 = (shown[name] for name in ("x", "y", "theta", "xi1"))
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
-    chosen = scenes.instants(shown["t"], [t.time for t in truth.transitions])
+    chosen = instants(shown["t"], [t.time for t in truth.transitions])
     poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in chosen]
     scenes.draw(ax, case.scene, np.array([x, y]), xi1, poses)
     ax.set_title(case.label, loc="left", fontweight="bold")

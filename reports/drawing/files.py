@@ -143,8 +143,8 @@ def embed_command(folder: Path, drawn: Drawn, command: str) -> None:
 
 
 def minify(svg: str) -> str:
-    """The same picture in fewer characters: coordinates to a hundredth of a point, what many parts share said once,
-    nothing that only tools read."""
+    """The same picture in fewer characters: coordinates to a hundredth of a point (of curves to a tenth), what many
+    parts share said once, nothing that only tools read."""
     svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
     svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{_short(float(m[2]))}"', svg)
@@ -154,36 +154,52 @@ def minify(svg: str) -> str:
         svg = svg.replace(f'"{name}"', f'"i{place}"')
         svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may begin another
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
-    svg = _bare_groups(_styles_once(svg))
+    svg = _bare_groups(_used_once(_styles_once(svg)))
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
 
 
-def _short(value: float) -> str:
-    text = f"{value:.2f}".rstrip("0").rstrip(".")
+# A path of so many points is a curve: they stand close to each other.
+_CURVE = 30
+
+
+def _short(value: float, digits: int = 2) -> str:
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
 def _path(text: str) -> str:
-    """A path through the same points; its straight pieces as differences, which take half the characters."""
+    """A path through the same points, of a curve to a tenth of a point (its line is ten times as wide), else to a
+    hundredth; its straight pieces as differences, which take half the characters."""
     words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
     if not set(filter(str.isalpha, words)) <= set("MLz"):
         return re.sub(
             r" (?=[A-Za-z-])|(?<=[A-Za-z]) ", "", " ".join(w if w.isalpha() else _short(float(w)) for w in words)
         )
     told, before, here = [], "", (0.0, 0.0)
+    digits = 2 if len(words) < 3 * _CURVE else 1
     for command, x, y in re.findall(r"(z|[ML])(?: ([^\sA-Za-z]\S*) (\S+))?", " ".join(words)):
         if command == "z":
             told.append("z")
         else:
             # Differences of what was written, so that roundings do not add up.
-            there = round(float(x), 2), round(float(y), 2)
+            there = round(float(x), digits), round(float(y), digits)
             shift = there if command == "M" else (there[0] - here[0], there[1] - here[1])
-            pair = f"{_short(shift[0])} {_short(shift[1])}".replace(" -", "-")
+            pair = f"{_short(shift[0], digits)} {_short(shift[1], digits)}".replace(" -", "-")
             letter = "M" if command == "M" else "l" if before != "L" else "" if pair.startswith("-") else " "
             told.append(letter + pair)
             here = there
         before = command
     return "".join(told)
+
+
+def _used_once(svg: str) -> str:
+    """Marks without the class that what they repeat has itself."""
+    classes = dict(re.findall(r'<path id="([^"]*)" d="[^"]*" class="([^"]*)"', svg))
+    return re.sub(
+        r'(<use xlink:href="#([^"]*)"[^>]*?) class="([^"]*)"',
+        lambda m: m[1] if classes.get(m[2]) == m[3] else m[0],
+        svg,
+    )
 
 
 def _bare_groups(svg: str) -> str:

@@ -1,5 +1,5 @@
-"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way, a
-creep that it does not declare.
+"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way,
+another unit, a creep that it does not declare.
 
 Pure functions; each gives a sentence, or nothing. Nothing is mended: the motion is judged as it was given.
 """
@@ -11,11 +11,18 @@ from math import pi
 
 import numpy as np
 
-from cases import Trajectory
+from cases import Case, Trajectory
+from cases.contact import slip_velocity
 
 # Velocities stand half a step beside the poses if they are so far from there, in steps; and if, moved there, they are
 # off by no more than this part.
 HALF, MENDED = (0.25, 0.75), 0.3
+# An axis is mirrored, or a column in another unit, if the motion read so is off the truth by no more than this part.
+NEARER = 0.1
+# Of fewer samples than these in the truth's time nothing is said.
+LEAST = 3
+
+
 # An axis is mirrored if the mirrored motion is off the truth by no more than this part.
 MIRRORED = 0.1
 # What should stick creeps if it slips at no more than this part of the motion's fastest slip; of rounding's part of the
@@ -32,6 +39,16 @@ _IMAGES = {
     "x and y": (-1, -1, 1),
 }
 
+# Columns in units that are common elsewhere: name, unit, and the unit in seconds, metres or radians.
+_UNITS = (
+    *((name, unit, size) for name in ("x", "y") for unit, size in
+      (("millimetres", 1e-3), ("centimetres", 1e-2), ("kilometres", 1e3), ("inches", 0.0254), ("feet", 0.3048))),
+    *(("t", unit, size) for unit, size in
+      (("minutes", 60.0), ("hours", 3600.0), ("milliseconds", 1e-3), ("microseconds", 1e-6))),
+    ("theta", "degrees", pi / 180.0),
+    ("theta", "turns", 2.0 * pi),
+)  # fmt: skip
+
 Columns = Mapping[str, np.ndarray]
 
 
@@ -43,20 +60,10 @@ def half_step(columns: Columns) -> str:
     """
     t, shifts = columns["t"], dict[str, float]()
     for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
-        if rate not in columns:
-            continue
-        slope = np.gradient(columns[name], t, edge_order=2)
-        growth, off = np.gradient(slope, t) * np.gradient(t), columns[rate] - slope
-        # Kinks of the motion are few and large: the middle nine tenths decide.
-        usual = np.abs(off) <= np.quantile(np.abs(off), 0.9)
-        off, growth = off[usual], growth[usual]
-        size = float(growth @ growth)
-        if size == 0.0:
-            continue
-        shift = float(off @ growth) / size
-        left = off - shift * growth
-        if HALF[0] <= abs(shift) <= HALF[1] and left @ left <= MENDED**2 * (off @ off):
-            shifts[rate] = shift
+        if rate in columns:
+            slope = np.gradient(columns[name], t, edge_order=2)
+            shifts[rate] = _shift(columns[rate], slope, np.gradient(slope, t) * np.gradient(t))
+    shifts = {rate: shift for rate, shift in shifts.items() if shift}
     if not shifts:
         return ""
     when = "before" if sum(shifts.values()) < 0.0 else "after"
@@ -66,28 +73,80 @@ def half_step(columns: Columns) -> str:
     )
 
 
+def slip_half_a_step_beside(case: Case, motion: Trajectory) -> str:
+    """Whether the slip that a motion tells stands half a step beside its poses, though its velocities do not."""
+    touches = np.isfinite(motion.xi1) & np.isfinite(motion.slip)
+    t, told = motion.t[touches], motion.slip[touches]
+    if len(t) < 3:
+        return ""
+    moved = (getattr(motion, name)[touches] for name in ("x", "y", "vx", "vy", "omega", "xi1"))
+    own = slip_velocity(case, *moved)
+    shift = _shift(told, own, np.gradient(own, t) * np.gradient(t))
+    if not shift:
+        return ""
+    when = "before" if shift < 0.0 else "after"
+    return (
+        f"slip seems to stand half a step {when} the poses: every transition is off by as much; "
+        "write the slip of the poses' times"
+    )
+
+
+def _shift(told: np.ndarray, own: np.ndarray, growth: np.ndarray) -> float:
+    """By which share of a step a column is beside its samples' times, if that is about half and explains what it is
+    off by; else 0. `growth`: of what it should be, from one sample to the next."""
+    off = told - own
+    # Kinks of the motion are few and large: the middle nine tenths decide.
+    usual = np.abs(off) <= np.quantile(np.abs(off), 0.9)
+    off, growth = off[usual], growth[usual]
+    size = float(growth @ growth)
+    if size == 0.0:
+        return 0.0
+    shift = float(off @ growth) / size
+    left = off - shift * growth
+    mended = left @ left <= MENDED**2 * (off @ off)
+    return shift if HALF[0] <= abs(shift) <= HALF[1] and mended else 0.0
+
+
 def mirrored_axis(columns: Columns, truth: Trajectory) -> str:
     """Whether the poses of a table, with an axis turned round, come much nearer to the truth."""
-    inside = columns["t"] <= truth.t[-1]
-    true = truth(columns["t"][inside])
-    x, y, theta = (columns[name][inside] for name in ("x", "y", "theta"))
-    # A turn counts as much as the way that goes with it.
-    size = float(np.hypot(np.ptp(true.x), np.ptp(true.y))) / max(float(np.ptp(true.theta)), 1e-9)
-
-    def off(signs: tuple[int, int, int]) -> float:
-        turned = signs[2] * theta - true.theta
-        turned = size * (turned - 2 * pi * np.round(turned[0] / (2 * pi)))
-        away = np.hypot(signs[0] * x - true.x, signs[1] * y - true.y)
-        return float(np.sqrt(np.mean(away**2 + turned**2)))
-
-    name = min(_IMAGES, key=lambda image: off(_IMAGES[image]))
-    if not off(_IMAGES[name]) < MIRRORED * off((1, 1, 1)):
+    images = {name: dict(zip(("x", "y", "theta"), signs, strict=True)) for name, signs in _IMAGES.items()}
+    name = _much_nearer(columns, truth, images)
+    if not name:
         return ""
     verb = "seem" if " and " in name else "seems"
     return (
         f"{name} {verb} to be mirrored: turned round, the motion comes much nearer to the truth; give x to the right, "
         "y upwards, and theta counter-clockwise"
     )
+
+
+def other_unit(columns: Columns, truth: Trajectory) -> str:
+    """Whether a table, with one column taken for another unit's, comes much nearer to the truth."""
+    images = {f"{name} seems to be in {unit}": {name: factor} for name, unit, factor in _UNITS}
+    seems = _much_nearer(columns, truth, images)
+    return seems and (f"{seems}: read so, the motion comes much nearer to the truth; give seconds, metres and radians")
+
+
+def _much_nearer(columns: Columns, truth: Trajectory, images: Mapping[str, Mapping[str, float]]) -> str:
+    """The image of a table, by factors of its columns, that is nearest to the truth; "" if that is not much nearer than
+    the table itself."""
+    whole = truth(np.linspace(truth.t[0], truth.t[-1], len(columns["t"])))
+    # A turn counts as much as the way that goes with it.
+    size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), 1e-9)
+
+    @np.errstate(over="ignore", invalid="ignore")  # what is given may be of any size
+    def off(factors: Mapping[str, float]) -> float:
+        t, x, y, theta = (factors.get(name, 1.0) * columns[name] for name in ("t", "x", "y", "theta"))
+        inside = t <= truth.t[-1]
+        if inside.sum() < LEAST:
+            return np.inf
+        true = truth(t[inside])
+        turned = theta[inside] - true.theta
+        turned = size * (turned - 2 * pi * np.round(turned[0] / (2 * pi)))
+        return float(np.sqrt(np.mean(np.hypot(x[inside] - true.x, y[inside] - true.y) ** 2 + turned**2)))
+
+    name = min(images, key=lambda image: off(images[image]))
+    return name if off(images[name]) < NEARER * off({}) else ""
 
 
 def creep(motion: Trajectory, truth: Trajectory) -> str:

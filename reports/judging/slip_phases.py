@@ -10,6 +10,7 @@ after the cone saturates at t0, v' grows from zero, so v ~ (t - t0)^2 and sqrt(v
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import takewhile
 from math import isfinite, nan
 from typing import NamedTuple
 
@@ -65,7 +66,7 @@ def read_contact(trajectory: Trajectory, mu: float | None = None) -> Reading:
     Error on exact samples with n of them in a slip phase of the paper's application (0.6 s): half a gap for n = 8,
     1e-5 s for n = 30, 1e-8 s for n = 125, 1e-11 s for n = 600 (tests/reports/test_slip_phases.py holds it to that);
     noise of size d moves a time by up to some hundred d over the slope of v. A roll shorter than 2.5 samples is not
-    seen.
+    seen, nor what would happen after the last of them.
     """
     t, v, force = _samples(trajectory, mu)
     if mu == 0.0:
@@ -74,9 +75,11 @@ def read_contact(trajectory: Trajectory, mu: float | None = None) -> Reading:
     band = max(SURELY * trajectory.slip_resolution, ROUNDING * speed)
     phases = _phases(t, v, band)
     events = [_event(t, v, force, a, b, trajectory.slip_resolution, band) for a, b in _pairs(phases)]
+    # A slip that falls below what the solver resolves may be so slow that it would end after the last sample.
+    events = list(takewhile(lambda event: event[0] <= t[-1], events))
     transitions = tuple(
         Transition(time, _mode(a.sign), _mode(b.sign), cause=cause)
-        for (time, _, cause), (a, b) in zip(events, _pairs(phases), strict=True)
+        for (time, _, cause), (a, b) in zip(events, _pairs(phases), strict=False)
     )
     reading = Reading(_mode(phases[0].sign), transitions, tuple(spread for _, spread, _ in events))
     return _with_lift_off(reading, trajectory)

@@ -11,7 +11,8 @@ import cases as catalogue
 from cases import Case
 
 from ..drawing.files import Drawn
-from ..running.records import Experiment, finest, routes
+from ..running.records import REFERENCE, Experiment, finest, routes
+from ..running.solvers import NOT_INSTALLED
 from . import motions
 from .pieces import as_written, command_of, picture, records, switch, table
 from .text import error_text, lead_text, reached_text
@@ -26,7 +27,7 @@ _FAILURES = {
     "crashed": "Crashed",
     "timed_out": "Timed out",
     "refused": "Refused",
-    "not_installed": "Not installed",
+    NOT_INSTALLED: "Not installed",
 }
 
 
@@ -83,11 +84,13 @@ def _case_tables(experiment: Experiment, label: str, frames: Mapping[str, pd.Dat
             [r["case"] == label and (r["solver"], r["route"], r["setting"]) in shown for r in records(events)]
         ]
         if len(chosen):
-            told.append(_table("Transitions at the finest setting", chosen, ("case", "setting"), True))
+            # Who may be off stands first.
+            chosen = chosen.sort_values("solver", key=lambda names: names == REFERENCE, kind="stable")
+            told.append(_table("Transitions at the finest setting", chosen, ("case", "setting", "version"), True))
     orders = frames["convergence"]
     chosen = orders[orders["case"] == label] if len(orders) else orders
     if len(chosen):
-        told.append(_table("Observed orders", chosen, ("case", "settings_used"), False))
+        told.append(_table("Observed orders", chosen, ("case", "settings_used", "version"), False))
     return told
 
 
@@ -121,8 +124,10 @@ def _cell(row: dict[str, Any] | None, solver: str, route: str) -> dict[str, Any]
     if isfinite(row["finest_lead_error"]):
         cell["order"] = repr(float(row["finest_lead_error"]))
     if lead != finest:  # else a word, the same for both
-        small = [f"reaches {level}" if level else "reaches none", f"first: {finest}"]
-        cell["small"] = [as_written(text) for text in (*small, *([f"as it comes: {own}"] if own else []))]
+        first = f"first: {finest}" if row["transitions_true"] else finest
+        small = [f"reaches {level}" if level else "reaches none", first, *([f"as it comes: {own}"] if own else [])]
+        # No number is broken where a line ends.
+        cell["small"] = [as_written(text).split(" ") for text in small]
     return cell
 
 
@@ -132,6 +137,8 @@ def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
     columns = {name: name for name in ("case", "solver", "route", "setting", "reason")}
     for outcome, title in _FAILURES.items():
         rows = frame[frame["outcome"] == outcome] if len(frame) else frame
+        if outcome == NOT_INSTALLED and not len(rows):
+            continue
         found.append({"title": title, **table(rows, columns)})
     return found
 

@@ -73,7 +73,8 @@ def _answers(answers: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 def _side(row: dict[str, Any], who: str) -> dict[str, Any]:
     """One side's cheapest and its time, or why there is none."""
     if not row[who]:
-        return {"reason": row["reason"], "order": ""}
+        # Of two reasons the engines' comes first.
+        return {"reason": row["reason"].split("; ")[0 if who == "engine" else -1], "order": ""}
     spent = row[f"{who}_total_s"]
     told = {"reason": "", "who": row[who], "time": seconds(spent), "order": _order(spent)}
     ahead = row["cheaper"] == row[who]

@@ -7,6 +7,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from ..analysis import advice, tables
+from ..analysis.time_to_accuracy import REACHED
 from ..analysis.words import level, number, seconds
 from ..running.records import REFERENCE, Experiment, routes
 from ..running.solvers import missing_words
@@ -30,11 +31,10 @@ def screen(
 ) -> dict[str, Any]:
     """What the template of the first screen takes."""
     told = records(frames["answers"])
-    hard = any("hard_right" in row for row in told)
+    hard, costs = _has_hard(told), _has_costs(told)
     hero = next((m for m in moving if m["label"] == _HERO), moving[0] if moving else None)
     case = next((c for c in experiment.cases if hero and c.label == hero["label"]), None)
     rows = [row for row in told if row["route"]]
-    costs = any(row[f"timed_{advice.COLUMN[accuracy]}"] for row in rows for accuracy in advice.ACCURACIES)
     return {
         "compared": _compared(experiment),
         "sentences": advice.sentences(told),
@@ -44,7 +44,8 @@ def screen(
         ],
         "answers": [_row(row, hard, costs) for row in rows],
         "costs": costs,
-        "levels": [f"{accuracy:g}" if accuracy >= 1e-3 else level(accuracy) for accuracy in advice.ACCURACIES],
+        "cost_case": rows[0]["cost_case"] if rows else "",
+        "levels": [f"{accuracy:g}" if accuracy >= 1e-3 else level(accuracy) for accuracy in advice.COLUMN],
         "hard": hard,
         "rolling": max((row["rolling_cases"] for row in rows), default=0),
         "timed": timed,
@@ -64,18 +65,16 @@ def _compared(experiment: Experiment) -> str:
     many = len(experiment.cases)
     return (
         f"{many} scene{'s' * (many != 1)} of one rigid plate on one fixed curve with Coulomb friction, in "
-        f"{len(experiment.runs)} runs: {engines}, held against a motion computed from the equations of Ogaru and "
+        f"{len(experiment.runs):,} runs: {engines}, held against a motion computed from the equations of Ogaru and "
         "Pandrea and certified to the last digits."
     )
 
 
 def _row(row: Mapping[str, Any], hard: bool, costs: bool) -> dict[str, Any]:
     cells = [{"head": "as it comes", "text": _error(row["middle_default_error"]), "small": ""}]
-    finest = "is the truth" if row["is_truth"] else _error(row["middle_finest_error"])
-    cells.append({"head": "finest", "text": finest, "small": _wrong(row)})
-    for accuracy in advice.ACCURACIES:
-        name, column = level(accuracy), advice.COLUMN[accuracy]
-        reached = f"{row[f'reached_{column}']} of {row['rolling_cases']}"
+    cells.append({"head": "finest", "text": _finest(row), "small": _wrong(row)})
+    for accuracy, column in advice.COLUMN.items():
+        name, reached = level(accuracy), _reached(row, column)
         if not costs:
             cells.append({"head": f"reaches {name}", "text": reached, "small": ""})
             continue
@@ -83,15 +82,64 @@ def _row(row: Mapping[str, Any], hard: bool, costs: bool) -> dict[str, Any]:
         cells.append({"head": f"{name} once", "text": once, "small": reached})
         cells.append({"head": f"{name} 1,000 ×", "text": many, "small": ""})
     if hard:
-        count = [row.get(f"hard_{word}", 0) for word in ("right", "wrong", "refused")]
-        told = " / ".join(str(int(n)) for n in count) if all(isfinite(n) for n in count) and sum(count) else ""
-        cells.append({"head": "hard scenes", "text": told, "small": ""})
+        cells.append({"head": "hard scenes", "text": _of_hard(row), "small": ""})
     return {"solver": row["solver"], "route": row["route"], "id": identifier(row["solver"]), "cells": cells}
 
 
+def in_terminal(told: Sequence[Mapping[str, Any]]) -> str:
+    """The answer for a terminal, from rows of `advice`: the first screen's sentences, numbers and words."""
+    from tabulate import tabulate
+
+    costs, lines = _has_costs(told), []
+    for row in told:
+        line = {"": f"{row['solver']} {row['route']}"}
+        line |= {word: str(row[word]) for word in ("right", "wrong", "refused", "failed")}
+        line |= {"as it comes": _error(row["middle_default_error"]), "finest": _finest(row)}
+        for accuracy, column in advice.COLUMN.items():
+            line[f"reaches {level(accuracy)}"] = _reached(row, column)
+            if costs:
+                line[f"{level(accuracy)} once"] = _cost(row, column, "once")
+                line[f"{level(accuracy)} 1,000 ×"] = _cost(row, column, "thousand")
+        if _has_hard(told):
+            line["hard scenes"] = _of_hard(row)
+        lines.append(line)
+    return tabulate(lines, headers="keys", tablefmt="plain", disable_numparse=True, stralign="right")
+
+
+def notes(told: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What the columns of `in_terminal` mean."""
+    said = ["as it comes, finest: error of the first transition's time, s, the median of the cases"]
+    said += ["reaches: in how many of the cases that roll; failed: crashed or timed out"]
+    if _has_costs(told):
+        said += [f"once, 1,000 ×: whole calls from Python, the first from cold, on {told[0]['cost_case']}"]
+    return said
+
+
+def _has_costs(told: Sequence[Mapping[str, Any]]) -> bool:
+    return any(isfinite(row[f"once_{column}_s"]) for row in told for column in advice.COLUMN.values())
+
+
+def _has_hard(told: Sequence[Mapping[str, Any]]) -> bool:
+    return any("hard_right" in row for row in told)
+
+
+def _finest(row: Mapping[str, Any]) -> str:
+    return "is the truth" if row["is_truth"] else _error(row["middle_finest_error"])
+
+
+def _reached(row: Mapping[str, Any], column: str) -> str:
+    return f"{row[f'reached_{column}']} of {row['rolling_cases']}"
+
+
+def _of_hard(row: Mapping[str, Any]) -> str:
+    count = [row.get(f"hard_{word}", 0) for word in ("right", "wrong", "refused")]
+    return " / ".join(str(int(n)) for n in count) if all(isfinite(n) for n in count) and sum(count) else ""
+
+
 def _cost(row: Mapping[str, Any], column: str, word: str) -> str:
-    spent = row[f"{word}_{column}_s"]
-    return seconds(spent) if isfinite(spent) else "not timed" if row[f"reached_{column}"] else "never"
+    """The time, or why there is none on the case that is timed."""
+    spent, award = row[f"{word}_{column}_s"], row[f"award_{column}"]
+    return seconds(spent) if isfinite(spent) else "not timed" if award == REACHED else award or "–"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:

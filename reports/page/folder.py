@@ -64,7 +64,7 @@ def foreign_file(out: Path) -> str:
         manifest = json.loads((out / _MANIFEST).read_text(encoding="utf-8"))
         if manifest.get("made_by") == MADE_BY:
             known = set(manifest["files"])
-    except (OSError, ValueError, KeyError, AttributeError, TypeError):
+    except (OSError, ValueError, KeyError, AttributeError, TypeError, RecursionError):
         pass  # no manifest, or not one of ours: everything in the folder is somebody's
     return next((str(p.relative_to(out)) for p in sorted(files) if p.relative_to(out).as_posix() not in known), "")
 

@@ -34,6 +34,7 @@ _STUDY_ROWS, _SHOWN_ROWS = 600, 30
 _SHORT = {
     "stability": "Hard scenes", "effect_costs": "Effects", "error_parts": "Error parts", "formulations": "Formulations",
     "paper": "Paper", "published": "Published", "reference_cost": "Reference", "settings": "Rungs", "maps": "Maps",
+    "meanings": "Parameters",
 }  # fmt: skip
 
 
@@ -120,15 +121,15 @@ def _json(told: Any) -> str:
 
 
 def _named(frame: pd.DataFrame) -> dict[str, str]:
-    return {str(column): str(column) for column in frame.columns}
+    """The columns as a table's heads; versions stand in the last chapter, and in the files."""
+    return {str(column): str(column).replace("_", " ") for column in frame.columns if column != "version"}
 
 
 def _study(result: Result, drawn: Sequence[Drawn], figures: Path) -> dict[str, Any]:
     """A study as its template takes it: question, pictures, tables, or why it failed."""
     told = [
         {"name": name, "holds": result.words[name].holds, "count": len(frame)}
-        | table(frame.head(_STUDY_ROWS), {c: c.replace("_", " ") for c in map(str, frame.columns)},
-                result.words[name].columns)
+        | table(frame.head(_STUDY_ROWS), _named(frame), result.words[name].columns)
         for name, frame in result.frames.items()
     ]  # fmt: skip
     return {

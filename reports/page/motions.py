@@ -7,13 +7,14 @@ import inspect
 import zlib
 from base64 import b64encode
 from collections.abc import Mapping
-from math import isfinite, sin
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 import cases
-from cases import Case, Gravity
+from cases import Case
+from cases.pictures.layout import visible
 
 from ..running.records import REFERENCE, Experiment, Run, Truth, finest, routes
 
@@ -21,7 +22,6 @@ from ..running.records import REFERENCE, Experiment, Run, Truth, finest, routes
 SAMPLES = 401
 # Of so many transitions, spread over all, the samples hold the very time.
 _EXACT = 120
-_TRACK, _OUTLINE = 361, 73
 TRUE = ("x", "y", "theta", "slip", "xi1", "xi2", "lambda", "normal_force", "friction_force")
 # Solver minus truth, by names of `distances.differences`; the force of friction as the solver tells it.
 OFF = ("x", "y", "angle", "slip", "xi1", "xi2", "lambda")
@@ -33,17 +33,22 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
     if truth.failure or not truth.samples:
         return None
     times = _times(truth)
-    gravity = case.effect(Gravity)
-    low, high, track = _track(case, truth)
+    x, y, xi1 = (truth.samples[name] for name in ("x", "y", "xi1"))
+    shown_track = visible(case.scene, np.array([x, y]), xi1)
     return {
         "label": case.label,
-        "down": gravity is not None and sin(gravity.direction) > 0,
+        "down": case.scene.down,
         "t": packed(times, whole=True),
         "start": float(times[0]),
         "end": float(times[-1]),
         "modes": _modes(truth),
-        "track": {"low": low, "high": high, "period": bool(case.track.period), "points": packed(track)},
-        "outline": packed(case.plate.outline.point(np.linspace(*case.plate.outline.span, _OUTLINE))),
+        "track": {
+            "low": float(shown_track[0]),
+            "high": float(shown_track[-1]),
+            "period": bool(case.track.period),
+            "points": packed(case.track.point(shown_track)),
+        },
+        "outline": packed(case.scene.corners()),
         "truth": packed(np.array([_at(times, truth.samples, name) for name in TRUE])),
         "runs": [_run(run, times) for run in shown(experiment, case.label)],
     }
@@ -92,25 +97,6 @@ def _modes(truth: Truth) -> list[tuple[float, str, str]]:
     """When each mode begins, which, and what caused it."""
     first = (float(truth.samples["t"][0]), str(truth.first_mode), "")
     return [first, *((event.time, str(event.after), event.cause) for event in truth.transitions)]
-
-
-def _track(case: Case, truth: Truth) -> tuple[float, float, np.ndarray]:
-    """Parameters between which the track is worth drawing, and its points (2, n) at even parameters."""
-    track, xi1 = case.track, truth.samples["xi1"]
-    low, high = map(float, track.span)
-    if not track.period:
-        x, y = (truth.samples[name] for name in ("x", "y"))
-        flying = ~np.isfinite(xi1)
-        if flying.any():
-            grid = np.linspace(low, high, 1001)
-            X, Y = track.point(grid)
-            below = [grid[np.argmin(np.hypot(X - a, Y - b))] for a, b in zip(x[flying], y[flying], strict=True)]
-            xi1 = np.concatenate([xi1[~flying], below])
-        size = np.ptp(case.plate.outline.point(np.linspace(*case.plate.outline.span, _OUTLINE)), axis=1).max()
-        more = 1.2 * float(size) / float(track.speed(0.5 * float(xi1.min() + xi1.max())))
-        bounds = track.domain or (-np.inf, np.inf)
-        low, high = max(float(xi1.min()) - more, bounds[0]), min(float(xi1.max()) + more, bounds[1])
-    return low, high, track.point(np.linspace(low, high, _TRACK))
 
 
 def packed(values: np.ndarray, whole: bool = False) -> str:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).parent / "templates"
 # Words of a table that have a colour of their own.
 _POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
+_REMARKS = ("reason", "note", "notes")
 _VERDICTS = (*tables.OUTCOMES, "matched", "missed", "spurious", "unresolved")
 
 
@@ -68,7 +69,9 @@ def table(
     frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None
 ) -> dict[str, list[dict[str, Any]]]:
     """Heads and rows of some columns, as the template takes them: what a column means is its tip, and a number
-    that is not written as one, such as 1,700, knows by what it is sorted."""
+    that is not written as one, such as 1,700, knows by what it is sorted. Remarks that nowhere say anything are left
+    out."""
+    columns = {c: title for c, title in columns.items() if c not in _REMARKS or any(frame[c].astype(bool))}
     numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
     heads = [{"title": title, "number": c in numeric, "tip": (words or {}).get(c, "")} for c, title in columns.items()]
     rows = []
@@ -113,5 +116,5 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     elif "setting" in column:
         kind = "setting"
     else:
-        kind = "reason" if column in ("reason", "note", "notes") else ""
+        kind = "reason" if column in _REMARKS else ""
     return {"text": text, "kind": kind, "order": None}

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, get_type_hints
 from cases import Case
 
 from . import workers
+from .cluster import Cluster
 from .fingerprint import Key, adapter_sources, content, made_with, plain, record_digest, sources
 from .progress import Progress, silent
 from .records import now
@@ -31,6 +32,8 @@ LIMIT_SECONDS = 60.0
 # few seconds.
 ASKING_SECONDS = 20.0
 
+# Kinds of answers that do not depend on the machine, as far as a cluster's are like this one.
+ELSEWHERE = {"truth", "run", "trial"}
 # What is longer is no name of anything.
 _NAMED_CHARACTERS = 120
 
@@ -65,7 +68,8 @@ class Calls:
 
     `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
     depends on the solver is kept. `lost`: a sentence for each call that something outside ended twice, so that it would
-    come out otherwise another time. `spent`: what each step took. A context manager: the workers end with it.
+    come out otherwise another time. `spent`: what each step took. `cluster`: who makes calls of the kinds ELSEWHERE, if
+    that is not this machine. A context manager: the workers of this machine end with it.
     """
 
     jobs: int = 2
@@ -75,6 +79,7 @@ class Calls:
     versions: dict[str, str] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
     spent: Spent = field(default_factory=Spent)
+    cluster: Cluster | None = None
 
     def __enter__(self) -> Calls:
         self._pool = workers.Pool(self.jobs)
@@ -92,8 +97,8 @@ class Calls:
                 adapter_sources(name)
 
     def alone(self) -> Calls:
-        """The same with one worker of its own and nothing shown: for what is timed."""
-        return replace(self, jobs=1, progress=silent)
+        """The same with one worker of its own, on this machine, and nothing shown: for what is timed."""
+        return replace(self, jobs=1, progress=silent, cluster=None)
 
     def ask_versions(self, solvers: Iterable[str]) -> None:
         """Note the versions of solvers that are not known yet."""
@@ -147,7 +152,8 @@ class Calls:
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
         groups = [_group(call, names()[1:]) for call in calls]
-        with closing(self._pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
+        pool = self.cluster if self.cluster is not None and keep and keep.kind in ELSEWHERE else self._pool
+        with closing(pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])

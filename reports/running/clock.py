@@ -26,7 +26,7 @@ from adapters import Setting
 from cases import Case, kept
 
 from .records import legible
-from .serving import end_copies
+from .serving import reap
 from .solvers import solver
 
 # The median is known well enough when its standard error, as a part of it, is below this.
@@ -286,22 +286,21 @@ def timing(entry: Entry, loop: float) -> Timing:
 def _repeat(entry: Entry, loops: list[float]) -> None:
     """Build, run and (until it is known) read back; the calibration loops' times go into `loops`."""
     try:
-        began, warm_ups, own = time.perf_counter(), entry.warm_ups, os.getpid()
+        began, warm_ups = time.perf_counter(), entry.warm_ups
         models = [entry.built() for _ in range(warm_ups + entry.row)]
         before, others = calibrate(), neighbours()
         for model in models[:warm_ups]:
             entry.run(model)
-            end_copies(own)
         row = models[warm_ups:]
         gc.disable()  # as the standard library's timeit does: whose garbage is collected when is chance
         try:
             cpu, wall = time.process_time(), time.perf_counter()
             for model in row:
                 entry.run(model)
-                end_copies(own)  # 0.1 µs, for everyone
             cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
         finally:
             gc.enable()
+        reap()
         others, after = others or neighbours(), calibrate()
         entry.run_s = (time.perf_counter() - began) / len(models)
         read = _read(entry, row[-1])

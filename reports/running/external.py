@@ -46,10 +46,10 @@ class External:
 
 def from_options(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[External, ...]:
     """The trajectories of the options, read and checked; raises CaseError with one sentence that names the option."""
-    return tuple(_read(text, cases, solvers) for text in texts)
+    return tuple(_of_option(text, cases, solvers) for text in texts)
 
 
-def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
+def _of_option(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
     parts = _FORM.fullmatch(text)
     if not parts:
         raise BadValue(f"--trajectory is {text!r}; give {FORM}")
@@ -60,18 +60,20 @@ def _read(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> External:
         raise BadValue(f"--trajectory {text!r} takes the name of the solver {name}; give another name")
     case = _case(text, parts["case"], cases)
     try:
-        table = exported.read_table(file)
-        motion = exported.trajectory_of(case, table)
+        return read(name, case, file)
     except CaseError as problem:
         raise type(problem)(f"--trajectory {text!r}: {problem}") from problem
+
+
+def read(name: str, case: Case, file: Path, route: str = ROUTE, creep: float = 0.0) -> External:
+    """The trajectory of a file, which creeps so much (m/s) while it sticks; raises CaseError, in one sentence, if it is
+    none of the case's."""
+    table = exported.read_table(file)
+    motion = exported.trajectory_of(case, table, creep)
     # A dollar sign begins a formula in a figure.
     shown = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
-    return External(name, case, shown, digest(file), motion, exported.columns_of(table))
-
-
-def digest(file: Path) -> str:
-    """What tells one file's content from another's."""
-    return hashlib.sha256(file.read_bytes()).hexdigest()[:12]
+    digest = hashlib.sha256(file.read_bytes()).hexdigest()[:12]
+    return External(name, case, shown, digest, motion, exported.columns_of(table), route)
 
 
 def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:
@@ -118,7 +120,8 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
     run = judge(row, case, motion, true, truth)
-    said = [run.reason, noticed.half_step(columns), noticed.mirrored_axis(columns, true)]
+    said = [run.reason, noticed.half_step(columns), noticed.slip_half_a_step_beside(case, motion)]
+    said += [noticed.mirrored_axis(columns, true), noticed.other_unit(columns, true)]
     if any(line.verdict == "missed" for line in run.ledger):
         said.append(noticed.creep(motion, true))
     return replace(run, reason="; ".join(text for text in said if text))

@@ -39,12 +39,12 @@ def made_with(versions: Mapping[str, str], solvers: Iterable[str]) -> Key | None
     engines = {name: versions.get(name) for name in solvers}
     if not all(engines.values()):
         return None
-    return {"engines": engines, "adapters": {name: adapter_sources(name) for name in engines}, **_surroundings()}
+    return {"engines": engines, "adapters": {name: adapter_sources(name) for name in engines}, **surroundings()}
 
 
 @lru_cache(maxsize=1)
-def _surroundings() -> Key:
-    """What decides every result."""
+def surroundings() -> Key:
+    """What decides every result: Python, packages, machine."""
     packages = {name: installed(name) for name in _PACKAGES}
     python = f"{platform.python_implementation()} {sys.version.split()[0]}"
     return {"python": python, "packages": packages, "machine": machine()}

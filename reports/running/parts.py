@@ -8,7 +8,6 @@ and the rest is ours. Both are measured beside whole runs, in turn, and told as 
 from __future__ import annotations
 
 import gc
-import os
 import statistics
 import sys
 import time
@@ -19,8 +18,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from adapters.interface import returns_once
+
 from .clock import Contestant
-from .serving import end_copies
 from .solvers import solver
 
 # What a stripped run is without, each beside what is named before it.
@@ -75,7 +75,7 @@ def by_difference(module: ModuleType, one: Contestant, deadline: float) -> Parts
 
     def ready(without: str) -> Callable[[], None]:
         if without:
-            return module.stripped(one.case, one.route, one.setting, without)
+            return returns_once(module.stripped(one.case, one.route, one.setting, without))
         model = module.build(one.case, one.route, one.setting)
         return lambda: module.run(model)
 
@@ -116,12 +116,10 @@ def _in_turns(measures: Sequence[Callable[[], float]], deadline: float) -> list[
 
 
 def _cpu(run: Callable[[], None]) -> float:
-    own = os.getpid()
     gc.disable()
     try:
         began = time.process_time()
         run()
-        end_copies(own)
         return time.process_time() - began
     finally:
         gc.enable()
@@ -129,13 +127,12 @@ def _cpu(run: Callable[[], None]) -> float:
 
 def engine_seconds(package: str, run: Callable[[], None]) -> float:
     """Seconds of a run in compiled functions of a package, without the Python they call back."""
-    stays, own = _Stays(package), os.getpid()
+    stays = _Stays(package)
     sys.setprofile(stays)
     try:
         run()
     finally:
         sys.setprofile(None)
-        end_copies(own)
     return stays.seconds()
 
 

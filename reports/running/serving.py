@@ -104,8 +104,12 @@ def _numerics() -> tuple[float, ...]:
 
 def _left_running() -> bool:
     """Whether something that the call started goes on."""
-    if threading.active_count() > 1:
-        return True
+    return threading.active_count() > 1 or reap()
+
+
+def reap() -> bool:
+    """Let processes that engines started and that have ended be gone; whether others still run. A copy that an engine
+    makes of its process in each of thousands of runs would else stay in the system's table until the last."""
     try:
         while os.waitpid(-1, os.WNOHANG)[0]:
             pass
@@ -133,15 +137,6 @@ def _resident() -> int:
         return 0
 
 
-def end_copies(own: int) -> None:
-    """Ends this process if it is not `own` but one that an engine forked from it and that came back as well.
-
-    To be asked after each run where a call makes many: their copies would double with each.
-    """
-    if os.getpid() != own:
-        os._exit(0)
-
-
 def _call(function: Callable, args: tuple, folder: Path) -> Answer:
     home, own = os.getcwd(), os.getpid()
     os.chdir(folder)
@@ -152,7 +147,8 @@ def _call(function: Callable, args: tuple, folder: Path) -> Answer:
                     answer = Answer("done", value=function(*args))
             except BaseException as problem:  # SystemExit too: an engine may try to leave
                 answer = Answer("raised", reason=legible(f"{type(problem).__name__}: {_text(problem)}".strip()))
-            end_copies(own)  # it has nothing to say
+            if os.getpid() != own:
+                os._exit(0)  # an engine's copy of this process came back as well: it has nothing to say
         return replace(answer, output=output.text)
     finally:
         os.chdir(home)

@@ -6,9 +6,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, requires
-from types import ModuleType
+from typing import Any
 
 import adapters
+from adapters.interface import ReturnsOnce, returns_once
 
 from . import code, versions
 from .records import REFERENCE, legible
@@ -21,15 +22,15 @@ def names() -> tuple[str, ...]:
     return (REFERENCE, *adapters.engines())
 
 
-def solver(name: str) -> ModuleType:
+def solver(name: str) -> Any:
     """A solver by name, an engine or the reference; raises ImportError if it, or the version that its name asks for, is
     not installed."""
     if name == REFERENCE:
         from . import reference_adapter
 
-        return reference_adapter
+        return ReturnsOnce(reference_adapter)  # like an engine, for the clock's sake
     versions.demand(name)
-    return adapters.engine(versions.parted(name)[0])
+    return ReturnsOnce(returns_once(adapters.engine)(versions.parted(name)[0]))
 
 
 # The outcome of an engine that is not there: it refuses nothing, and is counted nowhere.

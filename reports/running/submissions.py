@@ -15,7 +15,8 @@ import cases
 from adapters.common import exported
 from cases import BadValue, Case, CaseError, UnknownName
 
-from .external import External, digest
+from . import external
+from .external import External
 
 ROUTE = "submission"
 HEAD = "submission.toml"
@@ -27,8 +28,9 @@ WORDS = {
     "machine": "what they were made on: processor, system",
     "settings": "step, shapes, solver: what someone needs to make them again",
 }
-# Bytes: a line or two for each word; ten million numbers. A stranger's file is not to fill the memory.
-LARGEST_HEAD, LARGEST_MOTION = 16_384, 200_000_000
+# Bytes: a line or two for each word. A stranger's file is not to fill the memory; a motion's own bound is
+# `exported.LARGEST_FILE`.
+LARGEST_HEAD = 16_384
 LONGEST = 300  # characters of one word
 # Names stand in figures, file names and spreadsheets, where a dollar sign or an equals sign begins a formula.
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,59}")
@@ -56,10 +58,11 @@ def read(folder: Path) -> Submission:
     head = folder / HEAD
     if not head.is_file():
         raise BadValue(f"{folder} has no {HEAD}; write one with {', '.join(WORDS)}")
+    _check_own(head)
     _check_size(head, LARGEST_HEAD)
     try:
         given = tomllib.loads(head.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+    except (ValueError, RecursionError) as problem:  # a number of too many digits, brackets of too many kinds
         raise BadValue(f"{head} is no TOML: {problem}") from problem
     words = {name: _word(head, given, name) for name in WORDS}
     for place, name in ((folder.resolve().parent, "engine"), (folder.resolve(), "version")):
@@ -72,7 +75,7 @@ def read(folder: Path) -> Submission:
                 f"{head} says {name} = {words[name]!r}, and lies in a folder {place.name!r}; call both alike"
             )
     creep = given.get("creep", 0.0)
-    if isinstance(creep, bool) or not isinstance(creep, int | float):
+    if isinstance(creep, bool) or not isinstance(creep, int | float) or abs(creep) > exported.LARGEST:
         raise BadValue(f"creep in {head} is {creep!r}; give a speed in m/s, without quotation marks")
     stray = sorted(set(given) - {*WORDS, "creep"})
     if stray:
@@ -92,6 +95,12 @@ def _word(head: Path, given: dict, name: str) -> str:
     return word.strip()
 
 
+def _check_own(path: Path) -> None:
+    """A refusal quotes a line of what is read: it is to be the stranger's own."""
+    if path.is_symlink():
+        raise BadValue(f"{path} is a link; hand in the file itself")
+
+
 def _check_size(path: Path, most: int) -> None:
     size = path.stat().st_size
     if size > most:
@@ -101,15 +110,11 @@ def _check_size(path: Path, most: int) -> None:
 def motion(submission: Submission, label: str) -> External:
     """One motion of it; raises CaseError, with one sentence that names the file, if it is none of the case's."""
     path = submission.files[label]
+    _check_own(path)
     try:
-        case = cases.load(label)
-        _check_size(path, LARGEST_MOTION)
-        table = exported.read_table(path)
-        found = exported.trajectory_of(case, table, submission.creep)
+        return external.read(submission.name, cases.load(label), path, ROUTE, submission.creep)
     except CaseError as problem:
         raise type(problem)(f"{path}: {problem}") from problem
-    columns = exported.columns_of(table)
-    return External(submission.name, case, path.name, digest(path), found, columns, ROUTE)
 
 
 def found_in(folder: Path) -> list[Submission]:

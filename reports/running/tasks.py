@@ -23,6 +23,7 @@ from reference.certification import Certificate, NotCertified, kept_or_new
 from ..judging import distances, ledger, soundness, transitions
 from ..judging.slip_phases import Reading
 from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
+from .serving import reap
 from .solvers import NOT_INSTALLED, solver
 
 # What a figure can show; samples beyond are left out at even distances.
@@ -179,6 +180,7 @@ def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Traje
     began = time.perf_counter()
     trajectory = module.read(model)
     setup += time.perf_counter() - began
+    reap()
     steps = trajectory.cost.steps or len(trajectory.t) - 1
     if getattr(module, "TELLS_COST", False):
         cpu = trajectory.cost.cpu_s

@@ -201,7 +201,7 @@ class _Worker:
             self.kill()
             return gone
         try:
-            number, result, *more = _Reader(io.BytesIO(message)).load()
+            number, result, *more = read(message)
             if number != self.number:
                 return None  # a process that an earlier call left behind has spoken
             if result == BEGUN:
@@ -271,6 +271,11 @@ class _Reader(pickle.Unpickler):
         if module not in sys.modules and is_adapters(module):
             raise pickle.UnpicklingError(f"it holds a {module}.{name}, which only its adapter knows")
         return super().find_class(module, name)
+
+
+def read(message: bytes) -> Any:
+    """What came from a worker; raises whatever may be wrong with it."""
+    return _Reader(io.BytesIO(message)).load()
 
 
 def _death(exitcode: int | None) -> Answer:

@@ -16,12 +16,16 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import cases
 from cases import Case
 from cases.errors import unknown
+
+from ..running.records import REFERENCE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,6 +42,15 @@ class Request(NamedTuple):
     cases: tuple[Case, ...] = ()
     solvers: tuple[str, ...] = ()
     full: bool = False
+
+    @property
+    def engines(self) -> tuple[str, ...]:
+        """The solvers without the reference."""
+        return tuple(name for name in self.solvers if name != REFERENCE)
+
+    def cases_or(self, own: Sequence[str]) -> tuple[Case, ...]:
+        """The cases named, else the study's own, with all their variants."""
+        return self.cases or tuple(case for text in own for case in cases.select(text))
 
 
 class Result(NamedTuple):

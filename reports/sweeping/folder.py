@@ -54,7 +54,7 @@ class Folder:
     def _told(self) -> dict[str, Any] | None:
         try:
             told = json.loads((self.path / TOLD).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError):
             return None
         return told if isinstance(told, dict) and told.get("made_by") == MADE_BY else None
 

@@ -1,5 +1,5 @@
-"""The parts of a sweep on this machine, in worker processes: a part that ends its worker is halved until the scenario
-that does it stands alone, and is a row."""
+"""The parts of a sweep, in workers of this machine or of a cluster: a part that ends its worker is halved until the
+scenario that does it stands alone, and is a row."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
+from ..running.cluster import Cluster
 from ..running.workers import Pool
 from . import parts
 from .parts import Work
 
 # Wall seconds that a part may take before it counts as lost: parts are made to take seconds.
 PATIENCE = 900.0
+# Parts a pool is given at a time: it looks through what waits whenever it hands one out.
+TOGETHER = 1000
 
 
 class Part(NamedTuple):
@@ -26,24 +29,24 @@ class Part(NamedTuple):
 Progress = Callable[[str, int, Iterator], Iterator]
 
 
-def done(work: Work, wanted: Sequence[Part], jobs: int) -> Iterator[tuple[Part, bytes]]:
-    """The bytes of each part as they come, `jobs` at a time."""
-    pool = Pool(jobs)
+def done(work: Work, wanted: Sequence[Part], pool: Pool | Cluster) -> Iterator[tuple[Part, bytes]]:
+    """The bytes of each part as they come; the pool is closed at the end."""
     try:
-        left = list(wanted)
-        halves: list[tuple[Part, Part]] = []  # a piece, and the part it belongs to
-        for i, answer in pool.run(parts.perform, [(work, *part) for part in left], PATIENCE):
-            if answer.outcome == "done":
-                yield left[i], answer.value
-            else:
-                halves.append((left[i], left[i]))
-        for whole, _ in halves:
+        failed = []
+        for begin in range(0, len(wanted), TOGETHER):
+            some = wanted[begin : begin + TOGETHER]
+            for i, answer in pool.run(parts.perform, [(work, *part) for part in some], PATIENCE):
+                if answer.outcome == "done":
+                    yield some[i], answer.value
+                else:
+                    failed.append(some[i])
+        for whole in failed:
             yield whole, _in_halves(pool, work, whole)
     finally:
         pool.close()
 
 
-def _in_halves(pool: Pool, work: Work, whole: Part) -> bytes:
+def _in_halves(pool: Pool | Cluster, work: Work, whole: Part) -> bytes:
     """A part that failed, by ever smaller pieces."""
     waiting, tables = [whole], []
     while waiting:

@@ -127,7 +127,10 @@ def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequ
         handles += ax.plot(edges.x, edges.y, ".", color="black", markersize=1.5, label="boundary found by --refine")
     for mark in marks:
         ax.plot(mark.x, mark.y, "o", color="white", markeredgecolor="black", markersize=6, clip_on=False, zorder=5)
-        ax.annotate(mark.label, (mark.x, mark.y), xytext=(7, 5), textcoords="offset points", fontsize=8.5, zorder=5)
+        ax.annotate(
+            mark.label, (mark.x, mark.y), xytext=(7, 8), textcoords="offset points", fontsize=8.5, zorder=5,
+            bbox={"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 1.0},
+        )  # fmt: skip
     _frame(ax, plan, shown)
     ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
 

@@ -6,9 +6,7 @@ The same functions run in a worker of this machine and in one of a cluster; all 
 from __future__ import annotations
 
 import platform
-import threading
 import time
-from functools import lru_cache
 from io import BytesIO
 from typing import NamedTuple
 
@@ -23,60 +21,33 @@ from reference.sweeping import MANY, Plan, table
 
 from ..judging import soundness
 from ..running import fingerprint, tasks
-from ..running.solvers import solver, version
+from ..running.records import REFERENCE
+from ..running.solvers import solver
 
 
 class Work(NamedTuple):
     """What is to be done with a plan's scenarios: by which solver and route ("reference" and "": the reference), with
-    certified error bars or not, and who may do it: the identity of a machine that gives the same rows."""
+    certified error bars or not."""
 
     plan: Plan
-    solver: str = "reference"
+    solver: str = REFERENCE
     route: str = ""
     certified: bool = False
-    identity: tuple[tuple[str, str], ...] = ()
 
 
-class Foreign(Exception):
-    """A worker that would not give the same rows, and why not."""
-
-
-@lru_cache(maxsize=8)
-def identity(name: str = "reference") -> tuple[tuple[str, str], ...]:
-    """What decides a solver's rows on a machine: versions and code."""
+def made_with() -> dict[str, str]:
+    """What decides the reference's rows on a machine: versions and code."""
     packages = ("numpy", "scipy", "sympy", "heyoka")
     told = {"python": platform.python_version(), "method of the reference": reference.METHODS[0]}
     told |= {package: fingerprint.installed(package) for package in packages}
-    told["code of the suite"] = fingerprint.sources(table)[:16]
-    if name != "reference":
-        told[name] = version(name)
-        told[f"code of {name}"] = fingerprint.adapter_sources(name)[:16]
-    return tuple(sorted(told.items()))
-
-
-def difference(mine: tuple[tuple[str, str], ...], asked: tuple[tuple[str, str], ...]) -> str:
-    """What of a machine is not what was asked for, in a phrase; "" if it is the same."""
-    here, there = dict(mine), dict(asked)
-    return "; ".join(
-        f"{name} is {here.get(name, 'unknown')}, not {value}"
-        for name, value in there.items()
-        if here.get(name) != value
-    )
-
-
-# Compiled integrators carry the state of the motion they are at: a worker with several threads takes turns.
-_ONE = threading.Lock()
+    return dict(sorted((told | {"code of the suite": fingerprint.sources(table)[:16]}).items()))
 
 
 def perform(work: Work, start: int, stop: int) -> bytes:
-    """The rows of some scenarios as the bytes of a Parquet file. Raises Foreign on a machine of another kind."""
-    other = difference(identity(work.solver), work.identity) if work.identity else ""
-    if other:
-        raise Foreign(other)
-    with _ONE:
-        if work.solver == "reference":
-            return packed(table.solved(work.plan, start, stop, len(work.plan) >= MANY, work.certified))
-        return packed(of_engine(work, start, stop))
+    """The rows of some scenarios as the bytes of a Parquet file."""
+    if work.solver == REFERENCE:
+        return packed(table.solved(work.plan, start, stop, len(work.plan) >= MANY, work.certified))
+    return packed(of_engine(work, start, stop))
 
 
 def packed(rows: pa.Table) -> bytes:
@@ -88,7 +59,7 @@ def packed(rows: pa.Table) -> bytes:
 
 def rate(work: Work) -> float:
     """Scenarios a second, CPU time of one core, of a few stretches of the plan; what is compiled is not counted."""
-    n, few = len(work.plan), 1 if work.solver != "reference" else 64
+    n, few = len(work.plan), 1 if work.solver != REFERENCE else 64
     starts = sorted({0, n // 3, 2 * n // 3, max(n - few, 0)})
     perform(work, starts[0], min(starts[0] + few, n))
     began, done = time.process_time(), 0
@@ -103,7 +74,7 @@ def rate(work: Work) -> float:
 def failed(work: Work, number: int, outcome: str, reason: str) -> bytes:
     """The row of a scenario that ended its worker, or ran out of time."""
     parameters = work.plan.columns(number, number + 1)
-    schema = table.schema(work.plan) if work.solver == "reference" else engine_schema(work.plan)
+    schema = table.schema(work.plan) if work.solver == REFERENCE else engine_schema(work.plan)
     known = {"scenario": number, "outcome": outcome, "reason": reason}
     known |= {name: float(column[0]) for name, column in parameters.items()}
     return packed(pa.Table.from_pylist([{field.name: known.get(field.name) for field in schema}], schema=schema))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,8 +11,9 @@ from typing import Any
 from cases import BadValue
 from reference.sweeping import CHUNK, Plan
 
-from ..running import fingerprint
-from ..running.solvers import routes
+from ..running import cluster, elsewhere, fingerprint
+from ..running.records import REFERENCE
+from ..running.solvers import routes, version
 from ..running.workers import Pool
 from . import local, parts
 from .folder import Folder
@@ -36,20 +37,21 @@ class Machines:
 
     def done(self, work: Work, wanted: list[Part]) -> Iterator[tuple[Part, bytes]]:
         """The bytes of each part, as they come."""
-        if self.dask is None:
-            return local.done(work, wanted, self.jobs)
-        from . import cluster
+        return local.done(work, wanted, Pool(self.jobs) if self.dask is None else self._cluster(work))
 
-        return cluster.done(work, wanted, self.dask, self.jobs)
+    def _cluster(self, work: Work) -> cluster.Cluster:
+        engines = () if work.solver == REFERENCE else (work.solver,)
+        told = dict(elsewhere.identity(versions_of(engines), work.plan.files))
+        del told[elsewhere.PROCESSOR]  # it has a say in last digits; half a cluster idle would be the worse of the two
+        return cluster.Cluster(self.dask or "", self.jobs, tuple(told.items()), engines, work.plan.files)
 
 
 def asked(plan: Plan, certified: bool) -> dict[str, Any]:
     """All that decides the rows of a sweep."""
-    who = dict(parts.identity())
-    return {"plan": plan.as_text(), "scene": _scene(plan), "certified": certified, "made with": who}
+    return {"plan": plan.as_text(), "scene": scene(plan), "certified": certified, "made with": parts.made_with()}
 
 
-def _scene(plan: Plan) -> str:
+def scene(plan: Plan) -> str:
     """The code of the case's function and of its file, in a few letters."""
     try:
         file = inspect.getsourcefile(plan.function)
@@ -60,8 +62,7 @@ def _scene(plan: Plan) -> str:
 
 def run(plan: Plan, folder: Folder, certified: bool, machines: Machines) -> int:
     """Make what is not there of the reference's rows; how many scenarios were made now."""
-    work = Work(plan, certified=certified, identity=parts.identity())
-    return _made(work, folder, ROWS, machines)
+    return _made(Work(plan, certified=certified), folder, ROWS, machines)
 
 
 def routes_of(solver: str) -> tuple[str, ...]:
@@ -69,13 +70,23 @@ def routes_of(solver: str) -> tuple[str, ...]:
     return _of_engine(routes, solver)
 
 
+def versions_of(engines: Sequence[str]) -> dict[str, str]:
+    """The versions of engines; raises BadValue if one is not there."""
+    return {name: _of_engine(version, name) for name in engines}
+
+
 def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], machines: Machines) -> dict[str, str]:
-    """The same of every route of an engine; by kind of rows the title of each."""
+    """The same of every route of an engine; by kind of rows the title of each. Raises BadValue if the folder has rows
+    that the engine made in another version, or by another adapter."""
+    own = {**versions_of([solver]), "its adapter": fingerprint.adapter_sources(solver)[:16]}
+    there = folder.told(f"made with {solver}")
+    if there not in (None, own):
+        raise BadValue(f"{folder.path} holds rows of {there}, not {own}; give another --out, or --fresh to forget them")
+    folder.tell({f"made with {solver}": own})
     kinds = {}
     for route in ways:
-        work = Work(plan, solver, route, identity=_of_engine(parts.identity, solver))
         kinds[f"{solver}.{route}"] = f"{solver}, {route}"
-        _made(work, folder, f"{solver}.{route}", machines)
+        _made(Work(plan, solver, route), folder, f"{solver}.{route}", machines)
     return kinds
 
 
@@ -113,7 +124,7 @@ def _length(work: Work) -> int:
         return LEAST
     pool = Pool(1)
     try:
-        ((_, answer),) = pool.run(parts.rate, [(work._replace(identity=()),)], local.PATIENCE)
+        ((_, answer),) = pool.run(parts.rate, [(work,)], local.PATIENCE)
     finally:
         pool.close()
     if answer.outcome != "done":

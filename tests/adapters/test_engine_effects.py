@@ -243,6 +243,24 @@ def test_impact_that_an_engine_cannot_do_is_refused_with_the_reason():
     assert reason("pymunk", "native", PLATE) is None  # by a law of its own, which its row tells
 
 
+def test_the_law_handed_to_exudyn_makes_no_impact_as_its_refusal_tells():
+    """A critically damped spring that may not pull lets go where its force is none: at e^-2 of the speed it met with,
+    if steps are far shorter than its time. Those of the ladder are longer, and the spring gives more than it took."""
+    adapter, met = pytest.importorskip("adapters.exudyn"), np.sqrt(2 * 9.81 * 0.1)
+    case = Case(line(0.0), DISC, (G, *FLIES, Impact(0.0)), Start(0.0, gap=0.1), 0.16)
+    assert "faster than it came" in adapter.refuses(case, "integrator")
+    finest = adapter.ladder(case, "integrator")[-1]
+
+    def left(setting: Setting) -> float:
+        model = adapter.build(case, "integrator", setting)
+        adapter.run(model)
+        return float(adapter.read(model).vy.max()) / met
+
+    assert left(finest) > 1.0
+    # Its time is 1.4 ms; gravity takes a hundredth of the speed in it.
+    assert left(finest.but(k=1e6, h=5e-5)) == pytest.approx(np.exp(-2.0), rel=5e-2)
+
+
 @pytest.mark.parametrize(("name", "route"), ROUTES)
 def test_rolling_resistance_is_refused_by_its_name(name, route):
     pytest.importorskip(f"adapters.{name}")

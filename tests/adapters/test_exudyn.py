@@ -170,6 +170,14 @@ def test_bowling_disc_rolls_after_v0_over_three_mu_g(route, v0, mu, accuracy):
 
 
 @pytest.mark.parametrize("route", exudyn.routes)
+def test_rounding_of_the_penetration_ends_no_rung(route):
+    """Asked for 1e-10 N, less than what the stiffest springs round by, Newton's method gave up on three rungs."""
+    case, exact = cases.load("disc_on_line", mu=0.3), 1 / (3 * 0.3 * G)
+    off = [abs(end_of_slip(solve(case, route, setting=s)) - exact) for s in exudyn.ladder(case, route)[1:]]
+    assert off[-1] < off[0] < 1e-3 * exact
+
+
+@pytest.mark.parametrize("route", exudyn.routes)
 @pytest.mark.parametrize("slope", [0.1, atan(0.3) - 0.02, atan(0.3) + 0.02, 0.6])
 def test_disc_rolls_down_an_incline_up_to_tan_equal_three_mu_and_slips_beyond(route, slope):
     motion = solve(cases.load("disc_on_incline", slope=slope, mu=0.1), route)

@@ -10,7 +10,7 @@ import pytest
 
 import adapters
 from adapters import Setting
-from adapters.laws import LAWS, SCENES, Refused, Route, effects, judge, mechanics
+from adapters.laws import LAWS, SCENES, NotTold, Refused, Route, effects, judge, mechanics
 from adapters.laws.apart import Apart
 from cases import (
     Case,
@@ -69,8 +69,8 @@ def test_adapter_obeys_law(name, route, law):
         pytest.skip(f"{name} is not installed: {problem}")
     try:
         LAWS[law](Route(adapter, route))
-    except Refused as refusal:
-        pytest.skip(str(refusal))
+    except (Refused, NotTold) as reason:
+        pytest.skip(str(reason))
 
 
 # --- the tests bite --------------------------------------------------------------------------------------------------
@@ -288,6 +288,22 @@ def test_wrong_adapter_fails_its_law_by_name(law, words, wrong):
     for name in _scenes(law):
         with pytest.raises(AssertionError, match=f"^{words}"):
             LAWS[name](Route(wrong(), "assisted"))
+
+
+@pytest.mark.parametrize("column", ["normal_force", "friction_force"])
+def test_what_an_engine_does_not_tell_is_neither_kept_nor_broken(column):
+    silent = spoiled(**{column: lambda m: np.full_like(m.t, np.nan)})
+    laws = ["cone[disc in a circle]", "friction_opposes_slip[disc in a circle]", "momentum_balance[disc in a circle]"]
+    verdicts = list(judge(silent, [*laws, "friction_torque", "no_friction_no_spin"], ["assisted"]))
+    told = f"it tells no {column.replace('_', ' ')}"
+    assert [(v.outcome, v.reason) for v in verdicts[:3]] == [("not told", told)] * 3
+    assert [v.outcome for v in verdicts[3:]] == ["kept", "kept"]
+
+
+def test_a_hole_in_what_is_told_is_no_way_round_a_law():
+    holed = spoiled(friction_force=lambda m: np.where(m.t > 0.5, np.nan, 1.2 * m.friction_force))
+    (verdict,) = judge(holed, ["cone[disc in a circle]"], ["assisted"])
+    assert verdict.outcome == "broken" and "is no number (" in verdict.reason and "nan" not in verdict.reason
 
 
 def test_a_solver_that_bends_its_tracks_to_circles_is_caught_where_the_curvature_changes():

@@ -13,7 +13,7 @@ import reference
 from adapters.common.exported import read_table, trajectory_of
 from cases import BadValue, UnknownName
 from cases.pictures import animation, plots
-from cases.pictures.scene import CORNERS
+from cases.pictures.layout import CORNERS
 from reports import animate
 
 CASE = cases.load("disc_in_circle", mu=0.2)

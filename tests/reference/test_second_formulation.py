@@ -482,7 +482,7 @@ def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: in_a_ring(CoulombFriction(0.2), omega=1e30),
+        lambda: in_a_ring(CoulombFriction(0.2), Flight(), Impact(0.5), omega=1e30),
         lambda: on_line(*GRIP, Load(fx="sqrt(1 - t)"), duration=2.0),
         lambda: on_line(*GRIP, CoulombFriction(0.3), Load(fx="log(1 - t)"), duration=2.0),
         lambda: on_line(*GRIP, Flight(), Load(fy="-sqrt(0.1 - t)"), gap=0.5, duration=2.0),

@@ -42,7 +42,7 @@ FATES = {
     ("run", "segfault"): "crashed",
     ("run", "killed"): "crashed",
     ("run", "hang"): "timed_out",
-    ("run", "forks"): "right",
+    **{(part, "forks"): "right" for part in ("import", "version", "refuses", "ladder", "grid", "build", "run", "read")},
     ("run", "rounds"): "right",
     ("run", "sulks"): "right",
     ("run", "floods"): "crashed",

@@ -9,8 +9,9 @@ import reference
 from adapters.common import exported
 from adapters.interface import engine as adapter_of
 from cases import registry
-from reports import compare
+from reports import compare, export
 from reports.judging import noticed, residuals
+from reports.running import external, tasks
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
@@ -117,6 +118,9 @@ def test_broken_law_is_told(tmp_path, capsys, spoil, law):
         (_with("theta", lambda theta: theta + 1.0), "give radians"),
         (_with("omega", lambda omega: -omega), "omega is not the rate of theta"),
         (lambda frame: frame.iloc[100:], "begins at 0"),
+        (_with("x", lambda x: x.mask(x.index == 7, 1e300)), "x in line 9 of motion.csv is beyond all sizes"),
+        (lambda frame: frame.reset_index(names=""), "column 1 of motion.csv has no name (an index?)"),
+        (lambda frame: frame.reset_index(names="Unnamed: 0"), "column 1 of motion.csv has no name (an index?)"),
     ],
 )
 def test_unusable_file_is_told_in_one_sentence(tmp_path, capsys, spoil, sentence):
@@ -171,6 +175,59 @@ def test_velocities_half_a_step_beside_the_poses_are_noticed(tmp_path, capsys, s
     assert "half a step" not in judged(tmp_path, capsys, frame)[1]
 
 
+@pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
+def test_slip_half_a_step_beside_its_poses_is_noticed(tmp_path, capsys, shift, when):
+    frame = table(FULL[:8]).iloc[::4]
+    moved = frame.assign(slip=MOTION(np.clip(frame.t + 4e-3 * shift, 0.0, MOTION.t[-1])).slip)
+    status, text, _ = judged(tmp_path, capsys, moved)
+    assert status == 0 and f"slip seems to stand half a step {when} the poses" in text
+    assert "half a step" not in judged(tmp_path, capsys, frame)[1]
+
+
+LINE, ROLLS = "disc_on_line[mu=0.1]", "disc_on_incline"
+# What a liar, or another convention, makes of a slip column.
+LIES = {
+    "sign": lambda frame: -frame.slip,
+    "millimetres": lambda frame: 1e3 * frame.slip,
+    "kilometres": lambda frame: 1e-3 * frame.slip,
+    "mirrored spin": lambda frame: 2 * frame.vx - frame.slip,
+    "the centre's speed": lambda frame: np.hypot(frame.vx, frame.vy),
+    "none below a tenth": lambda frame: frame.slip.where(frame.slip > 0.9 * frame.slip[0], 0.0),
+}
+
+
+@pytest.mark.parametrize("lie", LIES)
+@pytest.mark.parametrize("rolling", [20, 200, 1800])
+def test_a_slip_of_another_kind_is_refused_however_short_the_sliding(lie, rolling):
+    """It slides for 200 samples, and the more of them follow in which it rolls, the less a median of all would see."""
+    case = cases.load(LINE)
+    exact = reference.simulate(case, rtol=1e-12)
+    slides = exact.transitions[0].time
+    t = np.unique(np.r_[np.linspace(0, slides, 200), np.linspace(slides, exact.t[-1], rolling)])
+    frame = pd.DataFrame({"t": t, **exact(t)._asdict()})[list(FULL)]
+    exported.trajectory_of(case, frame)
+    with pytest.raises(cases.DoesNotFit, match="slip is not the velocity"):
+        exported.trajectory_of(case, frame.assign(slip=LIES[lie](frame)))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_slip_at_a_solvers_own_point_of_contact_is_honest_in_rolling(share):
+    """A plate that lies deep in its track, or above it, has its contact between the two; one beyond them lies."""
+    case, t = cases.load(ROLLS), np.linspace(0.0, 1.0, 501)
+    exact = reference.simulate(case, rtol=1e-12)(t)
+    tangent, normal = case.track.tangent(0.0), case.track.normal(0.0)
+    for deep in (-5e-4, 5e-4):
+        x, y = np.array([exact.x, exact.y]) + deep * normal[:, None]
+        frame = pd.DataFrame({"t": t, "x": x, "y": y, "theta": exact.theta, "vx": exact.vx, "vy": exact.vy})
+        frame = frame.assign(omega=exact.omega, slip=-(1 - share) * deep * exact.omega)
+        assert np.abs(frame.slip).max() <= abs(deep * exact.omega).max()
+        exported.trajectory_of(case, frame)
+        # So far away no pose would be taken for the track's; and the centre's own speed is no slip.
+        for lie in (4 * deep * exact.omega, -4 * deep * exact.omega, tangent @ [exact.vx, exact.vy]):
+            with pytest.raises(cases.DoesNotFit, match="slip is not the velocity"):
+                exported.trajectory_of(case, frame.assign(slip=lie))
+
+
 @pytest.mark.parametrize("engine", ["exudyn", "pymunk"])
 def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
     adapter, case = adapter_of(engine), cases.load(NAME)
@@ -178,7 +235,8 @@ def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
     adapter.run(model)
     motion = adapter.read(model)
     columns = {name: getattr(motion, name) for name in FULL[:7]}
-    assert noticed.half_step(columns) == noticed.mirrored_axis(columns, MOTION) == ""
+    told = noticed.mirrored_axis(columns, MOTION), noticed.other_unit(columns, MOTION)
+    assert (noticed.half_step(columns), *told) == ("", "", "")
 
 
 def test_mirrored_angle_is_noticed(tmp_path, capsys):
@@ -187,6 +245,24 @@ def test_mirrored_angle_is_noticed(tmp_path, capsys):
     assert status == 0
     assert "theta seems to be mirrored" in text
     assert "mirrored" not in judged(tmp_path, capsys, frame)[1]
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "factor"),
+    [
+        ("x", "millimetres", 1e3),
+        ("x", "inches", 1 / 0.0254),
+        ("t", "minutes", 1 / 60),
+        ("theta", "degrees", 180 / np.pi),
+    ],
+)
+def test_another_unit_is_asked_about_and_not_right(tmp_path, capsys, column, unit, factor):
+    name = "disc_on_line[mu=0.3]"  # it starts where x, t and theta are zero: nothing else tells the unit
+    frame = table(FULL[:4], reference.simulate(cases.load(name), rtol=1e-12))
+    status, text, _ = judged(tmp_path, capsys, frame.assign(**{column: factor * frame[column]}), name)
+    assert status == 0 and f"{name}: wrong" in text
+    assert f"{column} seems to be in {unit}" in text
+    assert "seems" not in judged(tmp_path, capsys, frame, name)[1]
 
 
 def test_axis_that_is_mirrored_about_the_start_is_noticed(tmp_path, capsys):
@@ -247,6 +323,35 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
     assert np.mean(np.isnan(told.slip) != flying) < 0.02
     gap = np.where(flying, 1.0, 0.0)
     assert residuals.laws_broken(case, told, gap) == []
+
+
+# Rebounds too low for a pose to tell from lying on the track, a landing that sticks at once, a lift-off at the end.
+FLIGHTS = {"bouncing_disc[e=0.5]": 4, "disc_onto_incline[mu=0.5]": 0, "disc_rolling_off_hill": 0}
+EVERY = [case.label for name in cases.names(hard=False) for case in cases.select(name)]
+
+
+@pytest.mark.parametrize(
+    "label", [*FLIGHTS, *(pytest.param(n, marks=pytest.mark.slow) for n in EVERY if n not in FLIGHTS)]
+)
+def test_the_true_motion_as_it_is_exported_is_right(tmp_path, label):
+    case = cases.load(label)
+    names, rows = export.motion(case)
+    np.savetxt(tmp_path / "motion.csv", rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
+    run = external.judged(external.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case))
+    assert run.outcome == "right", run.reason
+    short = [row for row in run.ledger if row.verdict == "unresolved"]
+    if label in FLIGHTS:
+        assert len(short) == FLIGHTS[label]
+    # Only what is shorter than two and a half samples, and it is the truth's.
+    assert all(row.before is row.after is cases.Mode.FLIGHT for row in short)
+    assert max((abs(row.error) for row in run.ledger if row.verdict == "matched"), default=0.0) < 1e-4
+
+
+def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():
+    case = cases.load("disc_rolling_off_hill")
+    names, rows = export.motion(case)
+    table = pd.DataFrame(rows, columns=list(names)).assign(normal_force=0.0)
+    assert exported.trajectory_of(case, table).status == "lift_off"
 
 
 def test_landing_without_impact_ends_the_motion(tmp_path):

@@ -1,8 +1,10 @@
 """The tables of a report that took timings: awards, answers, the first sentence, the dictionary of columns."""
 
 import csv
+import io
 import json
 import re
+from contextlib import redirect_stdout
 from dataclasses import replace
 from html import unescape
 from math import nan
@@ -35,7 +37,9 @@ def report(tmp_path_factory):
         for name, seconds in (("BUDGET", 5.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
         patch.setattr(which_engine, "LEVELS", (1e-4,))
-        assert build.main(["--case", CASE, "--solver", "reference", "pymunk", "--out", str(out)]) == 0
+        with redirect_stdout(io.StringIO()) as told:
+            assert build.main(["--case", CASE, "--solver", "reference", "pymunk", "--out", str(out)]) == 0
+    (out.parent / "terminal.txt").write_text(told.getvalue())
     return out
 
 
@@ -111,6 +115,36 @@ def test_answers_are_the_cheapest_of_each_side(report):
             pair = {answer.engine: answer.engine_total_s, answer.reference: answer.reference_total_s}
             assert answer.factor == pytest.approx(max(pair.values()) / min(pair.values()))
             assert answer.cheaper == ("alike" if answer.factor < 1.1 else min(pair, key=pair.get))
+
+
+def test_terminal_page_and_file_give_the_same_answer(report):
+    """Row by row in words, and the words by the file's numbers."""
+    lines = (report.parent / "terminal.txt").read_text().splitlines()
+    table = (report / "index.html").read_text().partition('<table class="answer')[2].partition("</table>")[0]
+    shown = re.findall(r'<span class="of">(.*?)</span></th>(.*?)</tr>', table, re.DOTALL)
+    rows = read(report, "answers").to_dict("records")
+    assert len(rows) == len(shown) == 5
+    for row, (who, cells), line in zip(rows, shown, lines[1:], strict=False):
+        told = [
+            unescape(re.sub("<.*?>", " ", cell)).strip() for cell in re.findall(r"<td.*?>(.*?)</td>", cells, re.DOTALL)
+        ]
+        assert who == f"{row['solver']} {row['route']}" and line.strip().startswith(who)
+        assert row["cost_case"] == CASE
+        said = re.split(r" {2,}", line.strip())
+        assert [int(number) for number in said[1:5]] == [row[name] for name in ("right", "wrong", "refused", "failed")]
+        for place, level in ((7, "1e_2"), (10, "1e_4")):
+            assert said[place] == f"{row[f'reached_{level}']} of {row['rolling_cases']}"
+            spent = [row[f"{many}_{level}_s"] for many in ("once", "thousand")]
+            award = row[f"award_{level}"]
+            assert award == "reached" or all(pd.isna(spent))
+            missing = "not timed" if award == "reached" else award
+            words_of = [words.seconds(each) if pd.notna(each) else missing for each in spent]
+            assert said[place + 1 : place + 3] == words_of
+        # On the page what was reached stands small beside the cost of one call.
+        assert [said[5], said[6]] == [told[0], told[1].split("  ")[0]]
+        assert [re.split(r"  +", cell)[0] for cell in told[2:]] == [said[8], said[9], said[11], said[12]]
+    verdict = re.search(r'<p class="verdict">(.*?)</p>', (report / "index.html").read_text())[1]
+    assert unescape(verdict) in lines and lines[-1] == str(report / "index.html")
 
 
 def test_first_sentence_is_true_by_the_tables_beside_it(report):

@@ -105,11 +105,11 @@ def test_a_key_tells_machine_packages_and_python(name, value, monkeypatch):
     case = cases.load("disc_on_line")
     before = run_key(case)
     monkeypatch.setattr(fingerprint, name, value)
-    fingerprint._surroundings.cache_clear()
+    fingerprint.surroundings.cache_clear()
     try:
         assert run_key(case) != before
     finally:
-        fingerprint._surroundings.cache_clear()
+        fingerprint.surroundings.cache_clear()
 
 
 def test_where_a_version_is_not_known_nothing_is_kept():

@@ -66,6 +66,18 @@ def test_straight_branch_gives_the_exact_time(count):
     assert reading.transitions[0].time == pytest.approx(1.0 / (3 * MU * G), abs=1e-14)
 
 
+def test_what_would_happen_after_the_last_sample_has_not_happened():
+    """A slip that falls below what the solver resolves, and would end in half a minute."""
+    t = np.linspace(0.0, 2.5, 501)
+    slow = motion(t, 0.02 * (1.0 - t / 35.0), resolution=0.0095)
+    reading = slip_phases.read_contact(slow, MU)
+    assert slow.slip[-1] < slip_phases.SURELY * slow.slip_resolution < slow.slip[0]
+    assert (reading.first_mode, reading.transitions, reading.spreads) == (FORWARD, (), ())
+    whole = np.linspace(0.0, 50.0, 501)
+    late = slip_phases.read_contact(motion(whole, np.maximum(0.02 * (1.0 - whole / 35.0), 0.0), resolution=0.0095), MU)
+    assert [event.time for event in late.transitions] == [pytest.approx(35.0, abs=1e-9)]
+
+
 @given(st.floats(0.1, 10.0), st.floats(0.02, 1.0), st.integers(12, 400), st.floats(1.2, 4.0))
 def test_bowling_is_read_to_rounding_for_any_throw_and_grid(v0, mu, count, last):
     exact = v0 / (3 * mu * G)

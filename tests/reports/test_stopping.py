@@ -25,16 +25,33 @@ COMMANDS = {
     "check": ["cases", "check", "none.py"],
     "export": ["cases", "export", CASE],
     "laws": ["adapters.laws", "fake"],
-    "truth": ["reference", "--case", CASE],
+    "sweep": ["reports.sweep", "disc_in_circle", "--vary", "mu=0.01:0.5:2000", "--vary", "xi1=0:1.5:2000"],
+    "animate": ["reports.animate", CASE],
+    "submit": ["reports.submit", "none"],
+    "compare_builds": ["reports.compare_builds", "one", "other"],
+    "truth": ["truth_elsewhere"],
+    "console": ["slip-to-roll", "cases"],
 }
+NAMES = {command: words[0] for command, words in COMMANDS.items()} | {"truth": "reference"}
+# `python -m reference` without options, but that it leaves the suite's own truth alone.
+TRUTH_ELSEWHERE = """
+import sys
+from pathlib import Path
+from reference.certification.rebuild import main
+
+if __name__ == "__main__":
+    sys.exit(main([], Path("truth.json")))
+"""
 MEASURED = ["cpu_s", "setup_s", "run_at"]
 
 
 def started(folder: Path, words: list[str]) -> subprocess.Popen:
     """A command in a process group of its own, as a terminal starts one."""
     path = os.pathsep.join([str(ROOT), str(folder)])
+    console = Path(sys.executable).with_name(words[0])
+    program = [console, *words[1:]] if console.exists() else [sys.executable, "-m", *words]
     return subprocess.Popen(
-        [sys.executable, "-m", *words], cwd=folder, text=True, start_new_session=True,
+        program, cwd=folder, text=True, start_new_session=True,
         env={**os.environ, "PYTHONPATH": path, "TMPDIR": str(folder / "tmp")},
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
@@ -54,6 +71,7 @@ def interrupted(folder: Path, words: list[str], after: float) -> tuple[int, str]
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "tmp").mkdir()
+    (tmp_path / "truth_elsewhere.py").write_text(TRUTH_ELSEWHERE)
     fake_adapter.install(tmp_path, ["wait 300", "wait 301"])
     return tmp_path
 
@@ -63,11 +81,11 @@ def check_interrupt(folder: Path, command: str, after: float) -> None:
     assert "Traceback" not in told, told
     if status in (130, -signal.SIGINT):
         # It may have come to an end of its own just before.
-        assert told.strip().splitlines()[-1].startswith((f"{COMMANDS[command][0]}: ", "cases: ")), told
+        assert told.strip().splitlines()[-1].startswith((f"{NAMES[command]}: ", "cases: ", "truth_elsewhere: ")), told
 
 
 # Python itself is up after a tenth of a second or two; the imports take a second more.
-@pytest.mark.parametrize(("command", "after"), [("cases", 0.4), ("build", 0.6)])
+@pytest.mark.parametrize(("command", "after"), [("cases", 0.4), ("build", 0.6), ("console", 0.8)])
 def test_an_interrupt_is_one_sentence_already_while_modules_are_imported(command, after, folder):
     check_interrupt(folder, command, after)
 

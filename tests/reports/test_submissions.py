@@ -98,6 +98,7 @@ def test_millimetres_are_told(hand_in, poses, capsys):
         ({"machine": "a\nb"}, "no single line"),
         ({"machine": "a" * 400}, "shorten it"),
         ({"creep": "5e-3"}, "without quotation marks"),
+        ({"creep": 10**400}, "give a speed"),
         ({"colour": "red"}, "means nothing here"),
     ],
 )
@@ -120,8 +121,28 @@ def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):
     (folder / "submission.toml").write_bytes(b"who = \xff")
     with pytest.raises(CaseError, match="is no TOML"):
         submissions.read(folder)
+    for odd in ("creep = " + "[" * 8000, "creep = " + "9" * 5000):
+        (folder / "submission.toml").write_text(odd)
+        with pytest.raises(CaseError, match="is no TOML"):
+            submissions.read(folder)
     (folder / "submission.toml").write_text("#" * 20_000)
     with pytest.raises(CaseError, match="give at most"):
+        submissions.read(folder)
+
+
+def test_a_link_is_not_followed_to_what_is_not_the_strangers(hand_in, poses, tmp_path):
+    folder, secret = hand_in(poses), tmp_path / "secret"
+    secret.write_text("the first line of somebody's file\n")
+    file = folder / f"{CASE.label}.csv"
+    file.unlink()
+    file.symlink_to(secret)
+    with pytest.raises(CaseError, match="is a link") as problem:
+        submit.judged(folder)
+    assert "first line" not in str(problem.value)
+    head = folder / "submission.toml"
+    head.unlink()
+    head.symlink_to(secret)
+    with pytest.raises(CaseError, match="is a link"):
         submissions.read(folder)
 
 

@@ -2,65 +2,31 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import socket
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
 from reference.sweeping import plan
-from reports.sweeping import cluster, local, parts
+from reports.running import elsewhere
+from reports.running.cluster import Cluster
+from reports.running.workers import Pool
+from reports.sweeping import local
 from reports.sweeping.local import Part
 from reports.sweeping.parts import Work
 
+from .loopback import Processes
+
 pytest.importorskip("distributed")
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
-ROOT = Path(__file__).parents[2]
 PLAN = plan("disc_in_circle", dict(mu="0.01:0.5:100", xi1="0:1.5:80"), rtol=1e-9)
 PARTS = [Part(start, min(start + 200, len(PLAN))) for start in range(0, len(PLAN), 200)]
 
 
-class Cluster:
-    """A scheduler and workers in processes of their own, so that they can be killed."""
-
-    def __init__(self, folder: Path):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
-        self.folder, self.address = folder, f"tcp://127.0.0.1:{self.port}"
-        self.workers: list[subprocess.Popen] = []
-        self.start_scheduler()
-
-    def _start(self, module: str, *words: str, path: str = "") -> subprocess.Popen:
-        where = os.pathsep.join(filter(None, [path, str(ROOT)]))
-        environment = {**os.environ, "PYTHONPATH": where}
-        command = [sys.executable, "-m", f"distributed.cli.{module}", *words, "--no-dashboard"]
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        return subprocess.Popen(command, env=environment, cwd=self.folder, **quiet)
-
-    def start_scheduler(self) -> None:
-        self.scheduler = self._start("dask_scheduler", "--host", "127.0.0.1", "--port", str(self.port))
-
-    def start_worker(self, path: str = "") -> subprocess.Popen:
-        words = [self.address, "--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder)]
-        self.workers.append(self._start("dask_worker", *words, path=path))
-        return self.workers[-1]
-
-    def close(self) -> None:
-        for process in (*self.workers, self.scheduler):
-            process.send_signal(signal.SIGKILL)
-            process.wait()
-
-
 @pytest.fixture
 def loopback(tmp_path):
-    found = Cluster(tmp_path)
+    found = Processes(tmp_path)
     yield found
     found.close()
 
@@ -68,7 +34,7 @@ def loopback(tmp_path):
 @pytest.fixture(scope="module")
 def exact():
     """The rows of this plan by the workers of one machine."""
-    return rows(local.done(Work(PLAN, identity=parts.identity()), PARTS, 2))
+    return rows(local.done(Work(PLAN), PARTS, Pool(2)))
 
 
 def rows(coming) -> pa.Table:
@@ -82,7 +48,8 @@ def rows(coming) -> pa.Table:
 
 
 def asked(loopback, patience: float = 120.0):
-    return cluster.done(Work(PLAN, identity=parts.identity()), PARTS, loopback.address, 2, patience)
+    machines = Cluster(loopback.address, 2, elsewhere.identity({}), patience=patience)
+    return local.done(Work(PLAN), PARTS, machines)
 
 
 def test_with_workers_killed_again_and_again_no_digit_differs(loopback, exact):

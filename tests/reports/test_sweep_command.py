@@ -14,6 +14,7 @@ import reference
 from reference.paper.application import slip_end
 from reference.sweeping import plan, table
 from reports import sweep
+from reports.running.workers import Pool
 from reports.sweeping import local, parts, refine
 from reports.sweeping.folder import Folder
 from reports.sweeping.local import Part
@@ -61,6 +62,15 @@ def test_a_sweep_writes_rows_and_a_map_and_goes_on_where_it_was(tmp_path, monkey
         (["disc_in_circle", "--vary", "mu=0:1:3", "--solver", "exudin"], "there is no solver 'exudin'"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--jobs", "0"], "from 1 to"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--rtol", "much"], "give a number"),
+        (
+            ["disc_in_circle", "--vary", "mu=0:1", "--sample", "random", "--number", "1.5"],
+            "--number is 1.5; give a whole",
+        ),
+        (
+            ["disc_in_circle", "--vary", "mu=0:1", "--sample", "random", "--seed", "0.5"],
+            "--seed is 0.5",
+        ),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--dask", "nonsense"], "missing port number in address 'nonsense'"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "."], "where you are working"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "mine"], "which holds something else"),
     ],
@@ -104,7 +114,7 @@ def test_a_scenario_that_ends_its_process_is_a_row(tmp_path):
 
     cases.load_file(file)
     asked = plan("fatal", dict(mu="0.2:0.4:3"), files=[str(file)])
-    coming = dict(local.done(Work(asked), [Part(0, 3)], 2))
+    coming = dict(local.done(Work(asked), [Part(0, 3)], Pool(2)))
     rows = [row for part in sorted(coming) for row in parquet.read_table(pa.BufferReader(coming[part])).to_pylist()]
     assert [row["scenario"] for row in rows] == [0, 1, 2]
     assert [row["outcome"] for row in rows] == ["completed", "crashed", "completed"]

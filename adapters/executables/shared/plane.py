@@ -128,20 +128,87 @@ def steps(scene) -> tuple[int, float]:
     return count, scene["duration"] / count
 
 
+# Below this share of the cone friction surely sticks: solvers leave a thousandth at most.
+INSIDE = 0.999
+
+
+class Touch(NamedTuple):
+    """A place where a step of the engine's pushed the plate: the point (m), the contact's unit normal towards the
+    plate, and the force on the plate (N)."""
+
+    point: tuple[float, float]
+    normal: tuple[float, float]
+    force: tuple[float, float]
+
+    @property
+    def along(self) -> tuple[float, float]:
+        """The tangent on whose left the plate is."""
+        return self.normal[1], -self.normal[0]
+
+    @property
+    def pressed(self) -> float:
+        """N."""
+        return self.force[0] * self.normal[0] + self.force[1] * self.normal[1]
+
+    @property
+    def rubbed(self) -> float:
+        """N, along the tangent."""
+        return self.force[0] * self.along[0] + self.force[1] * self.along[1]
+
+
 class Motion:
-    """The rows of a motion, and the time it took from here."""
+    """The rows of a motion, and the time it took from here.
 
-    NAMES = "t,x,y,theta,vx,vy,omega"
+    Poses and velocities stand at the same times. The forces of a row are those of the step that begins there; its slip
+    is that of the step that ends there, at the engine's own points of contact, as its friction is after.
+    """
 
-    def __init__(self):
-        self.rows, self.begun = [], time.process_time()
+    NAMES = "t,x,y,theta,vx,vy,omega,slip,normal_force,friction_force"
 
-    def write(self, count: int, creep: float) -> None:
-        """As comma-separated values, with its cost and the slip (m/s) below which it is declared to stick."""
+    def __init__(self, scene):
+        self.scene, self.begun = scene, time.process_time()
+        self.rows: list[tuple] = []
+        # Slip at the end of the last step.
+        self.slip: float | None = scene["start"]["slip"]
+
+    def note(self, t: float, pose, velocities, touches: list[Touch], after) -> None:
+        """A row: pose and velocities where a step begins, what touched in it, and the velocities `after` it."""
+        push = sum(touch.pressed for touch in touches)
+        self.rows.append((t, *pose, *velocities, self.slip, push, sum(touch.rubbed for touch in touches)))
+        slips = [
+            touch.pressed * ((after[0] - after[2] * dy) * touch.along[0] + (after[1] + after[2] * dx) * touch.along[1])
+            for touch in touches
+            for dx, dy in [(touch.point[0] - pose[0], touch.point[1] - pose[1])]
+        ]
+        # Where nothing pushes, the pose tells.
+        self.slip = sum(slips) / push if push > 0.0 else None
+
+    def write(self, creep: float) -> None:
+        """As comma-separated values, with its cost and the slip (m/s) below which it is declared to stick: `creep` by
+        the engine's own law, and what friction falls short of."""
         cpu = time.process_time() - self.begun
-        print(f"# creep = {creep!r}")
-        print(self.NAMES, *(",".join(map(repr, map(float, row))) for row in self.rows), sep="\n")
-        print(f"# cost cpu_s={cpu:.6g} steps={count}")
+        print(f"# creep = {creep + self._missing():.6g}")
+        lines = (",".join("" if value is None else repr(float(value)) for value in row) for row in self.rows)
+        print(self.NAMES, *lines, sep="\n")
+        print(f"# cost cpu_s={cpu:.6g} steps={len(self.rows)}")
+
+    def _missing(self) -> float:
+        """The slip velocity (m/s) that one step leaves where the normal force falls short, in all but one in a hundred.
+
+        On corners it scatters from step to step, and friction with it: half the difference of two neighbours, one of
+        them inside its cone, is their distance from what they scatter about, and μ times as much is missing on mass and
+        inertia for a step.
+        """
+        plate, friction = self.scene["plate"], self.scene["effects"].get("CoulombFriction")
+        if not friction or len(self.rows) < 3:
+            return 0.0
+        t, push, rub = np.array([(row[0], *row[8:]) for row in self.rows]).T
+        sticks = (push > 0.0) & (np.abs(rub) < INSIDE * friction["mu"] * push)
+        scatter = 0.5 * np.abs(np.diff(push))[sticks[1:] | sticks[:-1]]
+        outline = self.scene["points"]["outline"]
+        reach = float(np.hypot(outline["x"], outline["y"]).max())
+        ease = 1 / plate["mass"] + reach**2 / plate["inertia"]
+        return friction["mu"] * ease * (t[1] - t[0]) * (float(np.percentile(scatter, 99)) if scatter.size else 0.0)
 
 
 def nearest_turn(angle: float, before: float) -> float:

@@ -73,7 +73,7 @@ suite.player = async (place) => {
   const ys = range([...track.y, ...truth.y.map((y) => y - reach), ...truth.y.map((y) => y + reach)]);
   const width = xs[1] - xs[0], height = ys[1] - ys[0], room = 0.04 * Math.max(width, height);
   const whole = [xs[0] - room, (up > 0 ? ys[0] : -ys[1]) - room, width + 2 * room, height + 2 * room];
-  part(".follow").checked = Math.max(width, height) > 24 * reach;
+  part(".follow").checked = Math.max(width, height) > 40 * reach;
 
   // Where a contact parameter lies on the track, and the tangent there.
   const onTrack = (xi) => {
@@ -126,7 +126,8 @@ suite.player = async (place) => {
     scrub.value = span ? (1000 * (time - motion.start)) / span : 0;
     scrub.setAttribute("aria-valuetext", `${suite.digits(time)} seconds, ${words(mode[1])}`);
     part(".now").textContent = `${suite.digits(time, 5)} s`;
-    part(".readout").textContent = `${words(mode[1])} · v = ${suite.digits(now(truth.slip))} m/s · N = ${suite.digits(now(truth.normal))} N`;
+    const force = now(truth.normal), slip = now(truth.slip);
+    part(".readout").textContent = at ? `${words(mode[1])} · v = ${suite.digits(slip)} m/s · N = ${suite.digits(Math.abs(force) < 1e-9 * usual ? 0 : force)} N` : words(mode[1]);
     part(".factor").textContent = `× ${factor < 1e4 ? suite.digits(factor, 2) : factor.toExponential(0)}`;
     place.querySelectorAll(".modes button").forEach((one, i) => one.toggleAttribute("data-now", motion.modes[i] === mode));
     place.dataset.time = time;

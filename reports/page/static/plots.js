@@ -32,7 +32,7 @@ suite.plots = (place, player) => {
       width: Math.max(200, panel.clientWidth), height: 150, legend: { show: false },
       cursor: { sync: { key: motion.label }, drag: { x: false, y: false }, points: { size: 5 } },
       scales: { x: { time: false }, y: logarithmic ? { distr: 3 } : { range: room(data[1]) } },
-      axes: [{ ...text, size: 26 }, { ...text, size: 52, ...(logarithmic ? { splits: powers } : {}), values: (_, all) => all.map((v) => (v === null ? "" : logarithmic ? power(v) : suite.digits(v, 3))) }],
+      axes: [{ ...text, size: 26 }, { ...text, size: 52, ...(logarithmic ? { splits: powers, filter: (_, all) => all } : {}), values: (_, all) => all.map((v) => (v === null ? "" : logarithmic ? power(v) : suite.digits(v, 3))) }],
       series: [{}, ...series],
     }, data, panel);
     chart.root.setAttribute("role", "img");

@@ -18,6 +18,7 @@ suite.precision = (place) => {
     for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
     return node;
   };
+  const asItComes = (p) => p.setting.startsWith("rung=defaults");
   let marks = [], chosen = -1;
 
   function tell(i) {
@@ -51,12 +52,12 @@ suite.precision = (place) => {
     const routes = new Map();
     shown.forEach((p) => { const key = `${p.solver} ${p.route}`; routes.set(key, [...(routes.get(key) ?? []), p]); });
     for (const [, group] of routes) {
-      const colour = `var(--of-${group[0].solver.replace(/[^A-Za-z0-9_-]/g, "_")})`, ladder = group.filter((p) => p.setting !== "rung=defaults");
+      const colour = `var(--of-${group[0].solver.replace(/[^A-Za-z0-9_-]/g, "_")})`, ladder = group.filter((p) => !asItComes(p));
       make("path", { d: ladder.map((p, i) => `${i ? "L" : "M"}${X(p[work])} ${Y(value(p))}`).join(""), fill: "none", stroke: colour, "stroke-dasharray": group[0].route === "native" || group[0].solver === "reference" ? "none" : "6 3" });
       const last = group.reduce((a, b) => (value(b) < value(a) ? b : a));
       make("text", { x: Math.min(X(last[work]) + 8, box.right - 90), y: Y(value(last)) + 14, style: `fill:${colour}` }).textContent = `${last.solver} ${last.route}`;
       for (const p of group) {
-        const node = make("circle", { cx: X(p[work]), cy: Y(value(p)), r: 5, fill: p.setting === "rung=defaults" ? "var(--ground)" : colour, stroke: colour, class: "point" });
+        const node = make("circle", { cx: X(p[work]), cy: Y(value(p)), r: 5, fill: asItComes(p) ? "var(--ground)" : colour, stroke: colour, class: "point" });
         const i = marks.push({ p, node }) - 1;
         make("title", {}, node).textContent = `${p.solver} ${p.route}, ${p.setting}`;
         node.addEventListener("pointerenter", () => tell(i));

@@ -40,7 +40,7 @@ def maps(grids: dict[str, Grid], title: str) -> Figure:
     """A row of maps for each quantity, a column for each route."""
     widths = [max(4, len(_columns(grid))) for grid in grids.values()]
     figure, axes = plt.subplots(
-        len(_SHOWN), len(grids), figsize=(0.42 * sum(widths) + 2.0, 6.2), layout="constrained", squeeze=False,
+        len(_SHOWN), len(grids), figsize=(0.44 * sum(widths) + 2.0, 6.2), layout="constrained", squeeze=False,
         width_ratios=widths,
     )  # fmt: skip
     for quantity, line in zip(_SHOWN, axes, strict=True):
@@ -74,16 +74,20 @@ def _map(ax: Axes, grid: Grid, quantity: str, norm):
         for column, size in enumerate(line):
             word = advice(grid, (row, *columns[column]), quantity)[0] if isfinite(size) else ""
             dark = norm is not None and isfinite(size) and size > 0.0 and norm(size) > 0.5
-            small, colour = 5.5 if len(word) < 7 else 4.5, "white" if dark else "black"
-            word = "–" if word == "none" else word
-            ax.text(column, row, word, ha="center", va="center", fontsize=small, color=colour)
+            word, colour = "–" if word == "none" else _fitting(word), "white" if dark else "black"
+            ax.text(column, row, word, ha="center", va="center", fontsize=7, color=colour)
     values = [[levels[at] for levels, at in zip(grid.levels[1:], place, strict=True)] for place in columns]
-    ax.set_xticks(range(len(columns)), ["\n".join(map(_short, each)) for each in values], fontsize=6)
+    ax.set_xticks(range(len(columns)), ["\n".join(map(_short, each)) for each in values], fontsize=6.5)
     ax.set_yticks(range(len(steps)), [f"{h:.2g}" for h in steps], fontsize=7)
     ax.set_xlabel(", ".join(grid.knobs[1:]))
     ax.set_ylabel("h / s")
     ax.tick_params(length=0)
     return image
+
+
+def _fitting(word: str) -> str:
+    """A knob's name as wide as a square; the axis below has it whole."""
+    return word if len(word) < 7 else f"{word[:5]}."
 
 
 def _short(value: float | int) -> str:

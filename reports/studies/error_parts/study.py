@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import cases
-
 from ...analysis.columns import Table
 from ...running.calls import Calls
-from ...running.records import REFERENCE
 from .. import Request
 from . import measure
 from .figure import draw as draw
@@ -47,8 +44,7 @@ TABLES = {
 
 def run(request: Request, calls: Calls) -> list[Cell]:
     """The cells of all grids."""
-    chosen = request.cases or tuple(case for text in measure.CASES for case in cases.select(text))
-    return measure.measure(chosen, [name for name in request.solvers if name != REFERENCE], calls)
+    return measure.measure(request.cases_or(measure.CASES), request.engines, calls)
 
 
 def rows(found: list[Cell]) -> dict[str, list[dict[str, Any]]]:

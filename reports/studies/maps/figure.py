@@ -26,12 +26,12 @@ def draw(found: list[Map], folder: Path) -> Iterator[Drawn]:
                 figure = maps.of_reference(each.plan, rows, marks=MARKS)
                 title = "What follows when the disc is let go, over friction and start"
                 caption = (
-                    f"{len(each.plan)} motions. Thin lines: when the slip first ends, s, with R = 1 m, r = 0.1 m; "
+                    f"{len(each.plan):,} motions. Thin lines: when the slip first ends, s, with R = 1 m, r = 0.1 m; "
                     "thick ones: where (35) says that what follows changes. Dots: the paper's three coefficients, let "
                     "go at ξ₁ = 0."
                 )
             else:
                 title = f"{each.solver}, {each.route}: wrong verdicts as it comes, over friction and start"
-                caption = f"{len(each.plan)} runs at its default setting: left what follows, right when."
+                caption = f"{len(each.plan):,} runs at its default setting: left what follows, right when."
                 figure = maps.of_engine(each.plan, rows, kind, f"{each.solver}, {each.route}")
             yield save(figure, folder, f"map_{kind.replace('.', '_')}", "", title, caption)

@@ -10,12 +10,13 @@ from pyarrow import parquet
 
 from reference.sweeping import Plan, plan
 
-from ...running.calls import Calls
+from ...running.calls import Calls, Keep
 from ...running.records import REFERENCE
 from ...running.solvers import routes
 from ...sweeping import parts
 from ...sweeping.maps import Mark, kind
 from ...sweeping.parts import Work
+from ...sweeping.run import scene
 
 # The paper's coefficients, let go on the level wall, which its text does not say.
 MARKS = tuple(Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
@@ -24,6 +25,8 @@ ENGINES = ("exudyn", "pymunk")
 CHUNK, FEW = 4000, 50
 # Seconds that a part may take.
 PATIENCE = 600.0
+# A plan names its case; what that is stands in its file.
+_KEEP = Keep(of=lambda work, start, stop: (work, start, stop, scene(work.plan)))
 
 
 class Map(NamedTuple):
@@ -56,12 +59,17 @@ def _plan(mus: int, starts: int) -> Plan:
     return plan("disc_in_circle", {"mu": f"0.01:0.4:{mus}", "xi1": f"0:1.5:{starts}"})
 
 
+def some_rows(work: Work, start: int, stop: int) -> np.ndarray:
+    """The bytes of a part, as an array: what a store keeps."""
+    return np.frombuffer(parts.perform(work, start, stop), dtype=np.uint8)
+
+
 def _map(asked: Plan, solver: str, route: str, length: int, calls: Calls) -> Map:
     work = Work(asked, solver, route)
     pieces = [(start, min(start + length, len(asked))) for start in range(0, len(asked), length)]
     title = f"map of {' '.join(filter(None, (solver, route)))}"
-    answers = calls.all(title, parts.perform, [(work, *piece) for piece in pieces], limit=PATIENCE)
-    done = {p[0]: a.value for p, a in zip(pieces, answers, strict=True) if a.outcome == "done"}
+    answers = calls.all(title, some_rows, [(work, *piece) for piece in pieces], limit=PATIENCE, keep=_KEEP)
+    done = {p[0]: a.value.tobytes() for p, a in zip(pieces, answers, strict=True) if a.outcome == "done"}
     failures = tuple(a.failure[1] for a in answers if a.outcome != "done")
     for (start, stop), answer in zip(pieces, answers, strict=True):
         if answer.outcome != "done":  # a row each, so that none is missing

@@ -8,7 +8,6 @@ the engine as it comes, is not for the choosing.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from math import exp, isfinite, log, nan
 from statistics import median
@@ -22,7 +21,6 @@ from ...judging import ledger
 from ...running.calls import Calls
 from ...running.experiment import find_truths, offers
 from ...running.records import Truth
-from ...running.serving import end_copies
 from ...running.solvers import solver
 from ...running.tasks import reading_of, timed
 
@@ -95,13 +93,12 @@ def run_setting(
 ) -> tuple[str, float, tuple[float, ...]]:
     """Outcome, CPU time (s) of the fastest of some runs, and errors; in a worker."""
     module = solver(name)
-    motion, seconds, own = timed(module, case, route, setting), list[float](), os.getpid()
+    motion, seconds = timed(module, case, route, setting), list[float]()
     for _ in range(REPEATS):
         model = module.build(case, route, setting)
         begun = process_time()
         module.run(model)
         seconds.append(process_time() - begun)
-        end_copies(own)
     rows = ledger.match(truth.transitions, reading_of(case, motion).transitions)
     first = next((abs(row.error) for row in rows if row.event == 1 and row.verdict == "matched"), WRONG)
     wrong = any(row.verdict != "matched" for row in rows)

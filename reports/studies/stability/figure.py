@@ -110,7 +110,9 @@ def _small(value: float) -> str:
         return ""
     if not isfinite(value):
         return "decides"
-    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e") if value else "0"
+    if 0.5 <= abs(value) < 995.0:
+        return f"{float(f'{value:.0e}'):g}"
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e") if value else "0"
 
 
 def steps(found: Stability) -> Figure:

@@ -105,6 +105,12 @@ FOUND = (
     ("1e90", driven("1e90")),
     *((f"a root of less than 0 by {m}", driven("(0.5-t)**0.3", m)) for m in ("taylor", "dop853", "augmented")),
     ("r = R", on_line(track=library.circle(0.1), start=Start(-1.0))),
+    (
+        "as long as its circle is wide",
+        on_line(
+            track=library.circle(0.1), plate=Plate(library.ellipse(0.1, 0.07), 1.0, 1e-5), start=Start(-0.67, 0.0, 1e8)
+        ),
+    ),
     ("omega 1e8", on_line(**GUIDE, start=Start(-1.0, omega=1e8))),
     ("1e8 s", on_line(**GUIDE, start=Start(-1.0), duration=1e8)),
     (

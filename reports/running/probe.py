@@ -1,11 +1,11 @@
 """What a worker of a cluster is asked first. It travels as its own code, for the worker may not have the suite."""
 
 
-def told(name: str):
+def told(solvers: tuple[str, ...], files: tuple[str, ...]):
     """The identity of the machine this runs on, or in a phrase why it has none."""
     try:
-        from reports.sweeping import parts
+        from reports.running import elsewhere
 
-        return parts.identity(name)
+        return elsewhere.asked(solvers, files)
     except Exception as problem:
         return f"it has not the suite, or not all of it ({type(problem).__name__}: {problem})"

@@ -1,0 +1,61 @@
+"""Where motions of the second formulation end early: at once, or when their work is used up."""
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, Plate, Start, Unilateral, disc
+from cases.library import circle, ellipse, hill, line
+from reference import contact_frame
+from reference.contact_frame import steps
+
+GRIP = (Gravity(9.81), Unilateral())
+SLENDER = Plate(ellipse(0.3, 0.05), 1.0, 0.02)
+
+
+def gains_energy() -> Case:
+    effects = (*GRIP, Flight(), CoulombFriction(0.76), Impact(0.94, "newton"))
+    return Case(line(), SLENDER, effects, Start(0.0, -2.9, slip=0.96, omega=-0.14, gap_rate=-2.7), 0.1)
+
+
+def too_fast_for_its_hill() -> Case:
+    return Case(hill(1.0), disc(0.1, 1.0), (*GRIP, CoulombFriction(0.3)), Start(0.0, omega=-100.0), 1.0)
+
+
+@pytest.mark.parametrize(
+    "make, status", [(gains_energy, "energy_gain"), (too_fast_for_its_hill, "lift_off")], ids=["gains", "leaves"]
+)
+def test_a_motion_that_ends_at_once_has_the_state_of_its_start(make, status):
+    motion, answer = reference.simulate(make()), contact_frame.solve(make(), times=[0.0, 0.05])
+    assert motion.status == answer.status == status
+    assert answer.end == motion.t[-1] == 0.0 and answer.transitions == motion.transitions == ()
+    begin = [getattr(motion, name)[0] for name in contact_frame.MOTION]
+    assert answer.motions[:, 0] == pytest.approx(begin, abs=1e-14, nan_ok=True)
+    assert np.isnan(answer.motions[:, 1]).all()
+
+
+SCENES = {
+    "contact": cases.load("disc_in_circle", mu=0.2, duration=100.0),
+    "flight": Case(
+        circle(9.0), disc(0.1, 1.0), (Unilateral(), Flight(), Load("sin(t)", "cos(2*t)")),
+        Start(0.0, gap=0.5, slip=1.0), 1000.0,
+    ),
+    "hops": Case(line(), disc(0.1, 1.0), (*GRIP, Flight(), Impact(1.0)), Start(0.0, gap_rate=1e-6), 1000.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_work_is_bounded_and_what_was_done_is_the_motions_beginning(name, monkeypatch):
+    case = SCENES[name]
+    monkeypatch.setattr(steps, "MOST_WORK", 120)
+    short = contact_frame.solve(case)
+    assert short.status == "unfinished" and 0.0 < short.end < case.duration
+    times = short.end * np.array([0.0, 0.51, 0.996, 1.01])
+    told = contact_frame.solve(case, times=times).motions
+    monkeypatch.undo()
+    whole = contact_frame.solve(case, times=times, until=1.02 * short.end)
+    assert whole.status == "completed"
+    assert [t for t in whole.transitions if t.time <= short.end] == list(short.transitions)
+    assert told[:6, :3] == pytest.approx(whole.motions[:6, :3], rel=1e-9, abs=1e-9)
+    assert np.isfinite(told[:6, :3]).all() and np.isnan(told[:, 3]).all()
