@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from .analysis.work_precision import Measured
     from .running.calls import Calls
     from .running.records import Experiment
-    from .running.store import Store
     from .studies import Result
 
 COMMAND = "reports.build"
@@ -120,6 +119,7 @@ def _build(plan: Plan) -> int:
         folder.rehearse(plan.out)
         shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
         with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
+            calls.begin(plan.solvers)
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
@@ -133,7 +133,7 @@ def _build(plan: Plan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, answers, studied, store))
+    print(_summary(plan, shown, answers, studied, calls))
     lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
@@ -237,7 +237,7 @@ def _write(
     from .drawing.files import embed_command
     from .page import dictionary, folder, html, pictures, text
     from .page.manifest import manifest
-    from .running import external
+    from .running import external, spent
     from .running.solvers import missing_words
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
@@ -269,6 +269,7 @@ def _write(
     frames = {"answers": answers} | frames
     text.write({"answers": answers}, words, place / "tables", command, plan.paper)
     dictionary.write(frames, words, place / "tables", command)
+    calls.spent.book("tables")
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
     for figure in drawn:
@@ -278,6 +279,8 @@ def _write(
             embed_command(figures, figure, result.command)
     page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
+    calls.spent.book("page")
+    told["phases"] = spent.told(calls.spent.phases)
     folder.sign(place, told)
     return rows
 
@@ -293,11 +296,12 @@ def _options(plan: Plan) -> str:
 
 
 def _summary(
-    plan: Plan, shown: Experiment, answers: Sequence[dict[str, Any]], studied: Sequence[Result], store: Store
+    plan: Plan, shown: Experiment, answers: Sequence[dict[str, Any]], studied: Sequence[Result], calls: Calls
 ) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
     from .analysis import advice, tables
     from .page import first
+    from .running import spent
     from .running.solvers import missing_words
 
     lines = [first.in_terminal(answers), "", *first.notes(answers), "", *advice.sentences(answers), ""]
@@ -309,8 +313,10 @@ def _summary(
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
     lines += missing_words(shown.versions)
+    store = calls.store
     lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
+    lines += [spent.words(calls.spent.phases)]
     return "\n".join([*lines, str(plan.out / "index.html")])
 
 

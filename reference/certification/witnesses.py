@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, Flight, NotSupported, Trajectory, Transition
 
-from .. import contact_frame, solve
+from .. import solve
 from ..minimal import hybrid
 from ..minimal.integrators import taylor
 from ..minimal.modes import FLIGHT, Phase, candidates, phase, start_state
@@ -93,6 +93,8 @@ def _told(name: str, motion: Trajectory) -> Witness:
 
 
 def _by_second(case: Case, name: str, rtol: float) -> Witness:
+    from .. import contact_frame  # SciPy's integrators and trees are slow to import, and what is kept needs no witness
+
     answer = contact_frame.solve(case, rtol=rtol, looks=LOOKS, overlaps=True)
 
     def states(times):

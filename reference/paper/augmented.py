@@ -65,7 +65,8 @@ class Filled(NamedTuple):
 
 def mass_matrix(case: Case) -> np.ndarray:
     """M of (16)."""
-    return np.diag([case.plate.mass, case.plate.mass, case.plate.inertia])
+    mass = case.plate.mass
+    return np.array([[mass, 0.0, 0.0], [0.0, mass, 0.0], [0.0, 0.0, case.plate.inertia]])
 
 
 def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
@@ -105,19 +106,24 @@ def tangential_column(k: Kinematics) -> np.ndarray:
 
 def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """B (3×3), D (3×2) of (23) from (8) and (9), and C (3,) of (25), where the third derivatives enter."""
-    arm, rp, rs, rt = k.turn @ k.r, k.turn @ k.rp, k.turn @ k.rs, k.turn @ k.rt
-    (u1, u2), w = k.q_dot, k.theta_dot
-    S, E, G = k.Rp @ rp, k.Rs @ U @ rp, k.Rp @ U @ rs
-    B = np.array([[1, 0, (U @ arm)[0]], [0, 1, (U @ arm)[1]], [0, 0, -S]])
-    D = np.array([[-k.Rp[0], rp[0]], [-k.Rp[1], rp[1]], [E, G]])
+    # Products of the derivatives p, s, t of the track (rows) with the outline's, turned by θ (columns), all at once: by
+    # themselves and by way of U. It is filled at every evaluation, and U² = −I₂.
+    turned = k.turn @ np.array([k.r, k.rp, k.rs, k.rt]).T
+    track = np.array([k.Rp, k.Rs, k.Rt])
+    (_, S, p_s, _), (_, s_p, *_), _ = (track @ turned).tolist()
+    (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = (track @ U @ turned).tolist()
+    (arm_x, rp_x, rs_x, _), (arm_y, rp_y, rs_y, _) = turned.tolist()
+    (Rp_x, Rp_y), (Rs_x, Rs_y), _ = track.tolist()
+    (u1, u2), w = k.q_dot.tolist(), float(k.theta_dot)
+    B = np.array([[1.0, 0.0, -arm_y], [0.0, 1.0, arm_x], [0.0, 0.0, -S]])
+    D = np.array([[-Rp_x, rp_x], [-Rp_y, rp_y], [E, G]])
     # (25), the derivative of each coefficient by the product rule and (7).
-    arm_dot, rp_dot = w * (U @ arm) + u2 * rp, w * (U @ rp) + u2 * rs
-    rs_dot = w * (U @ rs) + u2 * rt
-    S_dot = u1 * (k.Rs @ rp) + k.Rp @ rp_dot
-    E_dot = u1 * (k.Rt @ U @ rp) + k.Rs @ U @ rp_dot
-    G_dot = u1 * (k.Rs @ U @ rs) + k.Rp @ U @ rs_dot
-    along = u1**2 * k.Rs - w * (U @ arm_dot) - u2 * rp_dot
-    C = np.array([*along, w * S_dot - u1 * E_dot - u2 * G_dot])
+    S_dot = u1 * s_p + w * p_Up + u2 * p_s
+    E_dot = u1 * t_Up - w * s_p + u2 * s_Us
+    G_dot = u1 * s_Us - w * p_s + u2 * p_Ut
+    along_x = u1**2 * Rs_x + w**2 * arm_x + 2.0 * w * u2 * rp_y - u2**2 * rs_x
+    along_y = u1**2 * Rs_y + w**2 * arm_y - 2.0 * w * u2 * rp_x - u2**2 * rs_y
+    C = np.array([along_x, along_y, w * S_dot - u1 * E_dot - u2 * G_dot])
     return B, D, C
 
 
@@ -151,21 +157,18 @@ def assemble(
     """(27) from kinematics that are known, whether or not they fit the contact; `motion` as of `applied_torsor`."""
     ratio = _friction_ratio(case, mode, side)
     arm, held = _resistance(case, mode, side, turn, k)
-    A = [sliding_column(k, ratio, arm)]
-    B, D, C = constraints(k)
     rolls = mode in WITHOUT_SLIP
+    size = 6 + rolls + held
+    matrix, right = np.zeros((size, size)), np.zeros(size)
+    matrix[:3, :3], right[:3] = mass_matrix(case), applied_torsor(case, motion)
+    matrix[3:6, :3], matrix[3:6, 3:5], right[3:6] = constraints(k)
+    matrix[:3, 5:6] = -sliding_column(k, ratio, arm)
     if rolls:
-        row, value = rolling_row(k)
-        A.append(tangential_column(k))
-        B, D, C = np.vstack([B, np.zeros(3)]), np.vstack([D, row]), np.append(C, value)
+        matrix[:3, 6:7] = -tangential_column(k)
+        matrix[6, 3:5], right[6] = rolling_row(k)
     if held:
-        A.append(np.array([[0.0], [0.0], [1.0]]))
-        B, D, C = np.vstack([B, [0.0, 0.0, 1.0]]), np.vstack([D, np.zeros(2)]), np.append(C, 0.0)
-    size = 5 + len(A)
-    matrix = np.zeros((size, size))
-    matrix[:3, :3], matrix[3:, :3], matrix[3:, 3:5] = mass_matrix(case), B, D
-    matrix[:3, 5:] = -np.hstack(A)
-    return Filled(matrix, np.concatenate([applied_torsor(case, motion), C]), k, ratio, arm, rolls, held)
+        matrix[2, -1], matrix[-1, 2] = -1.0, 1.0
+    return Filled(matrix, right, k, ratio, arm, rolls, held)
 
 
 def _friction_ratio(case: Case, mode: Mode, side: int) -> float:

@@ -48,9 +48,10 @@ def kinematics(case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: floa
     theta = atan2(Rp[1], Rp[0]) - atan2(rp[1], rp[0])  # (6), and of its two solutions the one with parallel tangents
     c, s = cos(theta), sin(theta)
     turn = np.array([[c, -s], [s, c]])  # (3)
-    R0 = R - turn @ r  # (5)
-    theta_dot = (xi1_dot * (Rs @ U @ turn @ rp) + xi2_dot * (Rp @ U @ turn @ rs)) / (Rp @ turn @ rp)  # (9)
-    R0_dot = xi1_dot * Rp - theta_dot * (U @ turn @ r) - xi2_dot * (turn @ rp)  # (8)
+    arm, along, bent = turn @ r, turn @ rp, turn @ rs
+    R0 = R - arm  # (5)
+    theta_dot = (xi1_dot * (Rs @ U @ along) + xi2_dot * (Rp @ U @ bent)) / (Rp @ along)  # (9)
+    R0_dot = xi1_dot * Rp - theta_dot * (U @ arm) - xi2_dot * along  # (8)
     q, q_dot = np.array([xi1, xi2]), np.array([xi1_dot, xi2_dot])
     return Kinematics(q, q_dot, R, Rp, Rs, Rt, r, rp, rs, rt, theta, turn, R0, theta_dot, R0_dot)
 

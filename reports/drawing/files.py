@@ -20,6 +20,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
 
 # Whether figures are also written as PDF: asked once by a command, and meant for all that it draws.
 _PRINTED = ContextVar("printed", default=False)
@@ -98,14 +99,27 @@ def picture(figure: Figure, name: str, case: str, title: str, caption: str, png:
     from matplotlib import pyplot as plt
 
     text, dots, sheet = StringIO(), BytesIO(), BytesIO()
-    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
+    trimmed = _laid_out(figure)
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=trimmed)
     if png:
-        figure.savefig(dots, format="png", dpi=160, bbox_inches="tight")
+        figure.savefig(dots, format="png", dpi=160, bbox_inches=trimmed)
     if printed():
-        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches="tight")
+        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=trimmed)
     plt.close(figure)
     drawn = Drawn(name, case, title, caption)
     return Picture(drawn, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
+
+
+def _laid_out(figure: Figure) -> Bbox:
+    """Put everything in its place, once for all files, and return what it takes, in inches: Matplotlib's "tight" draws
+    a figure one time more to find that out."""
+    from matplotlib import rcParams
+
+    engine = figure.get_layout_engine()
+    if engine:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    return figure.get_tightbbox().padded(rcParams["savefig.pad_inches"])
 
 
 def _bytes(content: bytes) -> np.ndarray:

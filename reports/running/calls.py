@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any, NamedTuple, get_type_hints
@@ -17,11 +17,12 @@ from cases import Case
 
 from . import workers
 from .cluster import Cluster
-from .fingerprint import Key, content, made_with, plain, record_digest, sources
+from .fingerprint import Key, adapter_sources, content, made_with, plain, record_digest, sources
 from .progress import Progress, silent
 from .records import now
 from .serving import Answer
 from .solvers import is_missing, names, version
+from .spent import Spent
 from .store import Store
 from .versions import parted
 
@@ -67,8 +68,8 @@ class Calls:
 
     `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
     depends on the solver is kept. `lost`: a sentence for each call that something outside ended twice, so that it would
-    come out otherwise another time. `cluster`: who makes calls of the kinds ELSEWHERE, if that is not this machine. A
-    context manager: the workers of this machine end with it.
+    come out otherwise another time. `spent`: what each step took. `cluster`: who makes calls of the kinds ELSEWHERE, if
+    that is not this machine. A context manager: the workers of this machine end with it.
     """
 
     jobs: int = 2
@@ -77,6 +78,7 @@ class Calls:
     progress: Progress = silent
     versions: dict[str, str] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
+    spent: Spent = field(default_factory=Spent)
     cluster: Cluster | None = None
 
     def __enter__(self) -> Calls:
@@ -86,6 +88,14 @@ class Calls:
     def __exit__(self, *_) -> None:
         self._pool.close()
 
+    def begin(self, solvers: Iterable[str]) -> None:
+        """Have workers start, and meanwhile read the code that decides the solvers' results."""
+        solvers = tuple(solvers)
+        self._pool.begin(sorted({group for name in solvers if not parted(group := _group((name,), names()[1:]))[1]}))
+        for name in solvers:
+            with suppress(SyntaxError, ValueError, LookupError, OSError):  # its solver fails when it is asked, in a row
+                adapter_sources(name)
+
     def alone(self) -> Calls:
         """The same with one worker of its own, on this machine, and nothing shown: for what is timed."""
         return replace(self, jobs=1, progress=silent, cluster=None)
@@ -94,7 +104,7 @@ class Calls:
         """Note the versions of solvers that are not known yet."""
         new = [name for name in solvers if name not in self.versions]
         limit = min(self.limit, ASKING_SECONDS)
-        answers = self.all("versions", version, [(name,) for name in new], limit=limit)
+        answers = self.all("versions", version, [(name,) for name in new], limit=limit, brief=True)
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
 
     def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
@@ -115,12 +125,14 @@ class Calls:
         limit: float | None = None,
         keep: Keep | None = None,
         skip: Skip = lambda call, slow: None,
+        brief: bool = False,
     ) -> Iterator[tuple[int, Answer]]:
         """Index and answer of `function(*arguments[i])` for every i as they come: what is kept first, then the rest.
 
-        `limit` stands in the place of the usual one. With `keep` a call that returned is made only once, and so is one
-        that ended its process or ran out of time under this limit; the function's annotation says what it returns. What
-        came from outside (a signal, an exception that is the machine's fault) is not kept.
+        `limit` stands in the place of the usual one; `brief` calls take milliseconds each. With `keep` a call that
+        returned is made only once, and so is one that ended its process or ran out of time under this limit; the
+        function's annotation says what it returns. What came from outside (a signal, an exception that is the machine's
+        fault) is not kept.
         """
         limit = self.limit if limit is None else limit
         keys = [keep and self.key(function, call, keep) for call in arguments]
@@ -135,12 +147,13 @@ class Calls:
                 slow.append(arguments[i])
             yield i, answer
         if not left:
+            self.spent.book(step)
             return
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
         groups = [_group(call, names()[1:]) for call in calls]
         pool = self.cluster if self.cluster is not None and keep and keep.kind in ELSEWHERE else self._pool
-        with closing(pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups)) as coming:
+        with closing(pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])
@@ -150,6 +163,7 @@ class Calls:
                     answer = replace(answer, when=now())
                     self._keep(keys[left[k]], keep, limit, answer)
                 yield left[k], answer
+        self.spent.book(step)
 
     def _kept(self, function: Callable, key: Key | None, keep: Keep | None, limit: float) -> Answer | None:
         if keep is None or key is None:

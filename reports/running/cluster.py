@@ -102,8 +102,10 @@ class Cluster:
         limit: float = 60.0,
         skip: Callable[[int], Answer | None] = lambda index: None,
         groups: Sequence[str] = (),
+        brief: bool = False,
     ) -> Generator[tuple[int, Answer]]:
-        """As `Pool.run`. A call that ended DEADLY workers has "died", from outside."""
+        """As `Pool.run`; its workers are there already, whether calls are brief or not. A call that ended DEADLY
+        workers has "died", from outside."""
         run = _Run(self, function, arguments, limit, skip, groups or [""] * len(arguments))
         try:
             yield from run.answers()

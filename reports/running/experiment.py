@@ -81,7 +81,7 @@ def offers(
     pairs = [(case, name) for case in cases for name in solvers]
     asked = [(case, name, knobs) for case, name in pairs]
     limit = min(calls.limit, ASKING_SECONDS)
-    answers = calls.all("survey", survey, asked, limit=limit, skip=silent)
+    answers = calls.all("survey", survey, asked, limit=limit, skip=silent, brief=True)
     return {(case.label, name): _offers(answer, knobs) for (case, name), answer in zip(pairs, answers, strict=True)}
 
 

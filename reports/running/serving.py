@@ -5,6 +5,7 @@ What a call leaves changed in its process would change later answers: then the p
 
 from __future__ import annotations
 
+import importlib
 import os
 import pickle
 import shutil
@@ -62,8 +63,8 @@ class Answer:
         return outcome, f"{self.reason}; it last printed: {self.output[-200:]}" if self.output else self.reason
 
 
-def serve(pipe: Connection, scratch: str, parent: int) -> None:
-    """Take a call, answer it under its number, until the pipe is closed."""
+def serve(pipe: Connection, scratch: str, parent: int, ahead: str = "") -> None:
+    """Take a call, answer it under its number, until the pipe is closed. `ahead`: a module to import before that."""
     import resource
 
     os.setsid()
@@ -71,6 +72,8 @@ def serve(pipe: Connection, scratch: str, parent: int) -> None:
     for what, most in ((resource.RLIMIT_FSIZE, _FILE_BYTES), (resource.RLIMIT_AS, _MEMORY_BYTES)):
         hard = resource.getrlimit(what)[1]
         resource.setrlimit(what, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    if ahead:
+        importlib.import_module(ahead)
     at_first = None
     while True:
         try:

@@ -109,27 +109,24 @@ def measure(experiment: Experiment, full: bool, calls: Calls) -> Timed:
 
 
 def beside(experiment: Experiment, wanted: Collection[Key], full: bool, calls: Calls) -> Beside:
-    """Calls from cold, and the parts of runs, of the settings that are wanted; each case in processes of its own."""
+    """Calls from cold, and the parts of runs, of the settings that are wanted."""
     colds: dict[Key, Cold] = {}
     shares: dict[Key, Parts] = {}
     more = FULL_BUDGET_A_CASE / COLD_BUDGET if full else 1.0
 
-    def one_by_one() -> Iterator[None]:
+    def one_by_one(cold_alone: Calls, parts_alone: Calls) -> Iterator[None]:
         for case in experiment.cases:
             who = [one for one in contestants(experiment, case) if (case.label, *one[1:4]) in wanted]
-            if not who:
-                continue
-            for function, budget, found in (
-                (cold.first_calls, COLD_BUDGET, colds),
-                (parts.parts_of_all, PARTS_BUDGET, shares),
-            ):
-                # Nothing may have been compiled in a process that is to begin cold.
-                with calls.alone() as alone:
-                    found.update(_beside(function, who, budget * more, alone))
-            yield
+            if who:
+                colds.update(_beside(cold.first_calls, who, COLD_BUDGET * more, cold_alone))
+                shares.update(_beside(parts.parts_of_all, who, PARTS_BUDGET * more, parts_alone))
+                yield
 
-    for _ in calls.progress("cold starts and parts", len({key[0] for key in wanted}), one_by_one()):
-        pass
+    # Nothing may have been compiled in a process that is to begin cold: it splits off others, which make the calls.
+    with calls.alone() as cold_alone, calls.alone() as parts_alone:
+        steps = one_by_one(cold_alone, parts_alone)
+        for _ in calls.progress("cold starts and parts", len({key[0] for key in wanted}), steps):
+            pass
     return Beside(colds, shares)
 
 

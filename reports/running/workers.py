@@ -39,6 +39,8 @@ _OWN_FAULTS = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, sig
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 # Of folders in the system's temporary one: nobody else calls a folder so.
 _PREFIX = ".slip-to-roll-scratch-"
+# So few brief calls are over before another process has begun.
+_FEW = 40
 # The largest answer is a case's figures, some megabytes. What is no answer at all looks like a longer one.
 _ANSWER_BYTES = 2**28
 _NUMBERS = itertools.count(1)
@@ -54,6 +56,10 @@ class Pool:
         self._scratch = scratch.Folder(_PREFIX)
         self._workers: list[_Worker] = []
 
+    def begin(self, groups: Sequence[str]) -> None:
+        """Start a worker of each group, which imports what a report's calls need while nobody waits for it."""
+        self._workers += [_Worker(self._scratch.path, group, ahead="reports.running.tasks") for group in groups]
+
     def close(self) -> None:
         """End the workers."""
         for worker in self._workers:
@@ -67,6 +73,7 @@ class Pool:
         limit: float = 60.0,
         skip: Callable[[int], Answer | None] = lambda index: None,
         groups: Sequence[str] = (),
+        brief: bool = False,
     ) -> Generator[tuple[int, Answer]]:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
@@ -75,7 +82,8 @@ class Pool:
         that is called as a solver with a version is run with that version. Yields
         (i, answer) as they end; `skip(i)`, called just before call i would begin, may give an answer in its place. The
         function and its arguments travel by pickle, so the function lives at the top of a module. Calls that are still
-        running when the iterator ends are killed.
+        running when the iterator ends are killed. `brief`: each takes milliseconds, and no more workers are started
+        than calls of so few need.
         """
         groups = groups or [""] * len(arguments)
         waiting = dict(enumerate(arguments))
@@ -83,7 +91,10 @@ class Pool:
         try:
             while waiting or self._busy():
                 while waiting and len(self._busy()) < self._jobs:
-                    worker, index = self._next(waiting, groups)
+                    found = self._next(waiting, groups, brief)
+                    if found is None:
+                        break
+                    worker, index = found
                     args = waiting.pop(index)
                     given = skip(index)
                     if given is not None:
@@ -115,8 +126,9 @@ class Pool:
     def _busy(self) -> list[_Worker]:
         return [worker for worker in self._workers if worker.busy]
 
-    def _next(self, waiting: Mapping[int, tuple], groups: Sequence[str]) -> tuple[_Worker, int]:
-        """A worker that has nothing to do, an idle one of a group that waits or a new one, and its next call."""
+    def _next(self, waiting: Mapping[int, tuple], groups: Sequence[str], brief: bool) -> tuple[_Worker, int] | None:
+        """A worker that has nothing to do, an idle one of a group that waits or a new one, and its next call; None
+        where those at work will soon have made the few that wait."""
         busy = self._busy()
         taken = [worker.subject for worker in busy]
         for worker in self._workers:
@@ -125,6 +137,8 @@ class Pool:
                 if own:
                     return worker, worker.next_of(own, taken)
         at_work = {worker.group for worker in busy}
+        if brief and len(waiting) <= _FEW and all(groups[i] in at_work for i in waiting):
+            return None
         group = groups[next((i for i in waiting if groups[i] not in at_work), next(iter(waiting)))]
         self._workers.append(worker := _Worker(self._scratch.path, group))
         return worker, worker.next_of({i: args for i, args in waiting.items() if groups[i] == group}, taken)
@@ -133,10 +147,10 @@ class Pool:
 class _Worker:
     """One process and the pipe to it."""
 
-    def __init__(self, folder: Path, group: str):
+    def __init__(self, folder: Path, group: str, ahead: str = ""):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self.pipe, far_end = context.Pipe()
-        self.process = context.Process(target=serve, args=(far_end, str(folder), os.getpid()), daemon=True)
+        self.process = context.Process(target=serve, args=(far_end, str(folder), os.getpid(), ahead), daemon=True)
         with _as_started(versions.paths(group)):
             self.process.start()
         far_end.close()

@@ -169,6 +169,10 @@ def test_manifest_tells_how_it_was_made(report):
     assert manifest["made_by"] == folder.MADE_BY and "--quick" in manifest["command"]
     assert {"numpy", "scipy"} <= manifest["packages"].keys() and manifest["python"].startswith("3.")
     assert set(manifest["solvers"]) == {"reference", "pymunk"}
+    phases = manifest["phases"]
+    assert {"versions", "truth", "survey", "runs", "figures", "tables", "page"} <= phases.keys()
+    assert all(seconds >= 0.0 for phase in phases.values() for seconds in phase.values())
+    assert phases["runs"]["wall_s"] > 0.0
 
 
 def test_tables_have_the_promised_columns(report):

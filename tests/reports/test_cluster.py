@@ -87,7 +87,7 @@ class Noted:
     def __init__(self):
         self.functions = []
 
-    def run(self, function, arguments, limit, skip, groups):
+    def run(self, function, *_):
         self.functions.append(function)
         yield from ()
 

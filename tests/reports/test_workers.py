@@ -245,3 +245,27 @@ def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
     told = experiment.hopeless(ladder[2], slow)
     assert told is not None and told.outcome == "timed_out" and "h=2 had run out of time" in told.reason
     assert not told.lasting
+
+
+def prepared(number: int) -> tuple[int, bool]:
+    """The process that makes a call, and whether it has what a report's calls need."""
+    return os.getpid(), "reports.running.tasks" in sys.modules
+
+
+def test_a_worker_that_was_started_ahead_makes_the_calls_and_few_brief_ones_start_no_other():
+    pool = workers.Pool(2)
+    try:
+        pool.begin(["", "engines"])
+        told = [answer.value for _, answer in pool.run(prepared, [(i,) for i in range(6)], groups=[""] * 6, brief=True)]
+        assert len(set(told)) == 1 and told[0][1]
+        # Others may take longer: the second is not left waiting.
+        told = [answer.value[0] for _, answer in pool.run(waits, [(0.05, i) for i in range(4)], groups=[""] * 4)]
+        assert len(set(told)) == 2
+    finally:
+        pool.close()
+
+
+def waits(seconds: float, number: int) -> tuple[int, int]:
+    """Takes so long, and says in which process."""
+    time.sleep(seconds)
+    return os.getpid(), number

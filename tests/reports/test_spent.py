@@ -1,0 +1,38 @@
+"""Where the time went: every second is some phase's, and the CPU time of what was started counts."""
+
+import subprocess
+import sys
+
+from reports.running import spent
+from reports.running.spent import Seconds, Spent
+
+
+def test_every_second_is_booked_once_and_a_phase_that_comes_again_adds_up():
+    now = iter([Seconds(5.0, 1.0), Seconds(7.0, 2.0), Seconds(17.0, 22.0), Seconds(18.0, 22.5)])
+    ledger = Spent(lambda: next(now))
+    for phase in ("survey", "runs", "survey"):
+        ledger.book(phase)
+    assert ledger.phases == {"survey": Seconds(3.0, 1.5), "runs": Seconds(10.0, 20.0)}
+    assert spent.words(ledger.phases) == "where the time went: runs 10 s, survey 3 s; 13 s, of CPU 22 s"
+    assert spent.told(ledger.phases)["runs"] == {"wall_s": 10.0, "cpu_s": 20.0}
+
+
+def test_the_line_names_the_longest_and_sums_up_the_others():
+    phases = {name: Seconds(wall, wall) for name, wall in zip("abcdefg", (9, 8, 7, 6, 5, 4, 0.1), strict=True)}
+    assert (
+        spent.words(phases) == "where the time went: a 9 s, b 8 s, c 7 s, d 6 s, e 5 s, all else 4 s; 39 s, of CPU 39 s"
+    )
+
+
+def test_work_of_a_process_that_was_started_counts_while_it_runs_and_after():
+    ledger = Spent()
+    work = "import time\nwhile time.process_time() < 0.3: pass\nprint(flush=True)\ninput()"
+    with subprocess.Popen([sys.executable, "-c", work], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdout and process.stdout.readline()
+        ledger.book("while it runs")
+        process.communicate(b"\n")
+    ledger.book("after")
+    of_it = ledger.phases["while it runs"].cpu
+    if sys.platform == "linux":
+        assert of_it >= 0.29  # to a tick of the system's clock
+    assert sum(phase.cpu for phase in ledger.phases.values()) >= 0.3
