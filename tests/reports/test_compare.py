@@ -344,7 +344,12 @@ def test_the_true_motion_as_it_is_exported_is_right(tmp_path, label):
         assert len(short) == FLIGHTS[label]
     # Only what is shorter than two and a half samples, and it is the truth's.
     assert all(row.before is row.after is cases.Mode.FLIGHT for row in short)
-    assert max((abs(row.error) for row in run.ledger if row.verdict == "matched"), default=0.0) < 1e-4
+    # Bouncing ends between two samples: the last rebounds are too short to be seen. All else is read by extrapolation.
+    step = case.duration / (len(rows) - 1)
+    for row in run.ledger:
+        if row.verdict == "matched":
+            landed = row.before is cases.Mode.FLIGHT is not row.after
+            assert abs(row.error) < (step if landed else 1e-5), row
 
 
 def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():
