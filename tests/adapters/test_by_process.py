@@ -209,7 +209,7 @@ def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_
     table = (tmp_path / "judged" / "tables" / "trajectories.csv").read_text().splitlines()
     outcomes = {line.split(",")[1]: line for line in table if line.split(",")[1] in ("hung", "killed", "lying")}
     assert "timed_out" in outcomes["hung"] and "crashed" in outcomes["killed"] and "wrong" in outcomes["lying"]
-    # Nothing of it is left running; what is killed goes when the system gets round to it, and stays on the list till then.
+    # Nothing of it is left running. What is killed goes when the system gets round to it, and is listed till then.
     end = time.monotonic() + 10.0
     while (running := [n for n in left.read_text().split() if _runs(n)]) and time.monotonic() < end:
         time.sleep(0.1)
