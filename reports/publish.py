@@ -174,19 +174,19 @@ def headline(place: Path) -> str:
     lines = (
         f"{BEGIN}\n![{alt}]({at}/{PICTURE})\n",
         f"When does a disc let go inside a circle begin to roll? After {when} s, sure to {bar} s. As they come,",
-        f"pymunk misses that by {pymunk} s and Exudyn by {exudyn} s: [the page]({at}/index.html) and",
+        f"pymunk misses that by {pymunk} ms and Exudyn by {exudyn} ms: [the page]({at}/index.html) and",
         f"[all tables]({at}/tables) of version {place.name}.\n{END}",
     )
     return "\n".join(lines)
 
 
 def numbers(place: Path) -> tuple[str, str, str, str]:
-    """The time at which the paper's disc begins to roll and its error bar, and by how much pymunk and Exudyn, native
-    and as they come, miss it, all in s."""
+    """The time (s) at which the paper's disc begins to roll and its error bar (s), and by how much pymunk and Exudyn,
+    native and as they come, miss it (ms)."""
     truth = _row(place, "truth", case=CASE, event="1")
     errors = [_row(place, "headline", case=CASE, solver=name, route="native") for name in ("pymunk", "exudyn")]
     told = [abs(float(row["default_first_error"])) for row in errors]
-    pymunk, exudyn = (f"{error:.1e}".replace("e-0", "e-") for error in told)
+    pymunk, exudyn = (f"{1e3 * error:.2g}" for error in told)
     return f"{float(truth['time']):.9f}", f"{float(truth['truth_error_bar']):.0e}", pymunk, exudyn
 
 
