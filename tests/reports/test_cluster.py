@@ -22,8 +22,6 @@ from reports.running.cluster import Cluster, Nobody
 from reports.running.records import Run
 from reports.running.workers import Pool
 
-from .loopback import Processes
-
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own
 
@@ -128,13 +126,6 @@ def plain(run: Run) -> tuple:
     """A run without what it cost and when, its arrays as bytes: NaN is NaN."""
     arrays = [(name, a.tobytes()) for kept in (run.samples, run.off) for name, a in kept.items()]
     return arrays, repr(replace(run, samples={}, off={}, when="", cost=Cost(steps=run.cost.steps)))
-
-
-@pytest.fixture
-def loopback(tmp_path):
-    found = Processes(tmp_path)
-    yield found
-    found.close()
 
 
 @pytest.fixture(scope="module")

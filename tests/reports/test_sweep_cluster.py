@@ -16,19 +16,10 @@ from reports.sweeping import local
 from reports.sweeping.local import Part
 from reports.sweeping.parts import Work
 
-from .loopback import Processes
-
 pytest.importorskip("distributed")
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 PLAN = plan("disc_in_circle", dict(mu="0.01:0.5:100", xi1="0:1.5:80"), rtol=1e-9)
 PARTS = [Part(start, min(start + 200, len(PLAN))) for start in range(0, len(PLAN), 200)]
-
-
-@pytest.fixture
-def loopback(tmp_path):
-    found = Processes(tmp_path)
-    yield found
-    found.close()
 
 
 @pytest.fixture(scope="module")
