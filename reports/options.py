@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import adapters
 import cases
@@ -23,6 +23,7 @@ from cases import BadValue, Case, CaseError, kept
 from cases.errors import unknown
 from cases.files import place
 from cases.patience import patience
+from cases.words import Parser
 
 from .page.folder import foreign_file
 from .running.records import REFERENCE
@@ -132,17 +133,6 @@ class _NoCache(argparse.Action):
         os.environ[kept.VARIABLE] = kept.OFF
 
 
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, by the suite's own error."""
-
-    def error(self, message: str) -> NoReturn:
-        stray = message.removeprefix("unrecognized arguments: ")
-        if stray != message:
-            options = [o for action in self._actions for o in action.option_strings if o.startswith("--")]
-            raise unknown("option", (stray.split() or [""])[0], options)
-        raise BadValue(f"{message}; see {self.prog} --help")
-
-
 def parser(
     command: str,
     description: str,
@@ -160,7 +150,6 @@ def parser(
         prog=f"python -m {command}",
         description=description,
         epilog=example and f"Example: {example}",
-        allow_abbrev=False,
     )
     effort = parser.add_mutually_exclusive_group() if {"quick", "full"} <= {*options} else parser
     for option in options:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from cases import CaseError
 from cases.errors import unknown
+from cases.words import Parser
 
 HELP = """\
 ADAPTER is a name that the suite knows (its own adapters, and those of installed packages in the entry-point group
@@ -24,16 +25,16 @@ failed, else 1; 2 if there is no such adapter, route or law.
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
-    parser = argparse.ArgumentParser("python -m adapters.laws", description=__doc__, epilog=HELP)
+    parser = Parser(prog="python -m adapters.laws", description=__doc__, epilog=HELP)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("adapter", metavar="ADAPTER", help="the adapter")
     parser.add_argument("--route", metavar="ROUTE", nargs="+", help="only these routes (default: all)")
     parser.add_argument("--law", metavar="LAW", nargs="+", help="only these laws, with all their scenes (default: all)")
-    options = parser.parse_args(argv)
     try:
+        options = parser.parse_args(argv)
         return _judged(options.adapter, options.route, options.law)
     except (CaseError, ImportError) as problem:
-        print(problem, file=sys.stderr)
+        print(f"adapters.laws: {CaseError(str(problem))}", file=sys.stderr)  # whatever an import says is one line
         return 2
 
 

@@ -131,6 +131,9 @@ def _serve(name: str, there: Connection) -> None:
     except (CaseError, ImportError) as problem:
         say(problem)
         return
+    except (Exception, SystemExit) as problem:
+        say(ImportError(f"the adapter {name} fails while it is imported: {type(problem).__name__}: {problem}"))
+        return
     while True:
         try:
             number, route, law = there.recv()

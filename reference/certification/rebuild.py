@@ -6,36 +6,27 @@ not named stay as they are.
 
 from __future__ import annotations
 
-import argparse
 import multiprocessing
 import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NoReturn
 
 import cases
 from cases import BadValue, CaseError
 from cases.errors import whole
+from cases.words import Parser
 
 from .certificate import TRUTH, Certificate, NotCertified, certify, read, write
 
 
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, by the suite's own error."""
-
-    def error(self, message: str) -> NoReturn:
-        raise BadValue(f"{message}; see {self.prog} --help")
-
-
-def parser() -> argparse.ArgumentParser:
+def parser() -> Parser:
     """The command's options."""
-    made = _Parser(
+    made = Parser(
         prog="python -m reference",
         description="Certify the cases of the catalogue again and keep their truth (reference/truth.json).",
         epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"',
-        allow_abbrev=False,
     )
     made.add_argument(
         "--only",

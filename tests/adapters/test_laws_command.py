@@ -111,13 +111,16 @@ def test_adapter_is_found_as_a_module_too(adapter_file, monkeypatch):
         (["FILE", "--law", "friction_torqe"], "there is no law 'friction_torqe'; did you mean friction_torque or"),
         (["FILE", "--route", "assisted"], "there is no route of formula 'assisted'; choose from native"),
         (["json"], "json is no adapter: it has no NAME, routes,"),
+        (["."], "the adapter . fails while it is imported: TypeError: "),
+        ([], "the following arguments are required: ADAPTER; see"),
+        (["FILE", "--rout", "native"], "there is no option '--rout'; choose from --help, --law, --route"),
     ],
 )
 def test_what_is_not_known_is_one_sentence_and_status_2(words, sentence, adapter_file, capsys):
     words = [adapter_file(1.0) if word == "FILE" else word for word in words]
     assert main(words) == 2
     told = capsys.readouterr()
-    assert told.err.startswith(sentence) and told.err.count("\n") == 1 and not told.out
+    assert told.err.startswith(f"adapters.laws: {sentence}") and told.err.count("\n") == 1 and not told.out
 
 
 def test_file_that_fails_or_is_no_adapter_is_refused(tmp_path):

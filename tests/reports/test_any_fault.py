@@ -12,6 +12,8 @@ from reports import build, options, show, studies, study
 from reports.running import calls, experiment
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
+from reports.studies.meanings import study as meanings
+from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 
 from .. import fake_adapter
@@ -69,17 +71,18 @@ def installed(tmp_path, monkeypatch):
     """installed(faults) -> names of copies of the fake engine that misbehave so; a sound one is beside them."""
     for module, what in (
         (calls, "ASKING_SECONDS"), (experiment, "ASKING_SECONDS"), (stability, "_LIMIT"), (effect_costs, "LIMIT"),
-        (error_parts, "LIMIT_SECONDS"), (apart, "LIMIT_SECONDS"),
+        (error_parts, "LIMIT_SECONDS"), (apart, "LIMIT_SECONDS"), (settings, "LIMIT_SECONDS"),
+        (meanings, "ASKING_SECONDS"),
     ):  # fmt: skip
         monkeypatch.setattr(module, what, LIMIT)
     monkeypatch.setattr(options, "_LIMITS", {"quick": LIMIT, "default": LIMIT})
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.chdir(tmp_path)
 
-    def install(faults, settings=("wait 0",)) -> list[str]:
-        fake_adapter.install(tmp_path, list(settings), name="sound")
+    def install(faults, ladder=("wait 0",)) -> list[str]:
+        fake_adapter.install(tmp_path, list(ladder), name="sound")
         for fault in faults:
-            fake_adapter.install(tmp_path, list(settings), name=name_of(fault))
+            fake_adapter.install(tmp_path, list(ladder), name=name_of(fault))
             fake_adapter.break_down(tmp_path, name_of(fault), *fault)
         return [name_of(fault) for fault in faults]
 
@@ -127,8 +130,8 @@ def test_every_fault_is_a_row_of_a_quick_report_and_no_other_row_changes(install
 @pytest.mark.slow
 def test_every_fault_is_a_row_of_a_default_report_with_timings(installed):
     # Enough settings for a curve, so that all of them come to the clock.
-    faults, settings = [*FATES, FAR], [f"wait {i}" for i in range(6)]
-    check(["--case", fake_adapter.CASE], installed(faults, settings), faults)
+    faults, ladder = [*FATES, FAR], [f"wait {i}" for i in range(6)]
+    check(["--case", fake_adapter.CASE], installed(faults, ladder), faults)
     assert not table("work_precision", ["sound"]).empty
 
 

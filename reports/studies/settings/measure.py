@@ -20,7 +20,8 @@ from cases import Case
 from ...judging import ledger
 from ...running.calls import Calls
 from ...running.experiment import find_truths, offers
-from ...running.records import Truth
+from ...running.records import Offer, Truth
+from ...running.serving import Answer
 from ...running.solvers import solver
 from ...running.tasks import reading_of, timed
 
@@ -42,10 +43,15 @@ LEAST_ERROR = 1e-9
 # A motion with transitions missed or invented has none of their errors; it counts as one that is off by this, s.
 WRONG = 0.1
 LIMIT_SECONDS = 120.0
+# Where a cell stands whose route offers nothing.
+_PLACES = {"rung": "ladder", "grid": "grid"}
 
 
 class Cell(NamedTuple):
-    """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU s of the fastest run, errors in s."""
+    """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU s of the fastest run, errors in s.
+
+    Where a route offers no setting its one cell's place is "ladder" or "grid". `reason` says why there is no motion.
+    """
 
     case: str
     solver: str
@@ -55,6 +61,7 @@ class Cell(NamedTuple):
     outcome: str
     cpu_s: float = nan
     errors: tuple[float, ...] = (nan,) * len(QUANTITIES)
+    reason: str = ""
 
 
 class Point(NamedTuple):
@@ -69,23 +76,43 @@ class Point(NamedTuple):
 
 
 def measure(chosen: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[Cell]:
-    """Run ladder and grid of every route on every case, one run at a time."""
+    """Run ladder and grid of every route on every case, one run at a time; what cannot be run is a cell that says why.
+
+    Cases without transitions have nothing to compare."""
     truths, by_label = find_truths(chosen, calls), {case.label: case for case in chosen}
+    cells: list[Cell] = []
     todo: list[tuple[str, tuple[Case, str, str, Setting, Truth]]] = []
     for knobs, word in (("ladder", "rung"), ("wide_grid", "grid")):
         for (label, name), of_routes in offers(chosen, solvers, calls, knobs).items():
-            for offer in of_routes:
-                for place, setting in enumerate(offer.settings):
-                    if not (setting.is_default or truths[label].failure or not truths[label].transitions):
-                        case = by_label[label]
-                        todo.append((f"{word} {place}", (case, name, offer.route, setting, truths[label])))
+            case, truth = by_label[label], truths[label]
+            for offer in of_routes if truth.failure or truth.transitions else ():
+                outcome, reason = _excuse(offer, truth, word)
+                failed = Cell(label, name, offer.route, _PLACES[word], Setting.of(), outcome, reason=reason)
+                if outcome and not any(cell[:3] == failed[:3] for cell in cells):
+                    cells.append(failed)
+                for place, setting in enumerate(() if outcome else offer.settings):
+                    if not setting.is_default:
+                        todo.append((f"{word} {place}", (case, name, offer.route, setting, truth)))
     with calls.alone() as alone:
         answers = alone.all("settings", run_setting, [call for _, call in todo], limit=LIMIT_SECONDS)
-    cells = []
-    for (where, (case, name, route, setting, _)), answer in zip(todo, answers, strict=True):
-        told = answer.value if answer.outcome == "done" else (answer.failure[0],)
-        cells.append(Cell(case.label, name, route, where, setting, *told))
-    return cells
+    return cells + [_cell(where, call, answer) for (where, call), answer in zip(todo, answers, strict=True)]
+
+
+def _excuse(offer: Offer, truth: Truth, word: str) -> tuple[str, str]:
+    """Outcome and reason where there is nothing to run; empty where there is, and of a route without a grid."""
+    if offer.outcome:
+        return offer.outcome, offer.reason
+    if truth.failure:
+        return "refused", f"there is no truth to judge it by: {truth.failure}"
+    return ("", "") if offer.settings or word == "grid" else ("refused", "it offers no setting for this case")
+
+
+def _cell(place: str, call: tuple[Case, str, str, Setting, Truth], answer: Answer) -> Cell:
+    case, name, route, setting, _ = call
+    if answer.outcome == "done":
+        return Cell(case.label, name, route, place, setting, *answer.value)
+    outcome, reason = answer.failure
+    return Cell(case.label, name, route, place, setting, outcome, reason=reason)
 
 
 def run_setting(
@@ -144,8 +171,9 @@ def beats(one: Point, other: Point) -> bool:
 
 
 def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
-    """A row for every rung and every setting of a grid; of a rung also the setting that beats it, if one does."""
-    found = []
+    """A row for every rung and every setting of a grid; of a rung also the setting that beats it, if one does. What
+    gave no motion in a case has a row that says why in the first such case."""
+    found: list[dict[str, Any]] = []
     for (name, route), own in points(cells).items():
         grid = [point for point in own if point.place.startswith("grid")]
         for point in own:
@@ -157,6 +185,8 @@ def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
                     "route": route,
                     "place": point.place,
                     "setting": str(point.settings[0]),
+                    "outcome": "right" if point.right == point.cases else "wrong",
+                    "reason": "",
                     "cost": point.cost,
                     **dict(zip(QUANTITIES, point.errors, strict=True)),
                     "right": point.right,
@@ -165,4 +195,22 @@ def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
                     "beaten_by": str(better.settings[0]) if rung and better else "",
                 }
             )
-    return found
+    failed = {cell[1:4]: cell for cell in reversed(cells) if not isfinite(cell.cpu_s)}
+    return found + [_failed_row(cell) for cell in reversed(failed.values())]
+
+
+def _failed_row(cell: Cell) -> dict[str, Any]:
+    return {
+        "solver": cell.solver,
+        "route": cell.route,
+        "place": cell.place,
+        "setting": str(cell.setting),
+        "outcome": cell.outcome,
+        "reason": f"{cell.case}: {cell.reason}",
+        "cost": nan,
+        **dict.fromkeys(QUANTITIES, nan),
+        "right": 0,
+        "cases": 0,
+        "on_envelope": "",
+        "beaten_by": "",
+    }

@@ -28,13 +28,15 @@ TABLES = {
         {
             "solver": "the engine",
             "route": "its route",
-            "place": "which rung of the ladder, or which setting of the grid",
+            "place": "which rung of the ladder or setting of the grid; ladder or grid where the route offers none",
             "setting": "the setting, as it is in the first of the cases",
+            "outcome": "right or wrong over the cases; refused, crashed or timed_out: it gave no motion in one of them",
+            "reason": "why, and in which case",
             "cost": "CPU time over the case's median setting, geometric mean",
             "first_transition": "error of the first transition's time, s, geometric mean",
             "all_transitions": "largest error of all transitions' times, s, geometric mean",
             "right": "in how many of the cases all transitions are matched",
-            "cases": "how many cases",
+            "cases": "how many cases it gave a motion of, where it did of all",
             "on_envelope": "whether no setting of the grid is cheaper and as good, or as cheap and better",
             "beaten_by": "the cheapest setting of the grid that is, of a rung",
         },
@@ -56,8 +58,19 @@ def summary(found: list[Cell]) -> str:
     """The rungs alone; the grid is in the table."""
     from tabulate import tabulate
 
-    keys = ("solver", "route", "place", "cost", *measure.QUANTITIES, "right", "cases", "on_envelope", "beaten_by")
-    rungs = [{key: row[key] for key in keys} for row in measure.rows(found) if row["place"].startswith("rung")]
+    keys = (
+        "solver",
+        "route",
+        "place",
+        "outcome",
+        "cost",
+        *measure.QUANTITIES,
+        "right",
+        "cases",
+        "on_envelope",
+        "beaten_by",
+    )
+    rungs = [{key: row[key] for key in keys} for row in measure.rows(found) if not row["place"].startswith("grid")]
     return tabulate(rungs, headers="keys", floatfmt=".3g", tablefmt="plain")
 
 
