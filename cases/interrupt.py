@@ -6,6 +6,7 @@ in a script, a notebook or a test, Ctrl-C is theirs.
 
 from __future__ import annotations
 
+import atexit
 import signal
 import sys
 from types import FrameType, TracebackType
@@ -35,6 +36,8 @@ def say_so(command: str) -> None:
     sys.excepthook = hook
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, note)
+        # What comes while Python takes itself down comes after the command's last word.
+        atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
 def _interrupt_behind(problem: BaseException | None) -> KeyboardInterrupt | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import cos, inf, sin
+from math import cos, hypot, inf, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,8 @@ OUTLINE_POINTS = 128
 POINTS_A_SIZE = 24
 # Where no track is any more, m: squares of distances overflow there.
 FARTHEST = 1e150
+# From so many times a closed track's size away it is a point: which of its points is the nearest drowns in rounding.
+SEEN = 1e12
 # Of distances, in parts of them.
 ROUNDING = 1e-12
 
@@ -85,8 +87,8 @@ class _Guess(NamedTuple):
 
 def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
-    track are ends of it or lie on ends of an open outline: there is nothing to land on."""
-    if max(abs(x), abs(y)) > FARTHEST:
+    track are ends of it or lie on ends of an open outline, or if it is out of sight: there is nothing to land on."""
+    if max(abs(x), abs(y)) > FARTHEST or _out_of_sight(case, x, y):
         return None
     track, guess = _of_disc(case, x, y, theta) if case.plate.radius is not None else (None, None)
     if track is None or guess is None:
@@ -107,6 +109,14 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     off = contact.gap - guess.apart
     wrong = (abs(off) if len(track.fine) else off) > _size(case.plate.outline) / POINTS_A_SIZE
     return Contact(*guess) if wrong else contact
+
+
+def _out_of_sight(case: Case, x: float, y: float) -> bool:
+    """Whether a closed track is so far away that it has no sides any more."""
+    if not case.track.period:
+        return False
+    px, py = case.track.jet(0.0)[:2]
+    return hypot(x - px, y - py) > SEEN * (_size(case.track) + _size(case.plate.outline))
 
 
 def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_Track, _Guess | None]:

@@ -66,6 +66,8 @@ def certify(case: Case) -> Certificate:
         able, missing = witnesses(case)
     except FloatingPointError as problem:
         raise NotCertified(f"{case.label}: {problem}") from problem
+    if not able:
+        raise NotCertified(f"{case.label}: no way of solving gets through it: {'; '.join(missing)}")
     if len(able) < 2:
         raise NotCertified(f"{case.label}: one way of solving alone certifies nothing; {'; '.join(missing)}")
     # The samples stop short of the earliest end, so that every witness has a state there.

@@ -15,8 +15,8 @@ from .bouncing import Bounces
 from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
-from .integrators.segment import BREAKDOWN, EXHAUSTED, Segment
-from .landing import Landing, first_landing, start_impact
+from .integrators.segment import BREAKDOWN, EXHAUSTED, LOST_SIGHT, Segment
+from .landing import Landing, Looks, TooMany, first_landing, start_impact
 from .modes import (
     FLIGHT,
     SLIP_SIGN,
@@ -123,6 +123,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
     bounces, progress, near, idle, steps = Bounces(case), _Progress(), case.start.xi1, 0, 0
+    looks = Looks()
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
@@ -131,7 +132,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         try:
             if regime == FLIGHT:
                 fly = _flown if segments or not _closes(case) else _thrown
-                step = _after_flight(case, *fly(case, now, t, y, near, rtol, integrate), bounces)
+                step = _after_flight(case, *fly(case, now, t, y, near, rtol, integrate, looks), bounces)
             else:
                 step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
             idle = idle + 1 if step.time == t else 0
@@ -164,6 +165,14 @@ def exhausted(t: float, steps: int) -> Ending:
     return "unfinished", (
         f"The motion took {steps} steps until t = {t:.9g} s, as many as a run takes; end it there, or look at slower "
         "speeds and forces."
+    )
+
+
+def _lost_sight(t: float) -> Ending:
+    """What is said where looking for landings took all the work that it may."""
+    return "unfinished", (
+        f"Looking for landings took as much work as a run takes until t = {t:.9g} s; end it there, or look at slower "
+        "speeds and spins."
     )
 
 
@@ -319,7 +328,7 @@ def _free(case: Case, t: float, y: Sequence[float]) -> Motion:
 
 
 def _flown(
-    case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate
+    case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate, looks: Looks
 ) -> tuple[list[Segment], Landing | None]:
     """A flight's segments up to its landing, and that; `near` is where the track was touched last.
 
@@ -330,7 +339,11 @@ def _flown(
     while True:
         until = max(t + lasts, t + 1e3 * np.spacing(t))
         segment = integrate(now, t, y, min(until, case.duration), rtol)
-        landing = first_landing(case, segment, near, under_way=bool(segments))
+        try:
+            landing = first_landing(case, segment, near, looks, under_way=bool(segments))
+        except TooMany as stop:
+            segments.append(segment.until(stop.time, segment.evaluations).ended_by(LOST_SIGHT))
+            return segments, None
         segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
         if landing or segment.event.guard or segment.event.time >= case.duration:
             return segments, landing
@@ -342,7 +355,9 @@ def _closes(case: Case) -> bool:
     return case.start.gap == 0.0 and case.start.gap_rate < 0.0
 
 
-def _thrown(case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate) -> tuple[list[Segment], Landing]:
+def _thrown(
+    case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate, looks: Looks
+) -> tuple[list[Segment], Landing]:
     """The flight of no length before the impact that a case begins with, and that."""
     segment = integrate(now, t, y, 1e3 * np.spacing(t), rtol)
     return [segment.until(t, 0)], start_impact(case, segment)
@@ -362,6 +377,8 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     last = segments[-1]
     if landing is None and last.event.guard == EXHAUSTED:
         return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time, last.steps))
+    if landing is None and last.event.guard == LOST_SIGHT:
+        return Step(tuple(segments), last.event.time, ending=_lost_sight(last.event.time))
     if landing is None:
         return Step(
             tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETED

@@ -31,6 +31,8 @@ CLOSE = 1 / 16
 # Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
 # Sooner than this part of the step, positions do not resolve it: there is no flight.
 SOONEST = 1e-9
+# What looks for a landing may take in a motion, all told, in those of a disc: half a minute.
+MOST_LOOKS = 400_000
 # A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of the plate's speeds.
 EVEN = 1e-14
 # Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
@@ -50,6 +52,30 @@ class Landing(NamedTuple):
     touch: Touch
     arm_t: float
     arm_n: float
+
+
+class Looks:
+    """The work that a motion took in looking for landings, in all its flights."""
+
+    def __init__(self) -> None:
+        self.done = 0
+
+    def add(self, case: Case) -> None:
+        """One more; of a disc one point is looked up (70 µs), of others all the outline (half a millisecond)."""
+        self.done += 1 if case.plate.radius is not None else 8
+
+    @property
+    def used_up(self) -> bool:
+        """Whether it may take no more."""
+        return self.done >= MOST_LOOKS
+
+
+class TooMany(Exception):
+    """A flight is followed no further than `time` (s): near its track the plate is too fast, or spins too fast."""
+
+    def __init__(self, time: float):
+        super().__init__(time)
+        self.time = time
 
 
 class _Look(NamedTuple):
@@ -73,8 +99,8 @@ def start_impact(case: Case, segment: Segment) -> Landing:
     return landing._replace(touch=Touch(start.slip, start.gap_rate, start.omega))
 
 
-def first_landing(case: Case, segment: Segment, near: float, under_way: bool = False) -> Landing | None:
-    """The first landing of a flight's segment; None if it flies on.
+def first_landing(case: Case, segment: Segment, near: float, looks: Looks, under_way: bool = False) -> Landing | None:
+    """The first landing of a flight's segment; None if it flies on. Raises TooMany once the `looks` are used up.
 
     The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: it
     goes on with a flight that did not land until then.
@@ -93,6 +119,9 @@ def first_landing(case: Case, segment: Segment, near: float, under_way: bool = F
             return _landing(case, segment, first, near)
         before = first
     while before.time < end:
+        if looks.used_up:
+            raise TooMany(before.time)
+        looks.add(case)
         step = _time_for(segment, before, min(before.gap, max(1e6 * size, before.far)), size)
         if leaves:
             step = min(step, before.time - start)  # what has just begun may end as soon

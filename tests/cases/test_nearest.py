@@ -6,6 +6,8 @@ from subprocess import run
 import numpy as np
 import pytest
 
+import reference
+from cases import Case, Flight, Gravity, Start, Unilateral, disc, library
 from cases.nearest import _Stretches
 
 
@@ -21,6 +23,15 @@ def test_stretches_find_the_nearest_of_all_samples(count, far):
     np.testing.assert_allclose(apart[found, range(40)], apart.min(axis=0), rtol=1e-14)
     if far <= 1.0:  # from far away all are equally near, to rounding
         np.testing.assert_array_equal(found, apart.argmin(axis=0))
+
+
+@pytest.mark.parametrize("speed", [1e3, 1e17, 1e30])
+def test_a_plate_that_flies_off_for_good_never_lands_however_far_it_is(speed):
+    """Beyond 1e15 times a hill's size no double says which of its sides is the nearer."""
+    effects = (Gravity(9.81), Unilateral(), Flight())
+    motion = reference.simulate(Case(library.hill(0.1), disc(0.1, 1.0), effects, Start(0.8, slip=speed), 0.1))
+    assert motion.status == "completed" and not motion.transitions
+    assert np.hypot(motion.x[-1], motion.y[-1]) == pytest.approx(0.1 * speed, rel=1e-3)
 
 
 def test_a_first_flight_imports_no_scipy():

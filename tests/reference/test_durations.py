@@ -21,6 +21,7 @@ from cases import (
     Impact,
     Load,
     Mode,
+    Plate,
     RollingResistance,
     Start,
     Unilateral,
@@ -262,6 +263,17 @@ def test_many_phases_are_no_accumulation(monkeypatch, method):
     assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
     monkeypatch.undo()
     assert pairs(reference.simulate(case, method=method), motion.t[-1]) == pairs(motion)
+
+
+def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(monkeypatch):
+    # Near its track each of an ellipse's points may be the first to land, 16 times while it moves by its size.
+    effects = (Gravity(G), Unilateral(), Flight(), Impact(0.5))
+    spins = Case(line(), Plate(ellipse(0.1, 0.07), 1.0, 1e-3), effects, Start(0.0, 0.0, omega=1e6, gap=0.05), 1.0)
+    monkeypatch.setattr(landing, "MOST_LOOKS", 1000)
+    motion = reference.simulate(spins, rtol=1e-6)
+    assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
+    fallen = 0.5 * G * motion.t**2
+    assert 0.0 < motion.t[-1] < 0.01 and np.allclose(motion.y[0] - motion.y, fallen, atol=1e-12)
 
 
 def test_phases_accumulate_by_the_motions_own_time(monkeypatch):

@@ -33,15 +33,18 @@ COMMANDS = {
     "console": ["slip-to-roll", "cases"],
 }
 NAMES = {command: words[0] for command, words in COMMANDS.items()} | {"truth": "reference"}
-# `python -m reference` without options, but that it leaves the suite's own truth alone.
-TRUTH_ELSEWHERE = """
+# `python -m reference` without options, a package as well, but that it leaves the suite's own truth alone.
+TRUTH_ELSEWHERE = {
+    "__init__": "import reference",
+    "__main__": """
 import sys
 from pathlib import Path
 from reference.certification.rebuild import main
 
 if __name__ == "__main__":
     sys.exit(main([], Path("truth.json")))
-"""
+""",
+}
 MEASURED = ["cpu_s", "setup_s", "run_at"]
 
 
@@ -71,7 +74,9 @@ def interrupted(folder: Path, words: list[str], after: float) -> tuple[int, str]
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "tmp").mkdir()
-    (tmp_path / "truth_elsewhere.py").write_text(TRUTH_ELSEWHERE)
+    (tmp_path / "truth_elsewhere").mkdir()
+    for name, text in TRUTH_ELSEWHERE.items():
+        (tmp_path / "truth_elsewhere" / f"{name}.py").write_text(text)
     fake_adapter.install(tmp_path, ["wait 300", "wait 301"])
     return tmp_path
 

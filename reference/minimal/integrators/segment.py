@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,8 @@ from ..modes import Phase
 BREAKDOWN = "breakdown"
 # Stands for a guard where a motion has taken all the steps that it may.
 EXHAUSTED = "exhausted"
+# The same where looking for landings took all the work that it may.
+LOST_SIGHT = "lost sight"
 # So many steps a phase takes at most: the compiled loop takes five seconds for them, their record 400 MB.
 MOST_STEPS = 400_000
 # The same where each step is looked at by itself (a third of a millisecond: half a minute).
@@ -71,6 +73,10 @@ class Segment:
         """The same motion cut at that time, with the work that it took."""
         times = np.append(self.times[self.times < time], time)
         return Segment.of(self.phase, times, self.states, self.event._replace(time=time), evaluations)
+
+    def ended_by(self, guard: str) -> Segment:
+        """The same motion, with another reason for its end."""
+        return replace(self, event=self.event._replace(guard=guard))
 
 
 def blocks(starts: np.ndarray, times: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:

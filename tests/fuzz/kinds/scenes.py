@@ -112,6 +112,10 @@ FOUND = (
         ),
     ),
     ("omega 1e8", on_line(**GUIDE, start=Start(-1.0, omega=1e8))),
+    (
+        "off a hill at 1e30 m/s",
+        on_line(track=library.hill(0.1), start=Start(0.8, slip=1e30), effects=(Gravity(9.81), Unilateral(), Flight())),
+    ),
     ("1e8 s", on_line(**GUIDE, start=Start(-1.0), duration=1e8)),
     (
         "a vertical track",
