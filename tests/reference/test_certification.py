@@ -16,6 +16,8 @@ from reference import contact_frame, simulate
 from reference.certification import certificate as certification
 from reference.certification import rebuild, witnesses
 from reference.certification.certificate import Certificate, NotCertified, certify
+from reference.contact_frame import steps
+from reference.minimal import hybrid
 from reference.minimal.integrators import taylor
 from tests.authorities.many_digits import STATES, TIMES, computed
 
@@ -34,6 +36,23 @@ def test_bars_hold_where_all_witnesses_share_a_rounding():
     certificate = certify(cases.load("sliding_loop[ratio=5.1]"))
     for quantity in ("theta", "omega"):
         assert all(abs(one.value) <= one.bar for one in certificate.samples[quantity]), quantity
+
+
+def test_a_motion_that_no_way_gets_through_certifies_nothing_and_is_not_tried_by_others(monkeypatch):
+    monkeypatch.setattr(hybrid, "MOST_PHASES", 1)
+    monkeypatch.setattr(witnesses, "_by_second", None)
+    with pytest.raises(
+        NotCertified, match=r"no way of solving gets through it: .* until 0\.\d+ s$"
+    ):
+        certify(BOWLED)
+
+
+def test_a_way_that_does_not_get_to_the_end_is_told_and_the_truth_rests_on_the_others(monkeypatch):
+    monkeypatch.setattr(steps, "MOST_WORK", 10)
+    certificate = certify(BOWLED)
+    assert certificate.status == "completed"
+    assert not any("contact frame" in name for name in certificate.witnesses)
+    assert "contact frame 1e-13 took as many steps as a motion may until" in certificate.missing[0]
 
 
 @pytest.mark.slow
