@@ -9,12 +9,15 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases import BadValue
+from cases.files import text
 
 from . import options
+from .running.records import legible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,6 +42,10 @@ _OF_THE_DAY = {
     "version",  # told for all of a report
 }  # fmt: skip
 _TIMED = ("case", "quantity", "accuracy", "solver", "route")
+# The numbers of `time_to_accuracy` that are compared.
+_RATIOS = ("ratio", "ratio_low", "ratio_high", "rank")
+# Bytes of a file of a report: a full one's largest table has a tenth of it.
+_LARGEST = 100 * 2**20
 # Differences of a kind that are told one by one; beyond it they are counted.
 _SHOWN = 12
 
@@ -104,10 +111,32 @@ def _tables(folder: Path) -> dict[str, pd.DataFrame]:
     files = sorted((folder / "tables").glob("*.csv"))
     if not files or not (folder / "manifest.json").is_file():
         raise BadValue(f"{folder} holds no report; give a folder that `python -m reports.build --out` wrote")
-    # Read as text nothing is rounded, and an empty cell equals an empty cell.
-    frames = {f.stem: pd.read_csv(f, keep_default_na=f.stem == "time_to_accuracy", dtype=None) for f in files}
-    as_text = {f.stem: pd.read_csv(f, keep_default_na=False, dtype=str) for f in files if f.stem in _ROWS}
-    return frames | as_text
+    frames: dict[str, pd.DataFrame] = {}
+    for file in files:
+        # Read as text nothing is rounded, and an empty cell equals an empty cell.
+        kind = str if file.stem in _ROWS else None
+        content = StringIO(text("table", file, _LARGEST))
+        try:
+            frame = pd.read_csv(content, keep_default_na=file.stem == "time_to_accuracy", dtype=kind)
+        except (ValueError, OverflowError, RecursionError) as problem:
+            raise BadValue(f"{file} cannot be read as comma-separated values: {problem}") from problem
+        _check_columns(file, frame)
+        frames[file.stem] = frame
+    return frames
+
+
+def _check_columns(file: Path, frame: pd.DataFrame) -> None:
+    """Raises BadValue for a table without the columns that are compared, or with words where its numbers stand."""
+    from pandas.api.types import is_numeric_dtype
+
+    timed = file.stem == "time_to_accuracy"
+    needed = (*_TIMED, "award", *_RATIOS) if timed else _ROWS.get(file.stem, ())
+    missing = [name for name in needed if name not in frame.columns and name != "_number"]
+    if missing:
+        raise BadValue(f"{file} has no column {missing[0]}; give a report of this suite")
+    words = [name for name in _RATIOS if timed and not is_numeric_dtype(frame[name])]
+    if words:
+        raise BadValue(f"{words[0]} in {file} is not a number all along; give a report of this suite")
 
 
 def _of_solver(frames: dict[str, pd.DataFrame], name: str, folder: Path, called: str) -> dict[str, pd.DataFrame]:
@@ -174,7 +203,7 @@ def told(comparison: Comparison, one: Path, other: Path, solvers: Sequence[str] 
         lines += [f"  {d.table}, {d.row}: {d.column} {_short(d.one)} | {_short(d.other)}" for d in found[:_SHOWN]]
         if len(found) > _SHOWN:
             lines.append(f"  … and {len(found) - _SHOWN} more")
-    return "\n".join(lines)
+    return "\n".join(map(legible, lines))  # a stranger's report may say anything
 
 
 def _short(value: Any) -> str:
@@ -183,10 +212,20 @@ def _short(value: Any) -> str:
 
 def _made(one: Path, other: Path) -> list[str]:
     """What differs in how the two were made."""
-    manifests = [json.loads((folder / "manifest.json").read_text(encoding="utf-8")) for folder in (one, other)]
+    manifests = [_manifest(folder / "manifest.json") for folder in (one, other)]
     names = ("commit", "machine", "python", "solvers", "packages", "settings")
     values = [{name: m.get(name) for name in names} for m in manifests]
     return [f"{n}: {values[0][n]} | {values[1][n]}" for n in names if values[0][n] != values[1][n]]
+
+
+def _manifest(file: Path) -> dict[str, Any]:
+    try:
+        told = json.loads(text("manifest", file, _LARGEST))
+    except (json.JSONDecodeError, RecursionError) as problem:
+        raise BadValue(f"{file} is no JSON: {problem}; give a report of this suite") from problem
+    if not isinstance(told, dict):
+        raise BadValue(f"{file} says nothing of a report; give a report of this suite")
+    return told
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -13,9 +13,11 @@ import cases
 from adapters.common import exported
 from cases import CaseError, Curve, Load, kept, registry
 from cases.effects import MOTION
+from reports import compare_builds
 from reports.analysis.columns import Table
 from reports.page import folder, text
-from reports.running import external, packing, store
+from reports.running import external, packing, store, submissions
+from reports.sweeping import folder as sweep_folder
 
 SCENE = Path(__file__).resolve().parents[1]
 
@@ -122,11 +124,57 @@ def test_no_pickle_is_read_from_a_store_or_an_array(mark, tmp_path):
     assert store.Store(place).get("run", key, float) is None
 
 
+def test_no_file_of_a_strangers_report_sweep_or_submission_is_run(mark, tmp_path):
+    """Each of their files holds a pickle, each attack in its turn, what is no text, nothing at all, or is a pipe."""
+    report, sweep, hand_in = tmp_path / "report", tmp_path / "sweep", tmp_path / "engine" / "1.0"
+    ours = {"made_by": sweep_folder.MADE_BY, "asked": {"plan": 1}}
+    for place, name, whole in (
+        (report, "manifest.json", "{}"),
+        (report, "tables/truth.csv", "case,event,time\na,1,0.1\n"),
+        (sweep, "sweep.json", json.dumps(ours)),
+        (sweep, "rows/part-000000000000.parquet", ""),
+        (hand_in, "submission.toml", 'engine = "engine"\nversion = "1.0"\n'),
+    ):
+        (place / name).parent.mkdir(parents=True, exist_ok=True)
+        (place / name).write_text(whole)
+    reading = {
+        report: lambda: compare_builds.told(compare_builds.compare(report, report), report, report),
+        sweep: lambda: list(sweep_folder.Folder.opened(sweep, ours["asked"], fresh=False).rows("rows")),
+        hand_in: lambda: submissions.read(hand_in),
+    }
+    contents = [pickle.dumps(Bomb(mark)), b"\xff\x00\x1b[2J", b"", b"[" * 100_000]
+    contents += [attack.encode() for attack in attacks(mark)]
+    for place, read in reading.items():
+        for file in [path for path in sorted(place.rglob("*")) if path.is_file()]:
+            whole = file.read_bytes()
+            for content in contents:
+                file.write_bytes(content)
+                refused(read)
+            file.unlink()
+            os.mkfifo(file)
+            refused(read)
+            file.unlink()
+            file.write_bytes(whole)
+
+
+def test_a_strangers_report_says_nothing_that_a_terminal_acts_on(tmp_path):
+    for name, said in (("one", "\x1b[2J"), ("other", "")):
+        (tmp_path / name / "tables").mkdir(parents=True)
+        (tmp_path / name / "manifest.json").write_text(json.dumps({"machine": said}))
+        (tmp_path / name / "tables" / "truth.csv").write_text(f"case,event,time\na,1,0.1{said}\n")
+    one, other = tmp_path / "one", tmp_path / "other"
+    told = compare_builds.told(compare_builds.compare(one, other), one, other)
+    assert "machine" in told and "0.1" in told and "\x1b" not in told
+
+
 def test_a_folder_with_an_odd_manifest_is_somebodys(tmp_path):
     (tmp_path / "mine.txt").write_text("precious")
     for odd in ("[" * 200_000, "9" * 5000, "{}", "nonsense", '{"files": 3}'):
         (tmp_path / "manifest.json").write_text(odd)
         assert folder.foreign_file(tmp_path) != ""
+    (tmp_path / "manifest.json").unlink()
+    os.mkfifo(tmp_path / "manifest.json")
+    assert folder.foreign_file(tmp_path) != ""
 
 
 def test_a_record_says_nothing_about_what_code_runs(mark):

@@ -61,7 +61,8 @@ def foreign_file(out: Path) -> str:
     files = [p for p in out.rglob("*") if not p.is_dir() or p.is_symlink()] if out.is_dir() else []
     known: set[str] = set()
     try:
-        manifest = json.loads((out / _MANIFEST).read_text(encoding="utf-8"))
+        # A pipe of that name would be waited for.
+        manifest = json.loads((out / _MANIFEST).read_text(encoding="utf-8")) if (out / _MANIFEST).is_file() else {}
         if manifest.get("made_by") == MADE_BY:
             known = set(manifest["files"])
     except (OSError, ValueError, KeyError, AttributeError, TypeError, RecursionError):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ from cases import BadValue
 
 MADE_BY = "slip-to-roll sweep"
 TOLD = "sweep.json"
+_PART = re.compile(r"part-(\d{12})\.parquet")
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Folder:
             shutil.rmtree(path)
             there = None
         if there is not None:
-            other = _different(there["asked"], json.loads(json.dumps(asked)))
+            other = _different(there.get("asked", {}), json.loads(json.dumps(asked)))
             if other:
                 raise BadValue(
                     f"{path} holds another sweep ({other}); give another --out, or --fresh to forget that one"
@@ -52,11 +54,13 @@ class Folder:
         return folder
 
     def _told(self) -> dict[str, Any] | None:
+        file = self.path / TOLD
         try:
-            told = json.loads((self.path / TOLD).read_text(encoding="utf-8"))
+            told = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else None
         except (OSError, ValueError, RecursionError):
             return None
-        return told if isinstance(told, dict) and told.get("made_by") == MADE_BY else None
+        ours = isinstance(told, dict) and told.get("made_by") == MADE_BY and isinstance(told.get("asked", {}), dict)
+        return told if ours else None
 
     def told(self, name: str) -> Any:
         """What was noted under that name; None if nothing was."""
@@ -86,7 +90,9 @@ class Folder:
 
     def done(self, kind: str) -> set[int]:
         """The first scenarios of the parts that are there."""
-        return {int(file.stem.removeprefix("part-")) for file in (self.path / kind).glob("part-*.parquet")}
+        if not (self.path / kind).is_dir():
+            return set()
+        return {int(name[1]) for file in (self.path / kind).iterdir() if (name := _PART.fullmatch(file.name))}
 
     def put(self, kind: str, start: int, content: bytes) -> None:
         """Keep a part."""
@@ -99,7 +105,16 @@ class Folder:
     def rows(self, kind: str, columns: list[str] | None = None) -> Iterator[pa.Table]:
         """The parts in the order of their scenarios, one at a time."""
         for start in sorted(self.done(kind)):
-            yield parquet.read_table(self.file(kind, start), columns=columns)
+            file = self.file(kind, start)
+            try:
+                part = parquet.read_table(file, columns=columns) if file.is_file() else pa.table({})
+                lacks = {*(columns or ())} - {*part.column_names}
+                said = f"it has no column {min(lacks)}" if lacks else "" if part.num_columns else "it has no columns"
+            except (pa.ArrowException, OSError) as problem:
+                said = str(problem).partition("\n")[0]
+            if said:
+                raise BadValue(f"{file} is no part of a sweep ({said}); delete it, and give the same command")
+            yield part
 
 
 def _different(there: dict[str, Any], asked: dict[str, Any]) -> str:

@@ -104,7 +104,7 @@ def _of_engine(function: Callable, name: str):
 
 def _made(work: Work, folder: Folder, kind: str, machines: Machines) -> int:
     length = folder.told(f"chunk of {kind}")
-    if length is None:
+    if not isinstance(length, int) or length < 1:
         length = _length(work)
         folder.tell({f"chunk of {kind}": length})
     n, there = len(work.plan), folder.done(kind)

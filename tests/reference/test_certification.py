@@ -41,9 +41,7 @@ def test_bars_hold_where_all_witnesses_share_a_rounding():
 def test_a_motion_that_no_way_gets_through_certifies_nothing_and_is_not_tried_by_others(monkeypatch):
     monkeypatch.setattr(hybrid, "MOST_PHASES", 1)
     monkeypatch.setattr(witnesses, "_by_second", None)
-    with pytest.raises(
-        NotCertified, match=r"no way of solving gets through it: .* until 0\.\d+ s$"
-    ):
+    with pytest.raises(NotCertified, match=r"no way of solving gets through it: .* until 0\.\d+ s$"):
         certify(BOWLED)
 
 

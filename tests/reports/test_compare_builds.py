@@ -145,3 +145,22 @@ def test_a_solver_that_is_not_there_or_alone_is_told(names, hint, report, capsys
     words = [word for name in names for word in ("--solver", name)]
     assert compare_builds.main([str(report), str(report), *words]) == 2
     assert hint in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "sentence"),
+    [
+        ("tables/truth.csv", "", "cannot be read as comma-separated values"),
+        ("tables/truth.csv", "time\n1\n", "has no column case"),
+        ("tables/time_to_accuracy.csv", None, "rank in "),
+        ("manifest.json", "nonsense", "is no JSON"),
+        ("manifest.json", "[1]", "says nothing of a report"),
+    ],
+)
+def test_a_report_that_is_none_is_one_sentence_and_status_2(file, content, sentence, report, tmp_path, capsys):
+    other = changed(report, tmp_path, "time_to_accuracy", "rank", "first" if content is None else "1")
+    if content is not None:
+        (other / file).write_text(content)
+    assert compare_builds.main([str(report), str(other)]) == 2
+    told = capsys.readouterr()
+    assert sentence in told.err and told.err.count("\n") == 1 and not told.out
