@@ -123,7 +123,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
     bounces, progress, near, idle, steps = Bounces(case), _Progress(), case.start.xi1, 0, 0
-    looks = Looks()
+    looks = Looks(case)
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
@@ -163,8 +163,8 @@ def undecidable(t: float) -> Ending:
 def exhausted(t: float, steps: int) -> Ending:
     """What is said where the steps of a motion are used up."""
     return "unfinished", (
-        f"The motion took {steps} steps until t = {t:.9g} s, as many as a run takes; end it there, or look at slower "
-        "speeds and forces."
+        f"The motion took {steps} steps until t = {t:.9g} s, as much work as a run takes; end it there, or look at "
+        "slower speeds and forces."
     )
 
 
@@ -340,9 +340,9 @@ def _flown(
         until = max(t + lasts, t + 1e3 * np.spacing(t))
         segment = integrate(now, t, y, min(until, case.duration), rtol)
         try:
-            landing = first_landing(case, segment, near, looks, under_way=bool(segments))
-        except TooMany as stop:
-            segments.append(segment.until(stop.time, segment.evaluations).ended_by(LOST_SIGHT))
+            landing = first_landing(looks, segment, near, under_way=bool(segments))
+        except TooMany:
+            segments.append(segment.until(looks.flies_until, segment.evaluations).ended_by(LOST_SIGHT))
             return segments, None
         segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
         if landing or segment.event.guard or segment.event.time >= case.duration:

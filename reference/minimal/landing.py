@@ -31,8 +31,8 @@ CLOSE = 1 / 16
 # Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
 # Sooner than this part of the step, positions do not resolve it: there is no flight.
 SOONEST = 1e-9
-# What looks for a landing may take in a motion, all told, in those of a disc: half a minute.
-MOST_LOOKS = 400_000
+# What looks for a landing may take in a motion, all told, in those of a disc: some twenty seconds.
+MOST_LOOKS = 300_000
 # A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of the plate's speeds.
 EVEN = 1e-14
 # Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
@@ -54,28 +54,24 @@ class Landing(NamedTuple):
     arm_n: float
 
 
-class Looks:
-    """The work that a motion took in looking for landings, in all its flights."""
-
-    def __init__(self) -> None:
-        self.done = 0
-
-    def add(self, case: Case) -> None:
-        """One more; of a disc one point is looked up (70 µs), of others all the outline (half a millisecond)."""
-        self.done += 1 if case.plate.radius is not None else 8
-
-    @property
-    def used_up(self) -> bool:
-        """Whether it may take no more."""
-        return self.done >= MOST_LOOKS
-
-
 class TooMany(Exception):
-    """A flight is followed no further than `time` (s): near its track the plate is too fast, or spins too fast."""
+    """A flight is followed no further: near its track the plate is too fast, or spins too fast."""
 
-    def __init__(self, time: float):
-        super().__init__(time)
-        self.time = time
+
+class Looks:
+    """Looks at a motion's flights, the work that they took, and until when (s) the last flight has not landed."""
+
+    def __init__(self, case: Case) -> None:
+        self.case, self.done, self.flies_until = case, 0, nan
+        # Of a disc one point is looked up (70 µs), of others all the outline (half a millisecond).
+        self.each = 1 if case.plate.radius is not None else 8
+
+    def at(self, segment: Segment, t: float) -> _Look:
+        """A look at the time t, s. Raises TooMany once their work is used up."""
+        if self.done >= MOST_LOOKS:
+            raise TooMany
+        self.done += self.each
+        return _look(self.case, segment, t)
 
 
 class _Look(NamedTuple):
@@ -99,49 +95,48 @@ def start_impact(case: Case, segment: Segment) -> Landing:
     return landing._replace(touch=Touch(start.slip, start.gap_rate, start.omega))
 
 
-def first_landing(case: Case, segment: Segment, near: float, looks: Looks, under_way: bool = False) -> Landing | None:
+def first_landing(looks: Looks, segment: Segment, near: float, under_way: bool = False) -> Landing | None:
     """The first landing of a flight's segment; None if it flies on. Raises TooMany once the `looks` are used up.
 
     The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: it
     goes on with a flight that did not land until then.
     """
-    size = _reach(case.plate.outline)
+    size = _reach(looks.case.plate.outline)
     start, end = float(segment.times[0]), float(segment.times[-1])
-    before = _look(case, segment, start)
+    looks.flies_until = start
+    before = looks.at(segment, start)
     if under_way and before.contact and before.gap <= 0.0:
-        return _landing(case, segment, before, near)  # by a rounding
+        return _landing(looks.case, segment, before, near)  # by a rounding
     leaves = not under_way and before.gap <= 1e-12 * size  # on the track, to the rounding of positions
     if before.contact and leaves:
-        first = _first_look(case, segment, before, size)
+        first = _first_look(looks, segment, before, size)
         if first is None:
-            return _landing(case, segment, before, near)
+            return _landing(looks.case, segment, before, near)
         if not isnan(first.beyond):
-            return _landing(case, segment, first, near)
+            return _landing(looks.case, segment, first, near)
         before = first
     while before.time < end:
-        if looks.used_up:
-            raise TooMany(before.time)
-        looks.add(case)
+        looks.flies_until = before.time
         step = _time_for(segment, before, min(before.gap, max(1e6 * size, before.far)), size)
         if leaves:
             step = min(step, before.time - start)  # what has just begun may end as soon
-        now = _look(case, segment, min(before.time + step, end))
-        turned = _turning(case, segment, before, now) if before.rate < 0.0 < now.rate and now.gap > 0.0 else None
+        now = looks.at(segment, min(before.time + step, end))
+        turned = _turning(looks, segment, before, now) if before.rate < 0.0 < now.rate and now.gap > 0.0 else None
         for look in (turned, now):
             if look is not None and look.gap <= 0.0:
-                return _locate(case, segment, before, look, near)
+                return _locate(looks, segment, before, look, near)
         before = now
     return None
 
 
-def _first_look(case: Case, segment: Segment, start: _Look, size: float) -> _Look | None:
+def _first_look(looks: Looks, segment: Segment, start: _Look, size: float) -> _Look | None:
     """A look soon after the start at which the gap is positive and grows, or a hop's landing; None if it closes."""
     part = _time_for(segment, start, 0.0, size)
     soonest = SOONEST * part
     while part > soonest:
-        look = _look(case, segment, start.time + part)
+        look = looks.at(segment, start.time + part)
         if start.rate > 0.0 > look.rate:
-            hop = _hop(case, segment, start, look)
+            hop = _hop(looks, segment, start, look)
             if hop is not None:
                 return hop
         if look.rate > 0.0 and look.gap > 0.0:
@@ -152,7 +147,7 @@ def _first_look(case: Case, segment: Segment, start: _Look, size: float) -> _Loo
     return None
 
 
-def _hop(case: Case, segment: Segment, start: _Look, ahead: _Look) -> _Look | None:
+def _hop(looks: Looks, segment: Segment, start: _Look, ahead: _Look) -> _Look | None:
     """The landing of a flight that begins at `start` on the track, if it is a hop over before `ahead`.
 
     A rate that falls evenly vanishes half-way; where a polynomial through a few looks is as good as the rates
@@ -167,26 +162,26 @@ def _hop(case: Case, segment: Segment, start: _Look, ahead: _Look) -> _Look | No
             return None
         if abs(lasts - before) <= 0.5 * (HOP - 1.0) * lasts:
             break
-        whole = _look(case, segment, start.time + lasts)
-    half = _look(case, segment, start.time + 0.5 * lasts)
+        whole = looks.at(segment, start.time + lasts)
+    half = looks.at(segment, start.time + 0.5 * lasts)
     # Times are rounded, what is between them is not.
     fall = (start.rate - whole.rate) / (whole.time - start.time)
     if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.speed:
         lasts = 2.0 * start.rate / fall
     else:
-        lasts = _uneven(case, segment, start, lasts)
+        lasts = _uneven(looks, segment, start, lasts)
     if isnan(lasts):
         return None
-    landing = _look(case, segment, start.time + lasts)
+    landing = looks.at(segment, start.time + lasts)
     beyond = lasts - (landing.time - start.time)
     return landing._replace(beyond=beyond) if landing.contact is not None and landing.rate < 0.0 else None
 
 
-def _uneven(case: Case, segment: Segment, start: _Look, lasts: float) -> float:
+def _uneven(looks: Looks, segment: Segment, start: _Look, lasts: float) -> float:
     """How long a hop lasts whose rate falls unevenly, about `lasts`; NaN where a polynomial does not tell."""
-    looks = [start, *(_look(case, segment, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
-    parts = [(look.time - start.time) / (HOP * lasts) for look in looks]
-    rate = Chebyshev.fit(parts, [look.rate for look in looks], len(looks) - 1, domain=(0.0, 1.0))
+    seen = [start, *(looks.at(segment, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
+    parts = [(look.time - start.time) / (HOP * lasts) for look in seen]
+    rate = Chebyshev.fit(parts, [look.rate for look in seen], len(seen) - 1, domain=(0.0, 1.0))
     if not np.max(np.abs(rate.coef[-2:])) <= 10.0 * EVEN * start.speed:
         return nan
     gap, x = rate.integ(lbnd=0.0), 1.0 / HOP
@@ -240,32 +235,32 @@ def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, flo
     return Touch(px * tx + py * ty, py * tx - px * ty, omega), rx * tx + ry * ty, ry * tx - rx * ty
 
 
-def _turning(case: Case, segment: Segment, before: _Look, now: _Look) -> _Look:
+def _turning(looks: Looks, segment: Segment, before: _Look, now: _Look) -> _Look:
     """The look at which the gap stops closing between two looks."""
     from scipy.optimize import brentq  # slow to import, and most motions never fly
 
-    return _look(
-        case, segment, brentq(lambda t: _look(case, segment, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16)
+    return looks.at(
+        segment, brentq(lambda t: looks.at(segment, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16)
     )
 
 
-def _locate(case: Case, segment: Segment, above: _Look, below: _Look, near: float) -> Landing:
+def _locate(looks: Looks, segment: Segment, above: _Look, below: _Look, near: float) -> Landing:
     """The zero of the gap between a look above and one below the track: Newton's method, kept between the two.
 
     Each look is at the pair that is the nearest at that time: one followed from elsewhere may lead to another.
     """
     x, y, *_ = _state(segment, below.time)
-    rounding = 0.5 * EPS * (_reach(case.plate.outline) + abs(x) + abs(y))
+    rounding = 0.5 * EPS * (_reach(looks.case.plate.outline) + abs(x) + abs(y))
     now, low, high = below, above.time, below.time
     while abs(now.gap) > rounding and above.gap > 0.0:
         time = now.time - now.gap / now.rate if now.rate < 0.0 else low
         if abs(time - now.time) <= np.spacing(high) or high - low <= 2.0 * np.spacing(high):
             break
-        now = _look(case, segment, time if low < time < high else 0.5 * (low + high))
+        now = looks.at(segment, time if low < time < high else 0.5 * (low + high))
         low, high = (now.time, high) if now.gap > 0.0 else (low, now.time)
     now = now if now.contact else below
     near_enough = now.rate < 0.0 and abs(now.gap) <= -4.0 * now.rate * np.spacing(high)
-    return _landing(case, segment, now._replace(beyond=-now.gap / now.rate if near_enough else nan), near)
+    return _landing(looks.case, segment, now._replace(beyond=-now.gap / now.rate if near_enough else nan), near)
 
 
 def _landing(case: Case, segment: Segment, look: _Look, near: float) -> Landing:

@@ -17,7 +17,7 @@ from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..eliminated import Motion
 from ..modes import Phase
 from ..system import System
-from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, Event, Segment
+from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIED, Event, Segment
 
 try:
     import heyoka as hy
@@ -167,13 +167,14 @@ def _one_by_one(
     guard = left.guard
     times, coefficients = ([t, left.time], [first]) if left.steps else ([t], [])
     most = _most(series)
-    last, longest = real(end), real(most)
+    last, longest, tries = real(end), real(most), 0
     with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
         while integrator.time < end and guard is None:
-            if len(coefficients) >= most_steps:
+            if len(coefficients) >= most_steps or tries >= MOST_TRIED:
                 guard = EXHAUSTED
                 break
-            outcome = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
+            outcome, tried = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
+            tries += tried
             longest = real(inf)
             coefficients.append(integrator.tc.astype(float))
             times.append(float(integrator.time))
@@ -188,10 +189,11 @@ def _one_by_one(
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
-    """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations."""
+    """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations. How it
+    ended, and how often it was taken."""
     if not phase.features:
-        return integrator.step(longest, True)[0]
-    start, before = integrator.time, integrator.state.copy()
+        return integrator.step(longest, True)[0], 1
+    start, before, tries = integrator.time, integrator.state.copy(), 1
     outcome, _ = integrator.step(longest, True)
     while np.all(np.isfinite(integrator.tc.astype(float))):
         length = float(integrator.time - start)
@@ -203,7 +205,8 @@ def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
         if integrator.with_events:
             integrator.reset_cooldowns()
         outcome, _ = integrator.step(real(part * length), True)
-    return outcome
+        tries += 1
+    return outcome, tries
 
 
 def _good_part(phase: Phase, start: float, length: float, series: np.ndarray, tolerance: float) -> float:

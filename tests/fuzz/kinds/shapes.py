@@ -48,7 +48,8 @@ def draw(chance):
         turns = chance.uniform(1.02, 4.0)
         return f"a circle run round {turns} times", refuses(arc(turns, chance.randint(1, 5)))
     if which == 1:
-        arm, reach = chance.uniform(1.05, 3.0), chance.uniform(4.0, 60.0)
+        # A loop about π ends before 2π: what ends within one does not meet itself.
+        arm, reach = chance.uniform(1.05, 3.0), chance.uniform(2 * pi, 60.0)
         return f"a looped trochoid {arm}, {reach}", refuses(trochoid(arm, reach))
     if which == 2:
         growth, turns = chance.uniform(0.01, 0.3), chance.uniform(1.1, 3.0)
@@ -82,6 +83,7 @@ FOUND = (
     ("small loops, far", refuses(trochoid(1.05, 100.0))),
     ("twice round", refuses(measured(2.0, 40, 0.0, True, 0))),
     ("a quarter left out", refuses(measured(0.75, 40, 0.0, True, 0))),
+    ("within its first loops", trochoid(1.667, 4.565)),
     ("two turns of a tight spiral", spiral(1e-3, 2.0)),
 )
 KIND = Kind("shapes", draw, 250, 25, FOUND)
