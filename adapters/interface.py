@@ -58,6 +58,7 @@ from typing import Any
 
 from cases import Case
 from cases.errors import BadValue, UnknownName, unknown
+from cases.files import place
 
 GROUP = "slip_to_roll.adapters"
 
@@ -174,7 +175,7 @@ def find(name: str) -> ModuleType:
     Raises UnknownName if there is none, BadValue for a file that fails or a module that is no adapter, ImportError if
     its engine is not installed.
     """
-    path = Path(name)
+    path = place("adapter", name)
     if name in engines():
         adapter = engine(name)
     elif name in _shipped():
@@ -254,7 +255,7 @@ def register(file: str | Path) -> str:
     One that comes with the suite (`adapters/executables`) may be given by its short name. Raises BadValue if it cannot
     be run or its name is another engine's, ImportError if it is one of those and its engine is not installed.
     """
-    path = Path(file).expanduser()
+    path = place("engine", file)
     if not path.is_file():
         path = _shipped().get(str(file), path)
     path = path.resolve()

@@ -147,7 +147,7 @@ def _shadows(name: str) -> bool:
 def check(file: str) -> str:
     """Load a file, make every variant of its cases and run it, where there is a solver; raises CaseError with file and
     line of what is wrong."""
-    path = Path(file)
+    path = files.place("case file", file)
     if not path.suffix and path.with_suffix(".py").is_file():
         file = str(path.with_suffix(".py"))
     path = files.existing("case file", file)

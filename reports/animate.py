@@ -9,6 +9,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from cases import Case
+
 from . import options
 from .drawing.files import file_name
 from .show import case_of, check_ours
@@ -21,6 +23,10 @@ def run(words: Sequence[str]) -> None:
     case, out, force = case_of(COMMAND, words, "A case as a film: GIF, or MP4 where ffmpeg is installed.")
     path = out or Path(f"{file_name(case.label)}.gif")
     check_ours(path, force)
+    _film(case, path)
+
+
+def _film(case: Case, path: Path) -> None:
     import reference
 
     film = reference.simulate(case).animate()

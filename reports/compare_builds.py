@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases import BadValue
-from cases.files import text
+from cases.files import place, text
 
 from . import options
 from .running.records import legible
@@ -238,7 +238,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             example=f"python -m {COMMAND} report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
         )  # fmt: skip
         given = parser.parse_args(words)
-        one, other, solvers = Path(given.A), Path(given.B), given.solver or ()
+        one, other, solvers = place("report", given.A), place("report", given.B), given.solver or ()
         if len(solvers) not in (0, 2):
             raise BadValue("--solver is given twice, once for A and once for B, or not at all")
         comparison = compare(one, other, solvers)

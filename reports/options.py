@@ -341,7 +341,7 @@ def _submissions(folder: str | None, found: Sequence[Case]) -> tuple[External, .
         return ()
     from .running import submissions
 
-    return submissions.externals(submissions.found_in(Path(folder).expanduser()), found, solvers())
+    return submissions.externals(submissions.found_in(place("folder of --submissions", folder)), found, solvers())
 
 
 def whole_jobs(text: str) -> int:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import cases
-from cases import BadValue
+from cases import BadValue, files
 
 from . import options
 from .page import folder
@@ -214,8 +214,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             example=f"python -m {COMMAND} report",
         )  # fmt: skip
         given = parser.parse_args(words)
-        results = Path(given.out).resolve()
-        place = publish(Path(given.REPORT), results)
+        results = files.place("folder of --out", given.out).resolve()
+        place = publish(files.place("report", given.REPORT), results)
         if results == RESULTS:
             refresh(ROOT / "README.md", place)
         size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())

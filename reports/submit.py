@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cases.files import place
+
 from . import options
 
 if TYPE_CHECKING:
@@ -24,7 +26,7 @@ def judged(folder: str | Path) -> tuple[Submission, list[Run]]:
     from .running import external, submissions
     from .running.tasks import find_truth
 
-    submission = submissions.read(Path(folder).expanduser())
+    submission = submissions.read(place("folder", folder))
     motions = [submissions.motion(submission, label) for label in submission.files]
     return submission, [external.judged(given, 1, find_truth(given.case)) for given in motions]
 

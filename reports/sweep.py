@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cases import BadValue
 from cases.errors import finite, whole
+from cases.files import place
 
 from . import options
 
@@ -32,9 +33,10 @@ def _work(words: list[str]) -> None:
     solvers = [name for name in options.chosen_solvers(given.solver or ["reference"]) if name != "reference"]
     if versioned := next((name for name in solvers if "@" in name), ""):
         raise BadValue(f"a sweep runs what is installed, not {versioned}; reports.build has versions beside each other")
-    jobs, out = options.whole_jobs(given.jobs), Path(given.out).expanduser().resolve()
+    jobs, out = options.whole_jobs(given.jobs), place("folder of --out", given.out).resolve()
     if out == Path.cwd() or out in Path.cwd().parents:
         raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example sweep")
+    options.check_writable("--out", out, out if out.exists() else out.parent)
     width = None if given.refine is None else _width(given.refine, plan)
     _sweep(plan, solvers, jobs, out, given, width, options.command(COMMAND, words))
 
