@@ -30,6 +30,8 @@ JUMP = 1e-6
 FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK = 240, 8.0, 2400, 200
 # Where two sides cross the curve is looked at again in so many pieces of each, so often.
 PIECES, CLOSER = 16, 3
+# With this part of its neighbours, so that two stretches with one between them stay apart.
+AROUND = 0.25
 # Strands of a curve closer than this part of its size are one: a circle run round again misses itself by rounding.
 TOGETHER = 1e-9
 
@@ -160,13 +162,14 @@ def _meeting(curve: Curve, grid: np.ndarray) -> tuple[str, float, float] | None:
         return None
     size = float(np.ptp(polygon.start, axis=0).max())
     last = len(polygon.lengths) - 1
+    low, high = (-np.inf, np.inf) if curve.period else (grid[0], grid[-1])
     for first in range(0, last, BLOCK):
         rows = slice(first, first + BLOCK)
         later = np.arange(last + 1)[None] - np.arange(last + 1)[rows, None] >= 2
         if curve.period and first == 0:
             later[0, -1] = False  # the first side's neighbour
         for i, j in zip(*np.nonzero(later & polygon.crossings(rows)), strict=True):
-            if _crosses(curve, (grid[first + i], grid[first + i + 1]), (grid[j], grid[j + 1])):
+            if _crosses(curve, (grid[first + i], grid[first + i + 1]), (grid[j], grid[j + 1]), (low, high)):
                 return "crosses itself", float(grid[first + i]), float(grid[j])
         for i, j in zip(*np.nonzero(later & polygon.beside(rows, TOGETHER * size)), strict=True):
             if _together(curve, float(grid[first + i]), float(grid[j]), float(grid[j + 1]), size):
@@ -207,10 +210,17 @@ class _Polygon(NamedTuple):
         return (along >= -strays) & (along <= self.lengths + strays) & (off <= strays)
 
 
-def _crosses(curve: Curve, one: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Whether two stretches of a curve cross whose chords do: strands beside each other may cross as polygons alone."""
+def _crosses(curve: Curve, one: tuple[float, float], other: tuple[float, float], ends: tuple[float, float]) -> bool:
+    """Whether two stretches of a curve cross whose chords do: strands beside each other may cross as polygons alone.
+
+    Beside a corner chords cross where the curve does so in the next stretch: each is looked at with a part of both its
+    neighbours, within the curve's `ends`.
+    """
     for _ in range(CLOSER):
-        finer = [np.linspace(*stretch, PIECES + 1) for stretch in (one, other)]
+        finer = []
+        for low, high in (one, other):
+            more = AROUND * (high - low)
+            finer.append(np.linspace(max(low - more, ends[0]), min(high + more, ends[1]), PIECES + 1))
         first, second = (curve.point(grid).T for grid in finer)
         p, q, u, v = first[:-1, None], first[1:, None], second[None, :-1], second[None, 1:]
         i, j = np.nonzero((_side(p, q, u) * _side(p, q, v) <= 0) & (_side(u, v, p) * _side(u, v, q) <= 0))

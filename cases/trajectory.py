@@ -168,7 +168,10 @@ class Trajectory:
         """The state at a time, or at each of an array (n,) of times; raises BadValue outside the motion's span and for
         what is no time."""
         try:
-            times = np.asarray(t, dtype=float)
+            given = np.asarray(t)
+            if given.size and given.dtype.kind not in "iufO":  # a word or a truth value is a slip of the pen
+                raise TypeError
+            times = given.astype(float)
         except (TypeError, ValueError, OverflowError):
             raise BadValue(f"the time is {t!r}; give a number of seconds, or an array of them") from None
         if times.ndim > 1:

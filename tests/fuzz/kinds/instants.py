@@ -37,5 +37,9 @@ def draw(chance):
 
 
 KIND = Kind(
-    "instants", draw, 250, 40, tuple((f"motion({w!r})", asked(0, w)) for w in (-1, 5e9, "a", None, 1j, {}, [[0.1]]))
+    "instants",
+    draw,
+    250,
+    40,
+    tuple((f"motion({w!r})", asked(0, w)) for w in (-1, 5e9, "a", "0.1", True, None, 1j, {}, [[0.1]])),
 )

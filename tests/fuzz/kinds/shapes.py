@@ -83,6 +83,7 @@ FOUND = (
     ("small loops, far", refuses(trochoid(1.05, 100.0))),
     ("twice round", refuses(measured(2.0, 40, 0.0, True, 0))),
     ("a quarter left out", refuses(measured(0.75, 40, 0.0, True, 0))),
+    ("loops whose chords cross beside a corner", refuses(trochoid(1.2830888011504848, 10.399308860880407))),
     ("within its first loops", trochoid(1.667, 4.565)),
     ("two turns of a tight spiral", spiral(1e-3, 2.0)),
 )
