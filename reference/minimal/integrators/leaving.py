@@ -1,28 +1,25 @@
 """The first, tiny part of a phase, by its Taylor polynomial alone.
 
 A phase begins with a guard at zero that the decision found to grow, often with the square of time; event detection
-would find that root again, and a cool-down after it would hide the next. So the start is left first. How far the
-polynomial reaches and where it leads is worked out by machine code from its coefficients: the same for all equations
-of as many variables, so that it is compiled once.
+would find that root again, and a cool-down after it would hide the next. So the start is left first. How far its
+polynomial reaches, where it leads and what the guards are there is worked out at once, by machine code.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
 from math import exp, inf, isfinite
-from pathlib import Path
 from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from cases.kept import kept
-
 from ..ahead import PARTS, clear_part
-from ..eliminated import Motion
+from ..eliminated import T as TIME
 from ..modes import Phase
-from .conversion import build, quickly_compiled
+from ..system import System
+from .conversion import build, converted, quickly_compiled, variables
 from .segment import BREAKDOWN
 
 # The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
@@ -30,10 +27,8 @@ from .segment import BREAKDOWN
 PART = 1e-3
 # Powers that count there: beyond, a term is less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
 NEAR = 8
-# So often the part is shortened tenfold where a guard is not positive at its end: what is left then is rounding.
+# So often that part is shortened tenfold where a guard is not positive at its end: what is left then is rounding.
 SHORTER = 9
-# Where the forces stand among what is observed.
-NORMAL, FRICTION = Motion._fields.index("normal"), Motion._fields.index("friction")
 
 
 class Left(NamedTuple):
@@ -52,77 +47,93 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float) -> Le
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
-    variables, terms = coefficients.shape
-    far = _far(variables, len(phase.lengths), terms)
-    guards = phase.system.guards_of_numbers
-    forces = phase.system.observed_of_numbers(t, y, phase.parameters)
-    # The contact's forces count by the time in which they would move the plate by its size, 1/s.
-    pressed = (max(abs(forces[NORMAL]), abs(forces[FRICTION])) / phase.size) ** 0.5
+    start = _start(phase.system, coefficients.shape[1])
+    known = (t, phase.size, *phase.lengths, *phase.parameters)
     part, span = PART, end - t
-    values: list[float] = []
     for _ in range(SHORTER):
-        total, longest, often, h, *states = far(coefficients, (*phase.lengths, pressed, part, span))
-        if not isfinite(total) and not np.isfinite(coefficients).all():
+        ahead = start(coefficients, (part, span, *known))
+        if not isfinite(ahead.total) and not np.isfinite(coefficients).all():
             return Left(t, y, 0, inf, BREAKDOWN)
-        if not often > 0.0 or not phase.system.guards.names:
-            return Left(t, y, 0, longest)  # nothing moves and nothing presses: no guard leaves zero
+        if not ahead.guards or not 0.0 < ahead.often < inf:
+            return Left(t, y, 0, ahead.longest)  # nothing moves and nothing presses: no guard leaves zero
         if phase.features:
-            clear = clear_part(phase, t, h, polyval(h * PARTS, coefficients.T))
-            h *= clear
-            states = far(coefficients, (*phase.lengths, pressed, part, h))[4:]
+            clear = clear_part(phase, t, ahead.h, polyval(ahead.h * PARTS, coefficients.T))
+            ahead = start(coefficients, (part, clear * ahead.h, *known))
         # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
         # until the event lies behind it.
-        for time, state in ((t + 0.5 * h, states[:variables]), (t + h, states[variables:])):
-            values = guards(time, state, phase.parameters)
-            if not all([value > 0.0 for value in values]):
-                break
-        else:
-            return Left(time, state, 1, longest)
+        if all([value > 0.0 for value in ahead.guards]):
+            return Left(t + ahead.h, ahead.state, 1, ahead.longest)
         part *= 0.1
-    return Left(t, y, 0, longest, next(n for n, v in zip(phase.system.guards, values, strict=True) if not v > 0.0))
+    names = phase.system.guards.names
+    zero = next(i for i, value in enumerate(ahead.guards) if not value > 0.0)
+    return Left(t, y, 0, ahead.longest, names[zero % len(names)])
 
 
-class _Far:
-    """How far a polynomial reaches and where it leads, compiled for one number of variables, positions and terms."""
+class _Ahead(NamedTuple):
+    """What a polynomial says: the sum of its coefficients, the longest step (s) that the upper half of them allows, how
+    often (1/s) a term grows to the plate's size or the forces move it so far, the time h (s), the state there, and the
+    guards half-way and there."""
 
-    def __init__(self, variables: int, positions: int, terms: int):
-        decided = (variables, positions, terms, PART, NEAR, hy.__version__, build())
-        here = Path(__file__).parent
-        self._compiled = kept("leaving", decided, here, lambda: _compile(variables, positions, terms))
-        self._count = variables * terms
-        self._inputs = np.empty(self._count + positions + 3)
-
-    def __call__(self, coefficients: np.ndarray, others: tuple[float, ...]) -> list[float]:
-        """From coefficients and (lengths, pressed, part, span): their sum, the longest step (s), how often a term grows
-        to the plate's size or the forces move it so far (1/s), h = min(part/often, span), states half-way and at h."""
-        self._inputs[: self._count] = coefficients.ravel()
-        self._inputs[self._count :] = others
-        return self._compiled(self._inputs).tolist()
+    total: float
+    longest: float
+    often: float
+    h: float
+    state: list[float]
+    guards: list[float]
 
 
-_far = lru_cache(maxsize=64)(_Far)
+class _Start:
+    """The first polynomial of a system's phases, so many terms, as a compiled function."""
+
+    def __init__(self, system: System, terms: int):
+        decided = (terms, PART, NEAR, hy.__version__, build())
+        self._function = system.kept("start", decided, lambda: _compiled(system, terms))
+        self._variables = len(system.variables)
+        self._coefficients = self._variables * terms
+        self._inputs = np.empty(self._coefficients + 4 + system.positions + len(system.parameters))
+
+    def __call__(self, coefficients: np.ndarray, known: tuple[float, ...]) -> _Ahead:
+        """`known` are part, span, t, the plate's size, lengths and parameters; h = min(part/often, span)."""
+        self._inputs[: self._coefficients] = coefficients.ravel()
+        self._inputs[self._coefficients :] = known
+        total, longest, often, h, *told = self._function(self._inputs).tolist()
+        return _Ahead(total, longest, often, h, told[: self._variables], told[self._variables :])
 
 
-def _compile(variables: int, positions: int, terms: int):
-    rows = [[hy.expression(f"c_{i:02d}_{k:03d}") for k in range(terms)] for i in range(variables)]
-    lengths = [hy.expression(f"length_{i}") for i in range(positions)]
-    pressed, part, span = map(hy.expression, ("pressed", "part", "span"))
-    sizes = [[_size(c) for c in row] for row in rows]
+_start = lru_cache(maxsize=256)(_Start)
+
+
+def _compiled(system: System, terms: int):
+    rows = [[hy.expression(f"c_{i:02d}_{k:03d}") for k in range(terms)] for i in range(len(system.variables))]
+    part, span, t, size = map(hy.expression, ("part", "span", "t", "size"))
+    lengths = [hy.expression(f"length_{i}") for i in range(system.positions)]
+    parameters = [hy.expression(f"parameter_{i:03d}") for i in range(len(system.parameters))]
+    known = variables(system) | dict(zip(system.parameters, parameters, strict=True)) | {TIME: hy.expression("time")}
+
+    def there(expressions, time, state) -> list:
+        """Expressions of time and state, at these."""
+        moved = {variable.name: value for variable, value in zip(system.variables, state, strict=True)}
+        return hy.subs([converted(e, known) for e in expressions], moved | {"time": time})
 
     # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative
     # to the state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
+    sizes = [[_size(c) for c in row] for row in rows]
     largest = _largest([hy.expression(1.0), *(row[0] for row in sizes)])
     powers = range(terms // 2, terms)
     longest = exp(-2.0) / _largest([(_largest([row[k] for row in sizes]) / largest) ** (1.0 / k) for k in powers])
     # All terms of positions count: those of even or of odd order vanish in a motion from rest. Where none is left the
-    # forces balance, and a load may change them.
-    moves = [[row[k] / length for row, length in zip(sizes, lengths, strict=False)] for k in range(terms)]
-    often = _largest([pressed, *(_largest(moves[k]) ** (1.0 / k) for k in range(1, terms))])
+    # forces balance, and a load may change them: they count by the time in which they would move the plate by its size.
+    forces = there((system.observed.normal, system.observed.friction), t, [row[0] for row in rows])
+    grown = [_largest([row[k] / unit for row, unit in zip(sizes, lengths, strict=False)]) for k in range(terms)]
+    often = _largest(
+        [(_largest(list(map(_size, forces))) / size) ** 0.5, *(grown[k] ** (1.0 / k) for k in range(1, terms))]
+    )
     h = hy.select(hy.lt(part / often, span), part / often, span)
-    states = [_horner(row[: NEAR + 1], when) for when in (0.5 * h, h) for row in rows]
-    inputs = [*(c for row in rows for c in row), *lengths, pressed, part, span]
-    outputs = [hy.sum([c for row in rows for c in row]), longest, often, h, *states]
-    return quickly_compiled(outputs, inputs)
+
+    half, state = ([_horner(row[: NEAR + 1], when) for row in rows] for when in (0.5 * h, h))
+    guards = [*there(system.guards.values(), t + 0.5 * h, half), *there(system.guards.values(), t + h, state)]
+    outputs = [hy.sum([c for row in rows for c in row]), longest, often, h, *state, *guards]
+    return quickly_compiled(outputs, [*(c for row in rows for c in row), part, span, t, size, *lengths, *parameters])
 
 
 def _size(value):
