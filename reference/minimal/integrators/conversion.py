@@ -63,6 +63,13 @@ def variables(system: System) -> dict:
     return known | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
 
 
+@lru_cache(maxsize=64)
+def guards(system: System) -> tuple:
+    """The system's guards as heyoka's expressions: its integrators need them, and what leaves a phase's start."""
+    known = variables(system)
+    return tuple(converted(guard, known) for guard in system.guards.values())
+
+
 def converted(expression: sp.Expr, known: dict):
     """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero."""
     known = known | {number: _number(number) for number in _numbers(expression)}

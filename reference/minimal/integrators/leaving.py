@@ -16,10 +16,9 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from ..ahead import PARTS, clear_part
-from ..eliminated import T as TIME
 from ..modes import Phase
 from ..system import System
-from .conversion import build, converted, quickly_compiled, variables
+from .conversion import build, converted, guards, quickly_compiled, variables
 from .segment import BREAKDOWN
 
 # The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
@@ -108,12 +107,13 @@ def _compiled(system: System, terms: int):
     part, span, t, size = map(hy.expression, ("part", "span", "t", "size"))
     lengths = [hy.expression(f"length_{i}") for i in range(system.positions)]
     parameters = [hy.expression(f"parameter_{i:03d}") for i in range(len(system.parameters))]
-    known = variables(system) | dict(zip(system.parameters, parameters, strict=True)) | {TIME: hy.expression("time")}
+    known = variables(system)
+    fixed = {hy.par[i]: parameter for i, parameter in enumerate(parameters)}
 
     def there(expressions, time, state) -> list:
         """Expressions of time and state, at these."""
-        moved = {variable.name: value for variable, value in zip(system.variables, state, strict=True)}
-        return hy.subs([converted(e, known) for e in expressions], moved | {"time": time})
+        moved = {known[variable]: value for variable, value in zip(system.variables, state, strict=True)}
+        return hy.subs(list(expressions), moved | fixed | {hy.time: time})
 
     # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative
     # to the state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
@@ -123,7 +123,8 @@ def _compiled(system: System, terms: int):
     longest = exp(-2.0) / _largest([(_largest([row[k] for row in sizes]) / largest) ** (1.0 / k) for k in powers])
     # All terms of positions count: those of even or of odd order vanish in a motion from rest. Where none is left the
     # forces balance, and a load may change them: they count by the time in which they would move the plate by its size.
-    forces = there((system.observed.normal, system.observed.friction), t, [row[0] for row in rows])
+    pressing = [converted(force, known) for force in (system.observed.normal, system.observed.friction)]
+    forces = there(pressing, t, [row[0] for row in rows])
     grown = [_largest([row[k] / unit for row, unit in zip(sizes, lengths, strict=False)]) for k in range(terms)]
     often = _largest(
         [(_largest(list(map(_size, forces))) / size) ** 0.5, *(grown[k] ** (1.0 / k) for k in range(1, terms))]
@@ -131,8 +132,8 @@ def _compiled(system: System, terms: int):
     h = hy.select(hy.lt(part / often, span), part / often, span)
 
     half, state = ([_horner(row[: NEAR + 1], when) for row in rows] for when in (0.5 * h, h))
-    guards = [*there(system.guards.values(), t + 0.5 * h, half), *there(system.guards.values(), t + h, state)]
-    outputs = [hy.sum([c for row in rows for c in row]), longest, often, h, *state, *guards]
+    values = [*there(guards(system), t + 0.5 * h, half), *there(guards(system), t + h, state)]
+    outputs = [hy.sum([c for row in rows for c in row]), longest, often, h, *state, *values]
     return quickly_compiled(outputs, [*(c for row in rows for c in row), part, span, t, size, *lengths, *parameters])
 
 

@@ -22,7 +22,7 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
-    from .conversion import build, converted, nothing_on_disk, small, variables
+    from .conversion import build, converted, guards, nothing_on_disk, small, variables
     from .leaving import Left, leave
 
     AVAILABLE = True
@@ -61,7 +61,7 @@ def _compiled(system: System, tolerance: float, real: type, optimised: bool):
     known = variables(system)
     equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
-    events = [hy.t_event(converted(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
+    events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards(system)]
     with nothing_on_disk():
         return hy.taylor_adaptive(
             equations,
