@@ -99,7 +99,7 @@ class _Start:
         return _Ahead(total, longest, often, h, told[: self._variables], told[self._variables :])
 
 
-_start = lru_cache(maxsize=256)(_Start)
+_start = lru_cache(maxsize=128)(_Start)
 
 
 def _compiled(system: System, terms: int):
