@@ -66,6 +66,8 @@ def refused(kind, says, make):
         (BadValue, "greater than zero", lambda: library.circle(-1.0)),
         (BadCurve, "crosses itself", lambda: Curve(lambda s: (c.sin(s), c.sin(2 * s)))),
         (BadCurve, "crosses itself", lambda: Curve(lambda s: (s - 2 * c.sin(s), -2 * c.cos(s)), (-4, 4))),
+        # Its loops' chords cross in one pair of sides, the curve in the next.
+        (BadCurve, "crosses itself", lambda: Curve(("s + 1.2830888*sin(s)", "-1.2830888*cos(s)"), (-10.3993, 10.3993))),
         (BadCurve, "**", lambda: Curve(("s", "s^2"), (-1, 1))),
         (BadCurve, "'t'", lambda: Curve(("s", "cos(t)"))),
         (BadCurve, "more than arithmetic", lambda: Curve(("s", "s.__class__"))),
