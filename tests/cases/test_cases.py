@@ -19,6 +19,8 @@ from cases import (
     Plate,
     RollingResistance,
     Start,
+    State,
+    Trajectory,
     UnknownName,
     disc,
 )
@@ -34,6 +36,14 @@ def one_sentence(error) -> str:
     text = str(error.value)
     assert text and "\n" not in text and len(text) < 300
     return text
+
+
+@pytest.mark.parametrize("when", ["0.1", True, [False], b"0", None, 1j, [[0.1]], nan, "nan", 2.0, [0.5, -1e-9]])
+def test_what_is_no_time_of_a_motion_is_refused(when):
+    rest = Trajectory(t=np.array([0.0, 1.0]), **dict.fromkeys(State._fields, np.zeros(2)))
+    with pytest.raises(BadValue) as error:
+        rest(when)
+    one_sentence(error)
 
 
 @pytest.mark.parametrize(
