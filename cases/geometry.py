@@ -50,10 +50,16 @@ def pose(track: Curve, outline: Curve, xi1, xi2):
 
 
 def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
-    """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
+    """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`. Raises
+    DoesNotFit where plate and track bend alike."""
     P, p = float(track.speed(xi1)), float(outline.speed(xi2))
     bend_track, bend_outline = float(track.curvature(xi1)), float(outline.curvature(xi2))
     # The tangents turn together: κ_track ṡ_track = ω + κ_outline ṡ_outline, and slip = ṡ_track − ṡ_outline by (12).
+    if bend_track == bend_outline:
+        raise DoesNotFit(
+            f"the plate does not fit its track at xi1 = {xi1:g}: both have the curvature {bend_track:.4g} 1/m; give a "
+            "smaller plate or a wider track"
+        )
     along_track = (omega - bend_outline * slip) / (bend_track - bend_outline)
     along_outline = along_track - slip
     x, y, theta = (float(value) for value in pose(track, outline, xi1, xi2))

@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
+from multiprocessing import resource_tracker
 from pathlib import Path
 
 import cases
@@ -102,14 +103,16 @@ def _outcomes(labels: list[str], jobs: int) -> Iterator[tuple[str, Certificate |
     if jobs == 1 or len(labels) < 2:
         yield from map(_outcome, labels)
         return
-    # Fresh processes: a fork would copy threads of the compiler.
-    with multiprocessing.get_context("spawn").Pool(min(jobs, len(labels)), _without_interrupts) as pool:
+    # Ctrl-C is for the process that asks, which ends the others: they inherit what is blocked, from their first moment.
+    resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        # Fresh processes: a fork would copy threads of the compiler.
+        pool = multiprocessing.get_context("spawn").Pool(min(jobs, len(labels)))
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+    with pool:
         yield from pool.imap_unordered(_outcome, labels)
-
-
-def _without_interrupts() -> None:
-    """Ctrl-C is for the process that asks; it ends the others."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _outcome(label: str) -> tuple[str, Certificate | str]:

@@ -179,7 +179,7 @@ def _locate(
 
     # The polygon that showed the overlap lies inside the outline by up to its sagitta, so contact came a little before.
     try:
-        width = high - low
+        width = max(high - low, np.spacing(high))  # the halves may have come to nothing
         while gap(high - width) <= 0.0:
             width *= 2.0
         time = brentq(gap, high - width, high, xtol=1e-15, rtol=8.9e-16)
