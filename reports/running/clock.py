@@ -41,7 +41,7 @@ _QUANTILES_FROM = 6
 # them by 12 %). With intervals no narrower than this, 99.9 % of the ratios of two processes agree; without, 98 %.
 _PROCESS = 0.03
 # Reading ranks nobody: so many repeats tell it well enough, where it takes longer than the run.
-_MOST_READS = 6
+_MOST_READS = 3
 # The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
 _FIRST_SECONDS = 0.03
 # Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.
