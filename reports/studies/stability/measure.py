@@ -39,7 +39,7 @@ UNSEEN = 1e-9
 CHAOTIC = 1e-6
 # Wall seconds a run may take; deriving the equations of the hardest outlines takes a fraction of a minute by itself. No
 # run of a default report takes between 4 and 30 s on the machine it was chosen on: its outcome is the same on others.
-_LIMIT, _FULL_LIMIT, _DERIVING = 6.0, 600.0, 120.0
+_LIMIT, _FULL_LIMIT, _DERIVING = 4.0, 600.0, 120.0
 # Samples of the true motion that travel to the engines' judge. Between them it is interpolated by cubics: for the
 # longest of the short scenes that is good to 1e-9 of the plate's size.
 _SAMPLES = 4000
