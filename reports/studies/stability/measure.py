@@ -39,7 +39,7 @@ UNSEEN = 1e-9
 CHAOTIC = 1e-6
 # Wall seconds a run may take; deriving the equations of the hardest outlines takes a fraction of a minute by itself. No
 # run of a default report takes between 4 and 30 s on the machine it was chosen on: its outcome is the same on others.
-_LIMIT, _FULL_LIMIT, _DERIVING = 4.0, 600.0, 120.0
+_LIMIT, _FULL_LIMIT, _DERIVING = 6.0, 600.0, 120.0
 # Samples of the true motion that travel to the engines' judge. Between them it is interpolated by cubics: for the
 # longest of the short scenes that is good to 1e-9 of the plate's size.
 _SAMPLES = 4000
@@ -110,6 +110,8 @@ def measure(chosen: Sequence[Case], solvers: Sequence[str], full: bool, calls: C
             (own if name == REFERENCE else todo).extend(more)
     own.reverse()  # the paper's matrix at fine tolerances takes longest
     runs += _assessed(calls.all("reference", assess_own, own, limit=limit + _DERIVING, keep=Keep()), own)
+    # Rung by rung: where the coarse one of a route runs out of time the next has not begun, and is not tried.
+    todo.sort(key=lambda call: (-call[0].duration, call[0].label, call[4]))
     runs += _assessed(calls.all("engines", assess, todo, limit=limit, keep=Keep(), skip=hopeless), todo)
     engines = [name for name in solvers if name != REFERENCE]
     wanted = [
