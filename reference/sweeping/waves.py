@@ -20,6 +20,7 @@ from ..minimal import hybrid
 from ..minimal.decision import Undecidable
 from ..minimal.effects import laws
 from ..minimal.integrators import taylor
+from ..minimal.integrators.segment import MOST_STEPS
 from ..minimal.modes import SLIP_SIGN, able, candidates, phase, start_state, state_in
 from ..minimal.series import EPS
 from ..minimal.system import contact_system
@@ -199,6 +200,8 @@ class _Wave:
                     guard = _UNKNOWN
                 if some and shortest <= taylor.SHORTEST * ulp(integrator.time):
                     guard = _UNKNOWN
+                if guard == _TIME and taken >= MOST_STEPS and integrator.time < until:
+                    guard = _UNKNOWN  # alone it ends as unfinished, and says where
                 if guard != _TIME:
                     break
             times[i], states[:, i] = integrator.time, state
