@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Callable
 
@@ -31,6 +32,7 @@ def pytest_configure(config):
     What was compiled is taken from disk only where the environment names a folder, as `make test` does.
     """
     os.environ.setdefault(kept.VARIABLE, kept.OFF)
+    gc.disable()  # what is collected stays to the end: looking through it for garbage finds none and takes seconds
     if config.option.markexpr == "not slow" and config.getoption("--hypothesis-seed", None) is None:
         settings.load_profile("same")
     try:
@@ -54,6 +56,11 @@ def pytest_collection_modifyitems(config, items):
     """With --case-file only the tests of those cases run."""
     if config.own_cases:
         items[:] = [item for item in items if "any_case" in item.fixturenames]
+
+
+def pytest_collection_finish(session):
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(autouse=True, scope="session")
