@@ -34,7 +34,7 @@ def report(tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timings, "time_together", undisturbed)
-        for name, seconds in (("BUDGET", 5.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
+        for name, seconds in (("BUDGET", 1.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
         patch.setattr(which_engine, "LEVELS", (1e-4,))
         with redirect_stdout(io.StringIO()) as told:
