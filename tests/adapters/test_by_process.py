@@ -195,7 +195,7 @@ def test_every_way_to_fail_is_a_row(registered, text, outcome, word, monkeypatch
     assert word in found.reason
 
 
-def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_path, monkeypatch, capsys, without_figures):
+def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_path, monkeypatch, without_figures):
     monkeypatch.chdir(tmp_path)
     left = tmp_path / "left.txt"
     hung = HEAD + f"echo $$ >> {left}; while true; do sleep 1; done\n"
