@@ -21,6 +21,12 @@ def test_small_systems_are_optimised_and_large_ones_are_not(name, level):
     assert integrator.llvm_state.opt_level == level
 
 
+def test_in_quadruple_precision_nothing_is_written_out_nor_optimised():
+    case = cases.load("disc_in_circle")
+    integrator = taylor.compiled(phase(case, candidates(case)[0]).system, taylor.QUADRUPLE_TOLERANCE, taylor.hy.real128)
+    assert integrator.compact_mode and integrator.llvm_state.opt_level == 0
+
+
 def test_nothing_is_left_in_the_home_folder(tmp_path):
     simulate = "import cases, reference; reference.simulate(cases.load('disc_in_circle'), method='taylor')"
     environment = {k: v for k, v in os.environ.items() if not k.startswith("XDG_")} | {"HOME": str(tmp_path)}
