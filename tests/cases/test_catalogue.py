@@ -134,10 +134,12 @@ UNITS = dict(length=2.5, time=1.7, mass=3.1, turn=0.7)
 SEEN = dict(time=UNITS["time"], velocity=UNITS["length"] / UNITS["time"])
 
 
-def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
-    """All at once; one by one in the slow tests, which alone have what takes five seconds."""
+def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy, request):
+    """All at once, of each case of the catalogue its first variant; one by one in the slow tests, which have all."""
     if any_case.name in TAKES_LONG:
         pytest.skip("it takes five seconds: the slow tests have it")
+    if not request.config.own_cases and any_case != cases.select(any_case.name)[0]:
+        pytest.skip("other numbers in the same equations: the slow tests have it")
     times = times_of(any_case)
     moved = in_other_units(mirrored(any_case), **UNITS)
     compare(any_case, second(moved, times * UNITS["time"]), times, accuracy, sign=-1.0, **SEEN)
