@@ -70,8 +70,8 @@ def _compiled(system: System, tolerance: float, real: type, optimised: bool):
     equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
     events = [hy.t_event(converted(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
-    # A product in quadruple precision is a call of a library: written out and optimised they compile thirty times as long
-    # and run as fast, to the same last bit.
+    # A product in quadruple precision is a call of a library: steps written out compile thirty times as long, and run
+    # as fast, to the same last bit.
     written_out = real is float
     with nothing_on_disk():
         return hy.taylor_adaptive(
