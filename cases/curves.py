@@ -153,11 +153,11 @@ class Curve:
 
     def point(self, s) -> np.ndarray:
         """Position, shape (2,) for a number, (2, n) for an array."""
-        return np.array(self.jet(s)[:2]) if np.ndim(s) == 0 else self.jets(s)[:2]
+        return np.array(self.jet(s)[:2]) if _is_number(s) else self.jets(s)[:2]
 
     def tangent(self, s) -> np.ndarray:
         """Unit tangent, shape (2,) for a number, (2, n) for an array."""
-        d = np.array(self.jet(s)[2:4]) if np.ndim(s) == 0 else self.jets(s)[2:4]
+        d = np.array(self.jet(s)[2:4]) if _is_number(s) else self.jets(s)[2:4]
         return d / np.hypot(d[0], d[1])
 
     def normal(self, s) -> np.ndarray:
@@ -167,12 +167,12 @@ class Curve:
 
     def speed(self, s):
         """|R_p| in metres per unit of the parameter."""
-        d = self.jet(s)[2:4] if np.ndim(s) == 0 else self.jets(s)[2:4]
+        d = self.jet(s)[2:4] if _is_number(s) else self.jets(s)[2:4]
         return np.hypot(d[0], d[1])
 
     def curvature(self, s):
         """Signed curvature in 1/m, positive where the curve bends to its left."""
-        _, _, xp, yp, xs, ys, _, _ = self.jet(s) if np.ndim(s) == 0 else self.jets(s)
+        _, _, xp, yp, xs, ys, _, _ = self.jet(s) if _is_number(s) else self.jets(s)
         return (xp * ys - yp * xs) / np.hypot(xp, yp) ** 3
 
     # --- the curve as a whole ---------------------------------------------------------------------------------------
@@ -225,14 +225,14 @@ class Curve:
 
         For a number or an array; this is what makes the plate's rotation θ a function of (ξ₁, ξ₂) alone, by (6).
         """
-        if np.ndim(s) == 0:
+        if _is_number(s):
             return self._angle_of(float(s), *self.jet(float(s))[2:4])
         s = np.asarray(s, dtype=float)
         return self._angles_of(s, self.jets(s)[2:4])
 
     def place(self, s) -> tuple[np.ndarray, Any]:
         """`point` and `tangent_angle` from one evaluation."""
-        if np.ndim(s) == 0:
+        if _is_number(s):
             x, y, xp, yp = self.jet(float(s))[:4]
             return np.array([x, y]), self._angle_of(float(s), xp, yp)
         s = np.asarray(s, dtype=float)
@@ -276,6 +276,11 @@ class Curve:
         # The branch is fixed where the span begins, so that wider tables agree with narrower ones.
         anchor = np.interp(self.span[0], grid, angles)
         return grid, angles - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
+
+
+def _is_number(s) -> bool:
+    """Whether it is one parameter, not an array of them; a float, the commonest, is told at once."""
+    return isinstance(s, float) or np.ndim(s) == 0
 
 
 def _shortened(text: str) -> str:

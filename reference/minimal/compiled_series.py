@@ -17,7 +17,7 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
-    from .integrators.conversion import build, nothing_on_disk, small
+    from .integrators.conversion import build, quickly_compiled, small
 
     AVAILABLE = True
 
@@ -85,5 +85,4 @@ def _compiled(system: System, order: int):
     for value in system.expanded(symbols[0], *parts, order)[1]:
         told = value if isinstance(value, Series) else Series([value] + [0.0] * order, [0.0] * (order + 1))
         outputs += (v.expression if isinstance(v, Symbol) else hy.expression(v) for v in (*told.c, *told.e))
-    with nothing_on_disk():
-        return hy.cfunc(outputs, inputs)
+    return quickly_compiled(outputs, inputs)

@@ -112,14 +112,16 @@ def picture(figure: Figure, name: str, case: str, title: str, caption: str, png:
 
 def _laid_out(figure: Figure) -> Bbox:
     """Put everything in its place, once for all files, and return what it takes, in inches: Matplotlib's "tight" draws
-    a figure one time more to find that out."""
+    a figure one time more to find that out. Text is drawn by who shows the picture, in a font that may be a twentieth
+    wider: labels at the sides get room for that."""
     from matplotlib import rcParams
 
     engine = figure.get_layout_engine()
     if engine:
         engine.execute(figure)
         figure.set_layout_engine("none")
-    return figure.get_tightbbox().padded(rcParams["savefig.pad_inches"])
+    pad = rcParams["savefig.pad_inches"]
+    return figure.get_tightbbox().padded(2.0 * pad, pad)
 
 
 def _bytes(content: bytes) -> np.ndarray:

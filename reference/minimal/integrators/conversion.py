@@ -50,10 +50,24 @@ def nothing_on_disk() -> Iterator[None]:
         state.set_diskcache_enabled(enabled)
 
 
+def quickly_compiled(outputs: list, inputs: list):
+    """Expressions as a compiled function of one array, without optimisation and for one input at a time: a third of the
+    compilation's time, and a tenth of a microsecond a call."""
+    with nothing_on_disk():
+        return hy.cfunc(outputs, inputs, opt_level=0, batch_size=1)
+
+
 def variables(system: System) -> dict:
     """SymPy symbols of the system as heyoka's variables, parameters and time."""
     known = {v: hy.expression(v.name) for v in system.variables}
     return known | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
+
+
+@lru_cache(maxsize=64)
+def guards(system: System) -> tuple:
+    """The system's guards as heyoka's expressions: its integrators need them, and what leaves a phase's start."""
+    known = variables(system)
+    return tuple(converted(guard, known) for guard in system.guards.values())
 
 
 def converted(expression: sp.Expr, known: dict):

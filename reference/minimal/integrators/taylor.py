@@ -7,14 +7,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from functools import lru_cache, partial
-from math import exp, inf, isfinite, ulp
-from typing import NamedTuple
+from math import inf, ulp
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
 from ..ahead import INSIDE, PARTS, clear_part, defect
-from ..eliminated import Motion
 from ..modes import Phase
 from ..system import System
 from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, Event, Segment
@@ -24,7 +22,8 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
-    from .conversion import build, converted, nothing_on_disk, small, variables
+    from .conversion import build, converted, guards, nothing_on_disk, small, variables
+    from .leaving import Left, leave
 
     AVAILABLE = True
     # What it compiled heyoka keeps for another of the same text, up to 2 GB; here equal systems are one.
@@ -46,13 +45,6 @@ SHORTEST = 16
 # The defect of a step's polynomial, in tolerances: steps that saw what lay in them stayed below 1.1 (bumps, steps and
 # notches at 1e-4 … 1e-12). Forces are known to ROUNDING, as differences of terms up to a thousand times as large.
 DEFECT, ROUNDING = 10.0, 1e-12
-# The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
-# leaves zero with the fourth power of time is still well above its own rounding.
-PART = 1e-3
-# Powers that count there: beyond, a term is less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
-NEAR = 8
-# Where the forces stand among what is observed.
-NORMAL, FRICTION = Motion._fields.index("normal"), Motion._fields.index("friction")
 # The compiled loop comes up after so many steps, so that it does not run for ever towards a singularity.
 CHUNK = 1000
 
@@ -69,7 +61,7 @@ def _compiled(system: System, tolerance: float, real: type, optimised: bool):
     known = variables(system)
     equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
-    events = [hy.t_event(converted(g, known), direction=falling, fp_type=real) for g in system.guards.values()]
+    events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards(system)]
     # A product in quadruple precision is a call of a library: steps written out compile thirty times as long, and run
     # as fast, to the same last bit.
     written_out = real is float
@@ -133,11 +125,10 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
 def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, int] | None:
     """What ends the phase and after how many steps, by heyoka's own loop; None where that does not tell."""
     _parametrise(integrator, phase, float)
-    series = _series(integrator, t, y, float)
-    left = _leave_start(integrator, phase, series, t, y, end, float)
+    left = _left(integrator, phase, t, y, end, float)
     if left.guard:
         return None
-    outcome = int(integrator.step(min(end - left.time, _most(series)))[0])
+    outcome = int(integrator.step(min(end - left.time, left.longest))[0])
     steps, guard = left.steps + 1, _guard(outcome, phase)
     if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
@@ -164,13 +155,10 @@ def _one_by_one(
 ) -> Segment:
     """The phase with all its steps."""
     _parametrise(integrator, phase, real)
-    series = _series(integrator, t, y, real)
-    first = integrator.tc.astype(float)
-    left = _leave_start(integrator, phase, series, t, y, end, real)
+    left = _left(integrator, phase, t, y, end, real)
     guard = left.guard
-    times, coefficients = ([t, left.time], [first]) if left.steps else ([t], [])
-    most = _most(series)
-    last, longest = real(end), real(most)
+    times, coefficients = ([t, left.time], [integrator.tc.astype(float)]) if left.steps else ([t], [])
+    last, longest = real(end), real(left.longest)
     with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
         while integrator.time < end and guard is None:
             if len(coefficients) >= most_steps:
@@ -232,90 +220,13 @@ def _broken(phase: Phase, times, coefficients, y) -> Segment:
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
 
 
-Rows = list[list[float]]
-
-
-def _series(integrator, t: float, y, real: type) -> Rows:
-    """The Taylor coefficients at the phase's start, one row for each variable."""
+def _left(integrator, phase: Phase, t: float, y, end: float, real: type) -> Left:
+    """The phase's start, left by its own Taylor polynomial; the integrator stands there then."""
     _set(integrator, t, y, real)
     integrator.step(real(0.0), True)
-    return integrator.tc.tolist() if real is float else integrator.tc.astype(float).tolist()
-
-
-def _most(series: Rows) -> float:
-    """The longest step that the upper half of a series' terms allows.
-
-    heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative to
-    the state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
-    """
-    size = max(1.0, *[abs(row[0]) for row in series])
-    fastest = max([_fastest(row, size, len(row) // 2) for row in series])
-    return exp(-2.0) / fastest if fastest else inf
-
-
-def _fastest(row: list[float], size: float, first: int) -> float:
-    """The largest k-th root of |c_k|/size over the powers k from `first` on."""
-    fastest = least = 0.0
-    for k, coefficient in enumerate(row[first:], first):
-        least *= fastest  # size·fastest^k: only what is larger asks for a root
-        if abs(coefficient) > least:
-            least = abs(coefficient)
-            fastest = (least / size) ** (1.0 / k)
-    return fastest
-
-
-class _Left(NamedTuple):
-    """How a phase's start was left: the time then, in how many steps (0 or 1), or the guard that is at zero."""
-
-    time: float
-    steps: int
-    guard: str | None = None
-
-
-def _leave_start(integrator, phase: Phase, series: Rows, t: float, y, end: float, real: type) -> _Left:
-    """The first, tiny part of a phase, by its Taylor polynomial alone; a guard if one reaches zero within it.
-
-    A phase begins with a guard at zero that the decision found to grow, often with the square of time; event
-    detection would find that root again, and a cool-down after it would hide the next.
-    """
-    if not isfinite(sum(map(sum, series))) and not np.isfinite(series).all():
-        return _Left(t, 0, BREAKDOWN)
-    reach = _reach(phase, series, t, y) if phase.system.guards else inf
-    if not isfinite(reach):
-        _set(integrator, t, y, real)
-        return _Left(t, 0)  # nothing moves and nothing presses: no guard leaves zero
-    values: list[float] = []
-    rows = [row[NEAR::-1] for row in series]
-    for shorter in range(9):
-        h = min(PART * reach * 10.0**-shorter, end - t)
-        if phase.features:
-            h *= clear_part(phase, t, h, polyval(h * PARTS, np.array(series).T))
-        # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
-        # until the event lies behind it.
-        for part in (0.5, 1.0):
-            state = [_horner(row, part * h) for row in rows]
-            values = phase.system.guards_of_numbers(t + part * h, state, phase.parameters)
-            if not all([value > 0.0 for value in values]):
-                break
-        else:
-            _set(integrator, t + h, state, real)
-            return _Left(t + h, 1)
-    _set(integrator, t, y, real)
-    return _Left(t, 0, next(n for n, value in zip(phase.system.guards, values, strict=True) if not value > 0.0))
-
-
-def _reach(phase: Phase, series: Rows, t: float, y) -> float:
-    """The time in which some term of the positions' series grows to the plate's size, or the contact's forces would
-    move the plate by it.
-
-    All terms count: those of even or of odd order vanish in a motion from rest. Where none is left the forces balance,
-    and a load may change them; infinite where there are no forces either.
-    """
-    forces = phase.system.observed_of_numbers(t, y, phase.parameters)
-    fastest = (max(abs(forces[NORMAL]), abs(forces[FRICTION])) / phase.size) ** 0.5
-    for row, length in zip(series, phase.lengths, strict=False):  # positions come first
-        fastest = max(fastest, _fastest(row, length, 1))
-    return 1.0 / fastest if fastest else inf
+    left = leave(phase, integrator.tc if real is float else integrator.tc.astype(float), t, y, end)
+    _set(integrator, left.time, left.state, real)
+    return left
 
 
 def _parametrise(integrator, phase: Phase, real: type) -> None:
@@ -359,7 +270,7 @@ class _Dense:
 
 
 @lru_cache(maxsize=16)
-def _rows(dense: _Dense, i: int) -> tuple[float, Rows]:
+def _rows(dense: _Dense, i: int) -> tuple[float, list[list[float]]]:
     """When one step starts, and its polynomials from the highest power down, without what vanishes there."""
     own = dense.by_power[:, :, i]
     used = max(np.flatnonzero(own.any(axis=1)), default=0) + 1
