@@ -154,18 +154,22 @@ class Setting:
 
 def engines() -> tuple[str, ...]:
     """The adapters' names, in alphabetical order: this folder's, and those of installed packages."""
-    own = {module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)])} - NO_ADAPTERS
-    return tuple(sorted(own | _installed().keys() | executables().keys()))
+    return tuple(sorted(_own() | _installed().keys() | executables().keys()))
+
+
+def _own() -> set[str]:
+    return {module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)])} - NO_ADAPTERS
 
 
 def engine(name: str) -> ModuleType:
     """The adapter of that name; raises UnknownName, or ImportError if its engine is not installed."""
-    if name not in engines():
-        raise unknown("engine", name, engines())
-    executable, foreign = executables().get(name), _installed().get(name)
-    if executable:
+    if executable := executables().get(name):
         return _by_process(executable)
-    return foreign.load() if foreign else importlib.import_module(f"adapters.{name}")
+    if foreign := _installed().get(name):
+        return foreign.load()
+    if name not in _own():
+        raise unknown("engine", name, engines())
+    return importlib.import_module(f"adapters.{name}")
 
 
 def find(name: str) -> ModuleType:

@@ -140,9 +140,11 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
     """
     xi1, xi2 = near
     c, s = cos(theta), sin(theta)
+    # An engine's run asks this a hundred thousand times: what does not change is looked up before the loop.
+    track_jet, track_sizes, outline_jet, outline_sizes = track._jet, track.constants, outline._jet, outline.constants
     for _ in range(50):
-        X, Y, Xp, Yp, Xs, Ys, _, _ = track.jet(xi1)
-        u, v, up, vp, us, vs, _, _ = outline.jet(xi2)
+        X, Y, Xp, Yp, Xs, Ys, _, _ = track_jet(xi1, track_sizes)
+        u, v, up, vp, us, vs, _, _ = outline_jet(xi2, outline_sizes)
         dx, dy = x + c * u - s * v - X, y + s * u + c * v - Y
         rpx, rpy = c * up - s * vp, s * up + c * vp
         rsx, rsy = c * us - s * vs, s * us + c * vs
@@ -151,25 +153,28 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
         g1, g2 = Xs * rpy - Ys * rpx, Xp * rsy - Yp * rsx
         det = f1 * g2 - f2 * g1
         if det == 0.0 or not isfinite(det):
-            break
+            raise _lost(x, y, near)
         step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
-        # A step beyond half a unit leaves the neighbourhood Newton's method is good for; it is shortened.
-        shorten = min(1.0, 0.5 / max(abs(step1), abs(step2), 1e-300))
-        xi1, xi2 = xi1 - shorten * step1, xi2 - shorten * step2
+        size1, size2 = abs(step1), abs(step2)
+        if not (size1 <= 0.5 and size2 <= 0.5):
+            # It leaves the neighbourhood Newton's method is good for, and is shortened.
+            shorten = min(1.0, 0.5 / max(size1, size2, 1e-300))
+            step1, step2 = shorten * step1, shorten * step2
+        xi1, xi2 = xi1 - step1, xi2 - step2
         # Converged where a step moves both points by no more than a few roundings of the parameters.
-        if abs(step1) <= 4e-15 * (1 + abs(xi1)) and abs(step2) <= 4e-15 * (1 + abs(xi2)):
-            return Contact(xi1, xi2, _gap(track, outline, x, y, c, s, xi1, xi2))
+        if size1 <= 4e-15 * (1 + abs(xi1)) and size2 <= 4e-15 * (1 + abs(xi2)):
+            break
     else:
         # Rounding may keep the steps just above the bound for ever; points that agree to 1e-9 are the contact.
-        if abs(step1) <= 1e-9 * (1 + abs(xi1)) and abs(step2) <= 1e-9 * (1 + abs(xi2)):
-            return Contact(xi1, xi2, _gap(track, outline, x, y, c, s, xi1, xi2))
-    raise DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g} for the pose ({x:.6g}, {y:.6g})")
+        if not (size1 <= 1e-9 * (1 + abs(xi1)) and size2 <= 1e-9 * (1 + abs(xi2))):
+            raise _lost(x, y, near)
+    X, Y, Xp, Yp, _, _, _, _ = track_jet(xi1, track_sizes)
+    u, v, _, _, _, _, _, _ = outline_jet(xi2, outline_sizes)
+    return Contact(xi1, xi2, ((y + s * u + c * v - Y) * Xp - (x + c * u - s * v - X) * Yp) / hypot(Xp, Yp))
 
 
-def _gap(track: Curve, outline: Curve, x, y, c, s, xi1, xi2) -> float:
-    X, Y, Xp, Yp = track.jet(xi1)[:4]
-    u, v = outline.jet(xi2)[:2]
-    return ((y + s * u + c * v - Y) * Xp - (x + c * u - s * v - X) * Yp) / hypot(Xp, Yp)
+def _lost(x: float, y: float, near: tuple[float, float]) -> DoesNotFit:
+    return DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g} for the pose ({x:.6g}, {y:.6g})")
 
 
 def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):

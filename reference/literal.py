@@ -8,7 +8,7 @@ an event (`transitions.decide`, impacts, landings), and the steps and the locati
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -18,7 +18,17 @@ from cases import Case, CoulombFriction, RollingResistance
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
 from .minimal.system import PARADOX, System
-from .paper.augmented import Filled, Solution, condition, fill, flight_acceleration, solution, uniqueness
+from .paper import many
+from .paper.augmented import (
+    WITHOUT_SLIP,
+    Filled,
+    Solution,
+    condition,
+    fill,
+    flight_acceleration,
+    solution,
+    uniqueness,
+)
 from .paper.kinematics import slip_velocity
 
 # From this condition number on, half of the digits of a double may be lost in the solve, and the reason says so.
@@ -88,8 +98,20 @@ class LiteralSystem:
 
     def observed_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """What a trajectory tells, in the order of `Observed`, each of shape (n,)."""
-        told = [self._observe(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
+        columns = states.T.tolist()
+        if columns and many.fits(self.case):
+            full = [full_state(self.case, self.phase, y) for y in columns]
+            try:
+                return list(self._observed_at_once(full))
+            except np.linalg.LinAlgError:
+                pass  # one by one, those that are not singular have forces
+        told = [self._observe(t, y) for t, y in zip(times.tolist(), columns, strict=True)]
         return list(np.array(told).reshape(-1, len(Observed._fields)).T)
+
+    def _observed_at_once(self, states: Sequence[Sequence[float]]) -> Iterator[np.ndarray]:
+        found, mass = many.contacts(self.case, self.regime.mode, states, self.regime.side), self.case.plate.mass
+        yield np.zeros(len(states)) if self.regime.mode in WITHOUT_SLIP else found.slip
+        yield from (found.theta_dot, found.normal_force / mass, found.friction_force / mass)
 
     def _observe(self, t: float, y: Sequence[float]) -> Observed:
         filled = self.filled(t, y)

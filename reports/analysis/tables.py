@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from math import isfinite, nan
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reference.errata import errata
+import reference
+from cases.kept import kept
 
+from ..running.fingerprint import installed
 from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
 from . import quantities, reached
 from .convergence import convergence_rows
@@ -22,12 +25,18 @@ OUTCOMES = ("right", "wrong", "refused", "crashed", "timed_out")
 
 
 def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """The paper's misprints, each formula evaluated; they are the same for every experiment."""
-    # A verdict is said of transitions; what is found of a formula has a name of its own.
-    return [
-        {"finding" if name == "verdict" else name: value for name, value in erratum._asdict().items()}
-        for erratum in errata()
-    ]
+    """The paper's misprints, each formula evaluated; they are the same for every experiment, and kept."""
+
+    def make() -> list[dict[str, Any]]:
+        from reference.errata import errata  # it imports SciPy's integrators, a quarter of a second
+
+        # A verdict is said of transitions; what is found of a formula has a name of its own.
+        return [
+            {"finding" if name == "verdict" else name: value for name, value in erratum._asdict().items()}
+            for erratum in errata()
+        ]
+
+    return kept("errata", (installed("scipy"),), Path(reference.__file__).parent, make)
 
 
 def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:

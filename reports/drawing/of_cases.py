@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterator
-from functools import lru_cache
 from pathlib import Path
 
 from cases import Case
@@ -12,6 +10,7 @@ from cases import Case
 from ..running.calls import Calls, Keep
 from ..running.fingerprint import installed
 from ..running.records import Experiment
+from ..running.serving import settle
 from .files import Drawn, Picture, for_print, printed
 
 # Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
@@ -47,15 +46,9 @@ def draw_case(
     from . import figures
     from .looks import Looks
 
-    _settle()
+    settle(__name__)
     with for_print(paper):
         return figures.draw_case(case, part, Looks(routes), main)
-
-
-@lru_cache(maxsize=1)
-def _settle() -> None:
-    """What was imported stays: to look through it again and again for garbage takes a sixth of a figure's time."""
-    gc.freeze()
 
 
 def _part(experiment: Experiment, label: str) -> Experiment:

@@ -79,10 +79,9 @@ def _case_tables(experiment: Experiment, label: str, frames: Mapping[str, pd.Dat
     shown = {(r.solver, r.route, r.setting) for r in map(finest, groups) if r}
     told = []
     events = frames["transitions"]
+    events = events[events["case"] == label] if len(events) else events
     if len(events):
-        chosen = events[
-            [r["case"] == label and (r["solver"], r["route"], r["setting"]) in shown for r in records(events)]
-        ]
+        chosen = events[[(r["solver"], r["route"], r["setting"]) in shown for r in records(events)]]
         if len(chosen):
             # Who may be off stands first.
             chosen = chosen.sort_values("solver", key=lambda names: names == REFERENCE, kind="stable")

@@ -12,6 +12,7 @@ from ..drawing import of_cases
 from ..drawing.files import Drawn, Picture, for_print, printed
 from ..running.calls import Calls
 from ..running.records import Experiment
+from ..running.serving import settle
 from ..studies import Result, study
 
 # Wall seconds for the pictures of one study or of all timings: the latter take some six, and longer on a busy machine.
@@ -45,8 +46,11 @@ def drawn_of(name: str, paper: bool, *made_from: Any) -> list[Picture]:
     if name == _TIMINGS:
         from ..drawing import work_precision
 
+        settle(__name__)
         drawn = work_precision.draw(made_from[0], made_from[1], folder)
     else:
-        drawn = study(name).draw(*made_from, folder)
+        made = study(name)
+        settle(name)
+        drawn = made.draw(*made_from, folder)
     with for_print(paper):
         return [Picture.read(one, folder) for one in drawn]

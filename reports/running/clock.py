@@ -40,8 +40,8 @@ _QUANTILES_FROM = 6
 # of thirty repeats deviate by 1.3 to 2.9 % from process to process (24 settings of three solvers, ten processes; one of
 # them by 12 %). With intervals no narrower than this, 99.9 % of the ratios of two processes agree; without, 98 %.
 _PROCESS = 0.03
-# Reading ranks nobody: so many repeats tell it well enough, where it takes longer than the run.
-_MOST_READS = 6
+# Reading ranks nobody by itself: the least repeats tell it well enough, where it takes longer than the run.
+_MOST_READS = LEAST_REPEATS
 # The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
 _FIRST_SECONDS = 0.03
 # Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.

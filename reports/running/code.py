@@ -10,12 +10,14 @@ import hashlib
 import importlib.machinery
 import importlib.util
 import os
+from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from adapters.interface import GROUP, NO_ADAPTERS, executables
+from cases import kept
 
 # The suite's rooms: their modules and those of a module's own package are followed, no others.
 SUITE = ("adapters", "cases", "reference", "reports")
@@ -124,25 +126,65 @@ def _answer(name: str) -> bool:
 @lru_cache(maxsize=512)
 def imported(name: str, path: Path) -> tuple[str, ...]:
     """Every module a module may import, and names that may be one."""
-    tree = tree_of(path)
     package = name if path.stem == "__init__" else name.rpartition(".")[0]
     found: list[str] = []
-    for node in ast.walk(tree) if tree else ():
-        if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            parts = package.split(".")
-            base = ".".join(parts[: len(parts) - node.level + 1]) if node.level else ""
-            base = ".".join(filter(None, (base, node.module)))
-            found += [base, *(f"{base}.{alias.name}" for alias in node.names)]
+    for level, base, names in _said(path).imports:
+        parts = package.split(".")
+        above = ".".join(parts[: len(parts) - level + 1]) if level else ""
+        whole = ".".join(filter(None, (above, base)))
+        found += [whole, *(f"{whole}.{one}" for one in names)]
     return tuple(found)
 
 
 @lru_cache(maxsize=512)
 def of(path: Path) -> str:
     """Digest of a file's code; layout and comments do not count."""
-    tree = tree_of(path)
-    return hashlib.sha256(ast.dump(tree).encode() if tree else path.read_bytes()).hexdigest()
+    return _said(path).digest
+
+
+class _Said(NamedTuple):
+    """What a file's code says: a digest of its syntax; of each import the dots, the module and the names from it."""
+
+    digest: str
+    imports: tuple[tuple[int, str, tuple[str, ...]], ...] = ()
+
+
+def _said(path: Path) -> _Said:
+    content = path.read_bytes()
+    if path.suffix != ".py":
+        return _Said(hashlib.sha256(content).hexdigest())
+    return _of_suite().get(hashlib.sha256(content).hexdigest()) or _read(content)
+
+
+@lru_cache(maxsize=1)
+def _of_suite() -> dict[str, _Said]:
+    """What the suite's files say, by their contents' digests: kept, since to parse them takes longer than a small
+    report's other work."""
+    if kept.place() is None:
+        return {}
+    roots = [root.parent for name in SUITE if (root := file_of(name))]
+    contents = [file.read_bytes() for root in roots for file in sorted(root.rglob("*.py"))]
+    digests = [hashlib.sha256(content).hexdigest() for content in contents]
+
+    def make() -> dict[str, _Said]:
+        found = {}
+        for digest, content in zip(digests, contents, strict=True):
+            with suppress(SyntaxError, ValueError):  # who asks for such a file is told when it is read for him
+                found[digest] = _read(content)
+        return found
+
+    return kept.kept("code", tuple(digests), Path(__file__).parent, make)
+
+
+def _read(content: bytes) -> _Said:
+    tree = ast.parse(content)
+    found: list[tuple[int, str, tuple[str, ...]]] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found += [(0, alias.name, ()) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            found.append((node.level, node.module or "", tuple(alias.name for alias in node.names)))
+    return _Said(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(found))
 
 
 @lru_cache(maxsize=512)

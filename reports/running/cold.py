@@ -1,8 +1,8 @@
 """One call from cold: building, running and reading a case for the first time in a process, imports apart.
 
 Each repeat is a process of its own, split off one that has imported all that the call needs and has compiled nothing. A
-first, thrown-away repeat says what that is: engines import late, and what they import is no part of a simulation.
-Nothing compiled is taken from disk.
+first call of each route says what that is: engines import late, and what they import is no part of a simulation. That
+call is thrown away, unless it had nothing to import. Nothing compiled is taken from disk.
 """
 
 from __future__ import annotations
@@ -57,17 +57,22 @@ class _Repeat(NamedTuple):
 def first_calls(who: Sequence[Contestant], budget: float) -> list[tuple[Cold | None, str]]:
     """Of each contestant a first call, or None and why there is none, in a sentence.
 
-    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond imports.
-    Of those that do not fit in it even once the first setting of a route has the call that was made for its imports,
-    which weigh nothing beside what takes so long; the others have neither.
+    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond the calls
+    that are made for imports. Where such a call had nothing to import, which another case's had brought before, it is a
+    repeat like others. Of those that do not fit in the budget even once the first setting of a route has that call in
+    any case: imports weigh nothing beside what takes so long; the others have neither.
     """
     firsts, spent = _import_all(who)
     failures = [answer if isinstance(answer, str) else "" for answer in firsts]
     deadline = time.perf_counter() + budget
-    repeats: dict[int, list[_Repeat]] = {place: [] for place in range(len(who))}
-    for _ in range(LEAST_REPEATS):
+    repeats: dict[int, list[_Repeat]] = {
+        place: [answer] if isinstance(answer, _Repeat) and not answer.modules else []
+        for place, answer in enumerate(firsts)
+    }
+    for turn in range(1, LEAST_REPEATS + 1):
         for place, one in sorted(enumerate(who), key=lambda pair: spent[pair[0]]):
-            if failures[place] or time.perf_counter() + spent[place] > deadline:
+            done = len(repeats[place]) >= turn
+            if done or failures[place] or time.perf_counter() + spent[place] > deadline:
                 continue
             began = time.perf_counter()
             answer = _apart(_call, one)

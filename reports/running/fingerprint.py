@@ -65,6 +65,7 @@ def processor() -> str:
     return names[0] if names else platform.machine()
 
 
+@lru_cache(maxsize=64)
 def installed(package: str) -> str:
     """The version of an installed package."""
     try:

@@ -12,7 +12,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Sequence
-from math import nan
+from math import isnan, nan
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -98,6 +98,8 @@ def by_profile(module: ModuleType, one: Contestant, deadline: float) -> Parts | 
         model = module.build(one.case, one.route, one.setting)
         return engine_seconds(package, lambda: module.run(model))
 
+    if isnan(profiled()):
+        return None
     taken, engine = (statistics.median(s) for s in _in_turns([whole, profiled], deadline))
     if engine == 0.0:
         return None
@@ -126,7 +128,7 @@ def _cpu(run: Callable[[], None]) -> float:
 
 
 def engine_seconds(package: str, run: Callable[[], None]) -> float:
-    """Seconds of a run in compiled functions of a package, without the Python they call back."""
+    """Seconds of a run in compiled functions of a package, without the Python they call back; NaN if it calls none."""
     stays = _Stays(package)
     sys.setprofile(stays)
     try:
@@ -171,8 +173,8 @@ class _Stays:
         return any(str(m or "").lower().startswith(self.package) for m in modules)
 
     def seconds(self) -> float:
-        """The stays together, without the profiler's own time in each."""
-        return max(0.0, sum(self.stays) - len(self.stays) * _own_seconds()) if self.stays else 0.0
+        """The stays together, without the profiler's own time in each; NaN if there is none."""
+        return max(0.0, sum(self.stays) - len(self.stays) * _own_seconds()) if self.stays else nan
 
 
 def _own_seconds() -> float:

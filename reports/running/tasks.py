@@ -23,7 +23,7 @@ from reference.certification import Certificate, NotCertified, kept_or_new
 from ..judging import distances, ledger, soundness, transitions
 from ..judging.slip_phases import Reading
 from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
-from .serving import reap
+from .serving import reap, settle
 from .solvers import NOT_INSTALLED, solver
 
 # What a figure can show; samples beyond are left out at even distances.
@@ -145,7 +145,9 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     Raises what is the machine's fault: ImportError, MemoryError, OSError.
     """
     try:
-        motion = timed(solver(row.solver), case, row.route, row.setting)
+        module = solver(row.solver)
+        settle(row.solver)
+        motion = timed(module, case, row.route, row.setting)
     except NotSupported as refusal:
         return replace(row, outcome="refused", reason=legible(refusal))
     except EngineFailure as failure:

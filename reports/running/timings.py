@@ -23,11 +23,11 @@ from .versions import parted
 LEAST_SETTINGS = 6
 # Wall seconds for all timings of a default report, and how many cases share them: once through the full ladder of every
 # route takes some five seconds on a dear case, and an interval needs three times.
-BUDGET, MOST_CASES = 45.0, 7
+BUDGET, MOST_CASES = 42.0, 7
 # A full report times every case, each for about so long.
 FULL_BUDGET_A_CASE = 60.0
-# Wall seconds a case may take for calls from cold, and for the parts of runs.
-COLD_BUDGET, PARTS_BUDGET = 2.0, 1.5
+# Wall seconds a case may take for calls from cold, beside those that are made for imports, and for the parts of runs.
+COLD_BUDGET, PARTS_BUDGET = 1.0, 1.5
 # Beyond its budget a case may take as long as one run more and its compilations.
 PATIENCE = 60.0
 # The budget of those that are timed alone only to see whether they end their process.
@@ -112,14 +112,14 @@ def beside(experiment: Experiment, wanted: Collection[Key], full: bool, calls: C
     """Calls from cold, and the parts of runs, of the settings that are wanted."""
     colds: dict[Key, Cold] = {}
     shares: dict[Key, Parts] = {}
-    more = FULL_BUDGET_A_CASE / COLD_BUDGET if full else 1.0
+    cold_budget, parts_budget = (FULL_BUDGET_A_CASE,) * 2 if full else (COLD_BUDGET, PARTS_BUDGET)
 
     def one_by_one(cold_alone: Calls, parts_alone: Calls) -> Iterator[None]:
         for case in experiment.cases:
             who = [one for one in contestants(experiment, case) if (case.label, *one[1:4]) in wanted]
             if who:
-                colds.update(_beside(cold.first_calls, who, COLD_BUDGET * more, cold_alone))
-                shares.update(_beside(parts.parts_of_all, who, PARTS_BUDGET * more, parts_alone))
+                colds.update(_beside(cold.first_calls, who, cold_budget, cold_alone))
+                shares.update(_beside(parts.parts_of_all, who, parts_budget, parts_alone))
                 yield
 
     # Nothing may have been compiled in a process that is to begin cold: it splits off others, which make the calls.

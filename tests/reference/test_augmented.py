@@ -31,7 +31,8 @@ from reference.literal import LiteralSystem, Observed
 from reference.minimal.eliminated import Motion
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
 from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_augmented, uniqueness
-from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate
+from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate, slip_velocity
+from reference.paper.many import contacts
 from tests.scenes.elliptic import elliptic_scenes, examples
 
 
@@ -106,6 +107,26 @@ def test_the_two_forms_of_the_slip_velocity_agree(case):
     assert slip_vector(k) == pytest.approx(slip_vector_of_plate(k), abs=1e-12)
     assert slip_vector(k) @ k.Rp / np.linalg.norm(k.Rp) == pytest.approx(case.start.slip, abs=1e-12)
     assert k.theta_dot == pytest.approx(case.start.omega, abs=1e-11)
+
+
+@given(elliptic_scenes)
+@examples(10, 40)
+def test_many_instants_at_once_tell_what_each_tells_alone(case):
+    case = replace(case, effects=tuple(e for e in case.effects if not isinstance(e, Load | RollingResistance)))
+    for mode in modes(case) - {Mode.REST}:
+        first = np.array(_state(case, mode))
+        states = [first + share * np.array([0.1, -0.2, 0.3, 0.5]) for share in (0.0, 0.5, 1.0)]
+        if mode is Mode.ROLL:
+            states = [np.array([*y[:3], without_slip(case, *y[:3])]) for y in states]
+        at_once = contacts(case, mode, [tuple(y.tolist()) for y in states])
+        for place, y in enumerate(states):
+            alone, k = solve_augmented(case, mode, y), kinematics(case, *y)
+            # The same sums in the same order; where a library multiplies matrices in another one, their rounding.
+            size = abs(alone.normal_force) + abs(alone.friction_force)
+            assert at_once.normal_force[place] == pytest.approx(alone.normal_force, abs=1e-10 * size)
+            assert at_once.friction_force[place] == pytest.approx(alone.friction_force, abs=1e-10 * size)
+            assert at_once.theta_dot[place] == pytest.approx(k.theta_dot, rel=1e-12, abs=1e-12)
+            assert at_once.slip[place] == pytest.approx(slip_velocity(k), rel=1e-12, abs=1e-12)
 
 
 @given(elliptic_scenes)

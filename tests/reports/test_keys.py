@@ -7,7 +7,7 @@ import pytest
 
 import cases
 from adapters import Setting
-from cases import Mode, Transition
+from cases import Mode, Transition, kept
 from reports.running import code, experiment, fingerprint, tasks
 from reports.running.calls import Calls
 from reports.running.records import Truth
@@ -147,3 +147,15 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     assert told() == before
     (package / "_knobs.py").write_text("h = 0.2\n")
     assert told() != before
+
+
+def test_code_says_the_same_whether_it_is_parsed_or_was_kept(tmp_path, monkeypatch):
+    def told(cache: str) -> str:
+        monkeypatch.setenv(kept.VARIABLE, cache)
+        for cached in (fingerprint.adapter_sources, code.of, code.imported, code._of_suite):
+            cached.cache_clear()
+        return fingerprint.adapter_sources("pymunk")
+
+    first = told(str(tmp_path))
+    assert list(tmp_path.glob("*.kept"))
+    assert first == told(str(tmp_path)) == told(kept.OFF)

@@ -11,7 +11,7 @@ import pytest
 import cases
 from adapters import Setting
 from adapters.pymunk import adapter, assisted
-from reports.running import parts
+from reports.running import cold, parts, tasks
 from reports.running.clock import Contestant
 
 CIRCLE = cases.load("disc_in_circle", mu=0.2)
@@ -96,3 +96,15 @@ def test_what_python_does_within_an_engine_is_not_the_engine_s():
     # `sorted` calls its key back: to the profiler an engine of the package "builtins".
     run = partial(sorted, [3, 1, 2], key=lambda x: work(0.01))
     assert parts.engine_seconds("builtins", run) < 0.005
+    assert isnan(parts.engine_seconds("an_engine_that_is_not_called", run))
+
+
+def test_a_call_from_cold_that_has_nothing_left_to_import_is_a_repeat(monkeypatch):
+    made, apart = [], cold._apart
+    monkeypatch.setattr(cold, "_apart", lambda *arguments: made.append(arguments) or apart(*arguments))
+    setting = tasks.survey(CIRCLE, "pymunk")[0].settings[1]
+    who = [Contestant(CIRCLE, "pymunk", "native", setting, 0.1)]
+    cold.first_calls(who, 60.0)
+    made.clear()
+    ((told, why),) = cold.first_calls(who, 60.0)
+    assert told.repeats <= cold.LEAST_REPEATS == len(made) and not why  # of which a busy machine disturbs some

@@ -110,6 +110,8 @@ def measure(chosen: Sequence[Case], solvers: Sequence[str], full: bool, calls: C
             (own if name == REFERENCE else todo).extend(more)
     own.reverse()  # the paper's matrix at fine tolerances takes longest
     runs += _assessed(calls.all("reference", assess_own, own, limit=limit + _DERIVING, keep=Keep()), own)
+    # Rung by rung: where the coarse one of a route runs out of time the next has not begun, and is not tried.
+    todo.sort(key=lambda call: (-call[0].duration, call[0].label, call[4]))
     runs += _assessed(calls.all("engines", assess, todo, limit=limit, keep=Keep(), skip=hopeless), todo)
     engines = [name for name in solvers if name != REFERENCE]
     wanted = [
