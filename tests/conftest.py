@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Callable
+from contextlib import contextmanager
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -31,6 +33,7 @@ def pytest_configure(config):
     What was compiled is taken from disk only where the environment names a folder, as `make test` does.
     """
     os.environ.setdefault(kept.VARIABLE, kept.OFF)
+    gc.disable()  # what is collected stays to the end: looking through it for garbage finds none and takes seconds
     if config.option.markexpr == "not slow" and config.getoption("--hypothesis-seed", None) is None:
         settings.load_profile("same")
     try:
@@ -56,12 +59,33 @@ def pytest_collection_modifyitems(config, items):
         items[:] = [item for item in items if "any_case" in item.fixturenames]
 
 
+def pytest_collection_finish(session):
+    gc.freeze()
+    gc.enable()
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _store(tmp_path_factory):
     """The command keeps what the tests run in a folder of theirs, not where somebody works."""
     from reports import options
 
     options.STORE = str(tmp_path_factory.mktemp("kept") / "store")
+
+
+@pytest.fixture(scope="session")
+def without_figures() -> Callable:
+    """In `with without_figures():` a report is made without its figures, which are half of what a small one costs: for
+    tests of what stands in its tables."""
+
+    @contextmanager
+    def undrawn():
+        from reports.page import pictures
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(pictures, "draw", lambda *given: ([], {result.name: [] for result in given[3]}))
+            yield
+
+    return undrawn
 
 
 @pytest.fixture

@@ -106,7 +106,7 @@ def _free_approach(h: Frame, force: Torsor, C_n) -> sp.Expr:
 
 
 def _with_normal_force(motion: Motion, normal: sp.Expr) -> Motion:
-    return Motion(*(sp.sympify(e).subs(NORMAL, normal) for e in motion))
+    return Motion(*(sp.sympify(e).xreplace({NORMAL: normal}) for e in motion))
 
 
 def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Motion:

@@ -35,8 +35,7 @@ def frame(structure, parameter: sp.Symbol, prefix: str) -> Frame:
     (x, y), symbols = structure
     sizes = tuple(sp.Symbol(prefix + s.name, positive=True) for s in symbols)
     rename = {PARAMETER: parameter, **dict(zip(symbols, sizes, strict=True))}
-    quantities = [q.subs(rename, simultaneous=True) for q in _frame(x, y)]
-    return Frame(*quantities)
+    return Frame(*(quantity.xreplace(rename) for quantity in _frame(x, y)))
 
 
 @lru_cache(maxsize=256)

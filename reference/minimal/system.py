@@ -290,7 +290,7 @@ def _force(f: Frame, h: Frame, law: Laws, kind: Kind) -> Torsor:
         vy: along * f.ty + across * f.tx,
         w: omega,
     }
-    fx, fy, moment = (sp.sympify(e).subs(state, simultaneous=True) for e in law.torsor)
+    fx, fy, moment = (sp.sympify(e).xreplace(state) for e in law.torsor)
     return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
 
 

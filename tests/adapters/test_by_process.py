@@ -195,7 +195,7 @@ def test_every_way_to_fail_is_a_row(registered, text, outcome, word, monkeypatch
     assert word in found.reason
 
 
-def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_path, monkeypatch, capsys):
+def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_path, monkeypatch, without_figures):
     monkeypatch.chdir(tmp_path)
     left = tmp_path / "left.txt"
     hung = HEAD + f"echo $$ >> {left}; while true; do sleep 1; done\n"
@@ -205,7 +205,8 @@ def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_
         file.chmod(0o755)
     monkeypatch.setitem(options._LIMITS, "quick", 2.0)
     words = ["--quick", "--case", LINE, "--solver", "reference", "--engine", "./hung", "./killed", "./lying"]
-    assert build.main([*words, "--out", "judged", "--store", "kept"]) == 0
+    with without_figures():
+        assert build.main([*words, "--out", "judged", "--store", "kept"]) == 0
     table = (tmp_path / "judged" / "tables" / "trajectories.csv").read_text().splitlines()
     outcomes = {line.split(",")[1]: line for line in table if line.split(",")[1] in ("hung", "killed", "lying")}
     assert "timed_out" in outcomes["hung"] and "crashed" in outcomes["killed"] and "wrong" in outcomes["lying"]

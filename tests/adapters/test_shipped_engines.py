@@ -15,14 +15,19 @@ NAMES = sorted(by_process.shipped())
 MOST_OFF = {"dartpy": 1e-2, "drake": 3e-3, "mujoco": 1e-2, "planck": 2e-4, "rapier": 1e-2}
 
 
+_ABSENT: dict[str, str] = {}
+
+
 @pytest.fixture
 def engine(request, monkeypatch):
-    """The engine of that name, or a skip that tells what to install."""
+    """The engine of that name, or a skip that tells what to install; an absent one is asked for once."""
     monkeypatch.setenv(interface.EXECUTABLES, "")
-    try:
-        return interface.register(request.param)
-    except ImportError as problem:
-        pytest.skip(str(problem))
+    if request.param not in _ABSENT:
+        try:
+            return interface.register(request.param)
+        except ImportError as problem:
+            _ABSENT[request.param] = str(problem)
+    pytest.skip(_ABSENT[request.param])
 
 
 def row(name: str, label: str, h: float = 1e-3):

@@ -13,7 +13,7 @@ import pytest
 
 from reports import build
 
-CASES = ("disc_in_circle[mu=0.2]", "disc_on_line[mu=0.3]", "disc_on_incline[slope=0.2]")
+CASES = ("disc_in_circle[mu=0.2]", "disc_on_line[mu=0.3]")
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
 # As root in a container there is no sandbox; the rest keeps a fresh profile from calling home.
 _FLAGS = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")

@@ -128,19 +128,29 @@ def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
     accuracy(**who, error=error, tolerance=1e-9)
 
 
-# By the second formulation, mirrored.
-TAKES_LONG = ("hopping_rod",)
 UNITS = dict(length=2.5, time=1.7, mass=3.1, turn=0.7)
 SEEN = dict(time=UNITS["time"], velocity=UNITS["length"] / UNITS["time"])
 
 
-def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
-    """All at once; one by one in the slow tests, which alone have what takes five seconds."""
-    if any_case.name in TAKES_LONG:
-        pytest.skip("it takes five seconds: the slow tests have it")
-    times = times_of(any_case)
-    moved = in_other_units(mirrored(any_case), **UNITS)
-    compare(any_case, second(moved, times * UNITS["time"]), times, accuracy, sign=-1.0, **SEEN)
+def check_moved(case: Case, accuracy) -> None:
+    times = times_of(case)
+    moved = in_other_units(mirrored(case), **UNITS)
+    compare(case, second(moved, times * UNITS["time"]), times, accuracy, sign=-1.0, **SEEN)
+
+
+# Of the catalogue; of somebody's own file all are.
+MOVED = [cases.select(name)[0] for name in cases.names(hard=False)[1::3]]
+
+
+def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy, request):
+    if not request.config.own_cases and any_case not in MOVED:
+        pytest.skip("every third case of the catalogue is moved here, and every one in a slow test")
+    check_moved(any_case, accuracy)
+
+
+@pytest.mark.slow
+def test_every_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
+    check_moved(any_case, accuracy)
 
 
 @pytest.mark.slow

@@ -320,7 +320,7 @@ def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report
 
 
 @pytest.fixture(scope="module")
-def failing(tmp_path_factory):
+def failing(tmp_path_factory, without_figures):
     """A report of an engine that fails in every way, one run killed from outside, and of one that is not installed."""
     packages = tmp_path_factory.mktemp("packages")
     out = packages / "report"
@@ -333,7 +333,8 @@ def failing(tmp_path_factory):
         patch.setattr(options, "_LIMITS", {"default": 2.0})
         killer.start()
         argv = ["--out", str(out), "--case", fake_adapter.CASE, "--solver", "fake", "ghost", "--jobs", "1"]
-        assert build.main([*argv, "--store", str(packages / "store")]) == 0
+        with without_figures():
+            assert build.main([*argv, "--store", str(packages / "store")]) == 0
         killer.join()
     return out
 

@@ -6,32 +6,34 @@ import numpy as np
 import pytest
 
 import cases
-from cases import Case
 from reports.running.calls import Calls, Keep
 from reports.running.store import Store
+from reports.running.workers import Pool
+
+from .called import work
 
 LINE = cases.load("disc_on_line")
 
 
-def work(log: str, key: Case, solver: str, numbers: np.ndarray, how: str) -> tuple[str, dict[str, np.ndarray]]:
-    """Note that it was called; double the numbers, or fail."""
-    with open(log, "a") as file:
-        file.write(f"{how}\n")
-    if how == "fails":
-        raise RuntimeError("as asked")
-    return how, {"twice": 2 * numbers}
+@pytest.fixture(scope="module")
+def pool():
+    """One worker for all: which calls are made is asked here, not by whom."""
+    pool = Pool(1)
+    yield pool
+    pool.close()
 
 
 @pytest.fixture
-def answers(tmp_path):
+def answers(tmp_path, pool):
     """answers(calls, versions) -> outcomes and values, by the same store each time; `answers.log` names the calls."""
     log = tmp_path / "log"
 
     def run(*calls, versions=None):
         asked = [(str(log), *call) for call in calls]
         versions = {"reference": "1"} if versions is None else versions
-        with Calls(1, store=Store(tmp_path / "store"), versions=versions) as maker:
-            return maker.all("work", work, asked, keep=Keep())
+        calls = Calls(1, store=Store(tmp_path / "store"), versions=versions)
+        calls._pool = pool
+        return calls.all("work", work, asked, keep=Keep())
 
     run.log = lambda: log.read_text().split() if Path(log).exists() else []
     return run

@@ -12,7 +12,7 @@ from math import nan
 import pandas as pd
 import pytest
 
-from reports import build
+from reports import build, options
 from reports.analysis import columns, conclusions, which_engine, words
 from reports.page import dictionary, text
 from reports.running import timings
@@ -21,7 +21,7 @@ CASE = "disc_in_circle[mu=0.2]"
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
+def report(tmp_path_factory, without_figures):
     """A report of one case with little time for timings, made by the command. Calls from cold are those made for the
     imports, one each, and parts end by their own count of repeats: on a busy machine as on a quiet one."""
     out = tmp_path_factory.mktemp("made") / "report"
@@ -32,12 +32,17 @@ def report(tmp_path_factory):
         found, failed = together(*given)
         return [(one, replace(timing, disturbed=False)) for one, timing in found], failed
 
+    def coarse(plan, case, solver, route, ladder):
+        """As many settings as a curve has at least: the finest of an engine take as long as all others together."""
+        return ladder[: timings.LEAST_SETTINGS] if solver == "pymunk" else ladder
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timings, "time_together", undisturbed)
-        for name, seconds in (("BUDGET", 5.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
+        patch.setattr(options.Plan, "select_rungs", coarse)
+        for name, seconds in (("BUDGET", 2.5), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
         patch.setattr(which_engine, "LEVELS", (1e-4,))
-        with redirect_stdout(io.StringIO()) as told:
+        with redirect_stdout(io.StringIO()) as told, without_figures():
             assert build.main(["--case", CASE, "--solver", "reference", "pymunk", "--out", str(out)]) == 0
     (out.parent / "terminal.txt").write_text(told.getvalue())
     return out

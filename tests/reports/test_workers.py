@@ -1,57 +1,17 @@
 """Calls in processes of their own: told apart, bounded, and nothing left behind."""
 
-import ctypes
-import ctypes.util
 import os
 import platform
-import signal
-import stat
 import subprocess
 import sys
 import time
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from reports.running import scratch, workers
 
-
-def misbehave(how: str):
-    """One way each in which an engine may fail; "work" gives the folder it worked in."""
-    if how == "work":
-        print("said something")
-        return os.getcwd(), os.listdir(".")
-    if how == "raise":
-        raise RuntimeError("two\nlines")
-    if how == "exit":
-        sys.exit(3)
-    if how == "vanish":
-        os._exit(7)
-    if how == "segfault":
-        os.kill(os.getpid(), signal.SIGSEGV)
-    if how == "hang":
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM, signal.SIGINT})
-        while True:
-            time.sleep(1.0)
-    if how == "forks":
-        os.fork()  # both come back
-    if how == "garbage":
-        for stream in range(3, 256):
-            with suppress(OSError):
-                if stat.S_ISSOCK(os.fstat(stream).st_mode):
-                    os.write(stream, b"x" * 100)
-    if how == "closes":
-        os.closerange(3, 64)
-    if how == "mumbles":
-        raise RuntimeError("\ud800 \x00 \x1b[31m" + "x" * 100_000)
-    if how == "flood":
-        for _ in range(50_000):
-            os.write(1, b"x" * 1000)
-        with open("big", "wb") as file:
-            file.write(b"x" * 40_000_000)
-    return how
-
+from .called import ends_itself_at_first, grow, misbehave, prepared, round_up, waits, whose
 
 WAYS = ("work", "raise", "exit", "vanish", "segfault", "hang", "flood", "forks", "garbage", "closes", "mumbles", "last")
 
@@ -120,16 +80,6 @@ def test_an_answer_may_be_given_instead_of_a_call():
     assert calls == [(0, given), (1, given)]
 
 
-def round_up(change: bool) -> tuple[float, int]:
-    """A sum whose last bit tells how this process rounds, and which it is; perhaps changed for good."""
-    if change:
-        ctypes.CDLL(ctypes.util.find_library("m")).fesetround(FE_UPWARD)
-    return sum((1.0, 2.0**-53)), os.getpid()
-
-
-FE_UPWARD = 0x800  # <fenv.h> of x86
-
-
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="the constant is that processor's")
 def test_a_worker_whose_arithmetic_a_call_has_changed_answers_no_other():
     (_, first), (_, second) = run(round_up, [(True,), (False,)])
@@ -140,15 +90,6 @@ def test_calls_of_unlike_groups_never_share_a_worker():
     calls = [("a", n) for n in range(6)]
     told = {i: answer.value for i, answer in run(whose, calls, jobs=2, groups=["", "engines"] * 3)}
     assert {told[0], told[2], told[4]}.isdisjoint({told[1], told[3], told[5]})
-
-
-def ends_itself_at_first(folder: Path, times: int) -> int:
-    """End this process as the system would, so many times; then count them."""
-    ended = len(list(folder.iterdir()))
-    if ended < times:
-        (folder / str(ended)).touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return ended
 
 
 @pytest.mark.parametrize(("times", "outcome"), [(1, "done"), (2, "died")])
@@ -164,16 +105,10 @@ def test_what_cannot_travel_is_told_in_both_directions():
     assert its_class[1].outcome == "done"
 
 
-def linger(folder: Path) -> None:
-    """Tell where it runs, and stay."""
-    (folder / "cwd").write_text(os.getcwd())
-    (folder / "pid").write_text(str(os.getpid()))
-    time.sleep(600.0)
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker ends with its own time")
 def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
-    asking = f"from tests.reports.test_workers import *; list(run(linger, [(Path({str(tmp_path)!r}),)]))"
+    asked = f"list(Pool(1).run(linger, [(Path({str(tmp_path)!r}),)]))"
+    asking = f"from reports.running.workers import Pool; from tests.reports.called import *; {asked}"
     parent = subprocess.Popen([sys.executable, "-c", asking], cwd=Path(__file__).parents[2])
     wait_until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
     worker = Path("/proc") / (tmp_path / "pid").read_text()
@@ -205,20 +140,6 @@ def wait_until(holds) -> None:
         time.sleep(0.02)
 
 
-def whose(thing, number):
-    time.sleep(0.3)
-    return os.getpid()
-
-
-def grow(megabytes: int) -> int:
-    """Keep so much memory, as a cache would; the process it is kept in."""
-    kept.append(b"x" * (megabytes * 2**20))
-    return os.getpid()
-
-
-kept: list[bytes] = []
-
-
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory")
 def test_a_worker_that_has_grown_is_replaced():
     first, second, third = (answer.value for _, answer in run(grow, [(1,), (300,), (2,)]))
@@ -247,11 +168,6 @@ def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
     assert not told.lasting
 
 
-def prepared(number: int) -> tuple[int, bool]:
-    """The process that makes a call, and whether it has what a report's calls need."""
-    return os.getpid(), "reports.running.tasks" in sys.modules
-
-
 def test_a_worker_that_was_started_ahead_makes_the_calls_and_few_brief_ones_start_no_other():
     pool = workers.Pool(2)
     try:
@@ -263,9 +179,3 @@ def test_a_worker_that_was_started_ahead_makes_the_calls_and_few_brief_ones_star
         assert len(set(told)) == 2
     finally:
         pool.close()
-
-
-def waits(seconds: float, number: int) -> tuple[int, int]:
-    """Takes so long, and says in which process."""
-    time.sleep(seconds)
-    return os.getpid(), number

@@ -1,0 +1,110 @@
+"""What tests have workers call, apart from the tests: a worker that imports pytest begins a fifth of a second later."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import os
+import signal
+import stat
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from cases import Case
+
+FE_UPWARD = 0x800  # <fenv.h> of x86
+kept: list[bytes] = []
+
+
+def misbehave(how: str):
+    """One way each in which an engine may fail; "work" gives the folder it worked in."""
+    if how == "work":
+        print("said something")
+        return os.getcwd(), os.listdir(".")
+    if how == "raise":
+        raise RuntimeError("two\nlines")
+    if how == "exit":
+        sys.exit(3)
+    if how == "vanish":
+        os._exit(7)
+    if how == "segfault":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if how == "hang":
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM, signal.SIGINT})
+        while True:
+            time.sleep(1.0)
+    if how == "forks":
+        os.fork()  # both come back
+    if how == "garbage":
+        for stream in range(3, 256):
+            with suppress(OSError):
+                if stat.S_ISSOCK(os.fstat(stream).st_mode):
+                    os.write(stream, b"x" * 100)
+    if how == "closes":
+        os.closerange(3, 64)
+    if how == "mumbles":
+        raise RuntimeError("\ud800 \x00 \x1b[31m" + "x" * 100_000)
+    if how == "flood":
+        for _ in range(50_000):
+            os.write(1, b"x" * 1000)
+        with open("big", "wb") as file:
+            file.write(b"x" * 40_000_000)
+    return how
+
+
+def round_up(change: bool) -> tuple[float, int]:
+    """A sum whose last bit tells how this process rounds, and which it is; perhaps changed for good."""
+    if change:
+        ctypes.CDLL(ctypes.util.find_library("m")).fesetround(FE_UPWARD)
+    return sum((1.0, 2.0**-53)), os.getpid()
+
+
+def ends_itself_at_first(folder: Path, times: int) -> int:
+    """End this process as the system would, so many times; then count them."""
+    ended = len(list(folder.iterdir()))
+    if ended < times:
+        (folder / str(ended)).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return ended
+
+
+def linger(folder: Path) -> None:
+    """Tell where it runs, and stay."""
+    (folder / "cwd").write_text(os.getcwd())
+    (folder / "pid").write_text(str(os.getpid()))
+    time.sleep(600.0)
+
+
+def whose(thing, number):
+    time.sleep(0.3)
+    return os.getpid()
+
+
+def grow(megabytes: int) -> int:
+    """Keep so much memory, as a cache would; the process it is kept in."""
+    kept.append(b"x" * (megabytes * 2**20))
+    return os.getpid()
+
+
+def prepared(number: int) -> tuple[int, bool]:
+    """The process that makes a call, and whether it has what a report's calls need."""
+    return os.getpid(), "reports.running.tasks" in sys.modules
+
+
+def waits(seconds: float, number: int) -> tuple[int, int]:
+    """Takes so long, and says in which process."""
+    time.sleep(seconds)
+    return os.getpid(), number
+
+
+def work(log: str, key: Case, solver: str, numbers: np.ndarray, how: str) -> tuple[str, dict[str, np.ndarray]]:
+    """Note that it was called; double the numbers, or fail."""
+    with open(log, "a") as file:
+        file.write(f"{how}\n")
+    if how == "fails":
+        raise RuntimeError("as asked")
+    return how, {"twice": 2 * numbers}
