@@ -81,11 +81,11 @@ def counted() -> tuple[Counter[str], Counter[str]]:
 
 
 def words() -> str:
-    """How much of what this process and its workers compiled came from where."""
-    folder = place()
-    if folder is None:
+    """How much of what this process and its workers compiled came from disk; a report, which others read, does not say
+    from which of the user's folders."""
+    if place() is None:
         return "compiled parts were neither kept nor taken from disk"
-    return f"{taken.total()} compiled parts taken from {folder}, {made.total()} made and kept there"
+    return f"{taken.total()} compiled parts taken from the cache, {made.total()} made and kept there"
 
 
 def place() -> Path | None:

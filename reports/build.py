@@ -314,7 +314,7 @@ def _summary(
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
     lines += missing_words(shown.versions)
     store = calls.store
-    lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.words()}"]
+    lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.place() or 'off'}; {kept.words()}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
     lines += [spent.words(calls.spent.phases)]
     return "\n".join([*lines, str(plan.out / "index.html")])

@@ -180,7 +180,7 @@ def test_two_processes_at_once_see_only_what_is_whole(folder):
 def test_what_was_taken_and_made_is_counted(folder):
     kept.counted()
     asked(folder), asked(folder), asked(folder, decided_by="other", kind="text")
-    assert kept.words() == f"1 compiled parts taken from {folder}, 2 made and kept there"
+    assert kept.words() == "1 compiled parts taken from the cache, 2 made and kept there"
     assert kept.counted() == ({"number": 1}, {"number": 1, "text": 1})
     assert kept.counted() == ({}, {})
 

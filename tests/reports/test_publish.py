@@ -45,6 +45,12 @@ def test_nothing_of_it_was_edited_or_lost():
     assert len(linked) > 10 and all((LAST / name).is_file() for name in linked)
 
 
+def test_it_names_no_folder_of_the_machine_it_was_made_on():
+    for name in ("index.html", "manifest.json"):
+        text = (LAST / name).read_text(encoding="utf-8")
+        assert not re.findall(r"[^\w.:/]((?:/home|/root|/tmp|/var|/Users)/[^\s<\"]*)", text), name
+
+
 def test_it_is_small_enough_to_be_kept_for_each_release():
     assert sum(path.stat().st_size for path in LAST.rglob("*") if path.is_file()) < 10e6
 
