@@ -30,6 +30,8 @@ AHEAD = 4
 LOOK, PATIENCE = 2.0, 600.0
 # A call that ended so many workers is not asked for again.
 DEADLY = 3
+# Seconds in which a scheduler answers, or is none.
+ANSWERS = 5.0
 
 
 class Nobody(OSError):
@@ -48,7 +50,7 @@ def check(address: str) -> None:
         return
     try:
         distributed.comm.get_address_host_port(address)  # a client that cannot begin has no quiet end
-        distributed.Client(address, timeout=5, set_as_default=False).close()
+        distributed.Client(address, timeout=ANSWERS, set_as_default=False).close()
     except (OSError, TimeoutError, ValueError) as problem:
         raise BadValue(f"nobody answers at --dask {address} ({problem}); start a scheduler there") from None
 

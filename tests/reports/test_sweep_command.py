@@ -14,6 +14,7 @@ import reference
 from reference.paper.application import slip_end
 from reference.sweeping import plan, table
 from reports import sweep
+from reports.running import cluster
 from reports.running.workers import Pool
 from reports.sweeping import local, parts, refine
 from reports.sweeping.folder import Folder
@@ -89,6 +90,7 @@ def test_what_makes_no_sense_is_said_in_one_line_before_anything_runs(words, sen
 def test_where_no_scheduler_answers_it_is_said(tmp_path, monkeypatch, capsys):
     pytest.importorskip("distributed")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cluster, "ANSWERS", 1.0)
     assert sweep.main([*VARY, "--dask", "tcp://127.0.0.1:9"]) == 2
     assert "nobody answers at --dask tcp://127.0.0.1:9" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
