@@ -1,4 +1,4 @@
 """The suite's version."""
 
 # A literal: it is read without running any code when the suite is packed.
-__version__ = "0.1.0"
+__version__ = "0.2.0"
