@@ -60,6 +60,10 @@ _UNDISTURBED = 0.1
 _CHEAP_SECONDS = 0.025
 
 
+# Names a contestant: the case's label, the solver, the route, the setting.
+Key = tuple[str, str, str, Setting]
+
+
 class Contestant(NamedTuple):
     """A setting of a route of a solver on a case, and roughly how long one repeat takes (s, set-up included)."""
 
@@ -68,6 +72,11 @@ class Contestant(NamedTuple):
     route: str
     setting: Setting
     expected_s: float
+
+    @property
+    def key(self) -> Key:
+        """The contestant's name in every result: results are never matched by their order."""
+        return self.case.label, self.solver, self.route, self.setting
 
 
 @dataclass(frozen=True)
@@ -166,8 +175,8 @@ def disturbed_by(seen: float, loop: float) -> bool:
     return seen > _DISTURBED * loop
 
 
-def time_all(contestants: Sequence[Contestant], budget: float) -> list[tuple[Timing | None, str]]:
-    """Of each contestant its timing, or None and why it failed, in a sentence.
+def time_all(contestants: Sequence[Contestant], budget: float) -> dict[Key, tuple[Timing | None, str]]:
+    """The timing of each contestant, or None and why it failed, in a sentence.
 
     All take their turns together, the cheapest first, within about `budget` wall seconds beyond imports: who does not
     fit in it even once has neither.
@@ -177,7 +186,7 @@ def time_all(contestants: Sequence[Contestant], budget: float) -> list[tuple[Tim
     for first in {e.contestant[1:3]: e for e in reversed(in_turn)}.values():
         _import(first)
     loop = take_turns(in_turn, time.perf_counter() + budget)
-    return [(timing(e, loop) if e.repeats else None, e.failure) for e in entries]
+    return {e.contestant.key: (timing(e, loop) if e.repeats else None, e.failure) for e in entries}
 
 
 def _entry(one: Contestant) -> Entry:

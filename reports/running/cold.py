@@ -17,11 +17,12 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from cases import kept
 
-from .clock import LEAST_REPEATS, Contestant, calibrate, disturbed_by
+from .clock import LEAST_REPEATS, Contestant, Key, calibrate, disturbed_by
 from .solvers import solver
 
 # A call from cold derives and compiles; the worst of the catalogue, a measured outline, takes some thirty seconds.
@@ -54,38 +55,45 @@ class _Repeat(NamedTuple):
     modules: tuple[str, ...]
 
 
-def first_calls(who: Sequence[Contestant], budget: float) -> list[tuple[Cold | None, str]]:
-    """Of each contestant a first call, or None and why there is none, in a sentence.
+@dataclass
+class _Entry:
+    """A contestant and its calls so far: `spent` (wall s) is what the next one is expected to take; `importing` the
+    first call of its route, if that imported modules, which makes it no repeat."""
+
+    contestant: Contestant
+    spent: float
+    repeats: list[_Repeat] = field(default_factory=list)
+    importing: _Repeat | None = None
+    failure: str = ""
+
+
+def first_calls(who: Sequence[Contestant], budget: float) -> dict[Key, tuple[Cold | None, str]]:
+    """The first call of each contestant, or None and why there is none, in a sentence.
 
     All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond the calls
     that are made for imports. Where such a call had nothing to import, which another case's had brought before, it is a
     repeat like others. Of those that do not fit in the budget even once the first setting of a route has that call in
     any case: imports weigh nothing beside what takes so long; the others have neither.
     """
-    firsts, spent = _import_all(who)
-    failures = [answer if isinstance(answer, str) else "" for answer in firsts]
+    entries = _import_all(who)
     deadline = time.perf_counter() + budget
-    repeats: dict[int, list[_Repeat]] = {
-        place: [answer] if isinstance(answer, _Repeat) and not answer.modules else []
-        for place, answer in enumerate(firsts)
-    }
     for turn in range(1, LEAST_REPEATS + 1):
-        for place, one in sorted(enumerate(who), key=lambda pair: spent[pair[0]]):
-            done = len(repeats[place]) >= turn
-            if done or failures[place] or time.perf_counter() + spent[place] > deadline:
+        for entry in sorted(entries, key=lambda entry: entry.spent):
+            done = len(entry.repeats) >= turn
+            if done or entry.failure or time.perf_counter() + entry.spent > deadline:
                 continue
             began = time.perf_counter()
-            answer = _apart(_call, one)
-            spent[place] = time.perf_counter() - began
+            answer = _apart(_call, entry.contestant)
+            entry.spent = time.perf_counter() - began
             if isinstance(answer, str):
-                failures[place] = answer
+                entry.failure = answer
             else:
-                repeats[place].append(answer)
-    for place, answer in enumerate(firsts):
-        if not repeats[place] and isinstance(answer, _Repeat):
-            repeats[place].append(answer)
-    quiet = min((r.loop for done in repeats.values() for r in done), default=0.0)
-    return [(_median(repeats[place], quiet), failures[place]) for place in range(len(who))]
+                entry.repeats.append(answer)
+    for entry in entries:
+        if not entry.repeats and entry.importing:
+            entry.repeats.append(entry.importing)
+    quiet = min((r.loop for entry in entries for r in entry.repeats), default=0.0)
+    return {entry.contestant.key: (_median(entry.repeats, quiet), entry.failure) for entry in entries}
 
 
 def _median(repeats: Sequence[_Repeat], loop: float) -> Cold | None:
@@ -97,27 +105,32 @@ def _median(repeats: Sequence[_Repeat], loop: float) -> Cold | None:
     return Cold(build, run, statistics.median(r.read for r in used), len(used), not calm)
 
 
-def _import_all(who: Sequence[Contestant]) -> tuple[list[_Repeat | str | None], list[float]]:
-    """Import, in this process, what the calls import, by making one call of each route. Of each contestant that call,
-    the reason why its route fails, or None if another of its route made it; and about how long it takes (wall s)."""
-    told: list[_Repeat | str | None] = []
-    took: dict[tuple[str, str], float] = {}
-    failed: dict[tuple[str, str], str] = {}
+def _import_all(who: Sequence[Contestant]) -> list[_Entry]:
+    """Import, in this process, what the calls import, by making one call of each route; the contestants with what that
+    call says of each."""
+    entries: list[_Entry] = []
+    of_route: dict[tuple[str, str], _Entry] = {}
     for one in who:
-        route = one[1:3]
-        if route not in took:
-            began = time.perf_counter()
-            answer = _apart(_call, one)
-            took[route] = time.perf_counter() - began
-            told.append(answer)
-            if isinstance(answer, str):
-                failed[route] = answer
-            for name in () if isinstance(answer, str) else answer.modules:
-                with suppress(ImportError):  # some compiled modules have a name that only their package knows
-                    importlib.import_module(name)
+        if first := of_route.get(one[1:3]):
+            entries.append(_Entry(one, max(first.spent, one.expected_s), failure=first.failure))
+            continue
+        began = time.perf_counter()
+        answer = _apart(_call, one)
+        entry = of_route[one[1:3]] = _Entry(one, time.perf_counter() - began)
+        entries.append(entry)
+        if isinstance(answer, str):
+            entry.failure = answer
+            continue
+        for name in answer.modules:
+            with suppress(ImportError):  # some compiled modules have a name that only their package knows
+                importlib.import_module(name)
+        if answer.modules:
+            entry.importing = answer
         else:
-            told.append(failed.get(route))
-    return told, [max(took[one[1:3]], one.expected_s) for one in who]
+            entry.repeats.append(answer)
+    for entry in of_route.values():
+        entry.spent = max(entry.spent, entry.contestant.expected_s)
+    return entries
 
 
 def _call(one: Contestant) -> _Repeat:

@@ -6,6 +6,7 @@ The type's own annotations say how to read a record back, so nothing in a file d
 from __future__ import annotations
 
 import dataclasses
+import sys
 from collections.abc import Mapping
 from enum import Enum
 from types import NoneType, UnionType
@@ -13,9 +14,12 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+import cases
+
 
 def pack(value: Any) -> tuple[Any, dict[str, np.ndarray]]:
-    """What JSON can hold, and the arrays by the path at which they stood; raises TypeError for any other kind."""
+    """What JSON can hold, and the arrays by number (a path may hold what no file's name can); raises TypeError for any
+    other kind."""
     arrays: dict[str, np.ndarray] = {}
     return _packed(value, "value", arrays), arrays
 
@@ -40,7 +44,7 @@ def unpack(kind: Any, data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind(data)
     if _is_record(kind):
-        hints = get_type_hints(kind)
+        hints = _hints(kind)
         if data.keys() != set(_fields(kind)):
             raise ValueError(f"it is no {kind.__name__}")
         return kind(**{name: unpack(hints[name], d, arrays) for name, d in data.items()})
@@ -50,6 +54,11 @@ def unpack(kind: Any, data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
     if type(data) is not kind and not (kind is int and type(data) is float):
         raise ValueError(f"{data!r} stands where {kind} belongs")
     return data
+
+
+def _hints(kind: type) -> dict[str, Any]:
+    """The types of a record's fields; what its module imports for type checkers alone are names of `cases`."""
+    return get_type_hints(kind, {**vars(cases), **vars(sys.modules[kind.__module__])})
 
 
 def _unpacked_union(kinds: tuple, data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
@@ -65,8 +74,9 @@ def _unpacked_union(kinds: tuple, data: Any, arrays: Mapping[str, np.ndarray]) -
 
 def _packed(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:
     if isinstance(value, np.ndarray):
-        arrays[path] = value
-        return path
+        name = str(len(arrays))
+        arrays[name] = value
+        return name
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, np.generic):

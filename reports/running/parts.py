@@ -20,7 +20,7 @@ import numpy as np
 
 from adapters.interface import returns_once
 
-from .clock import Contestant
+from .clock import Contestant, Key
 from .solvers import solver
 
 # What a stripped run is without, each beside what is named before it.
@@ -43,21 +43,20 @@ class Parts(NamedTuple):
     notes: float
 
 
-def parts_of_all(who: Sequence[Contestant], budget: float) -> list[tuple[Parts | None, str]]:
-    """Of each contestant the parts of its run, or None and why they are not known; within about `budget` wall s."""
+def parts_of_all(who: Sequence[Contestant], budget: float) -> dict[Key, tuple[Parts | None, str]]:
+    """The parts of each contestant's run, or None and why they are not known; within about `budget` wall s."""
     deadline = time.perf_counter() + budget
-    found: list[tuple[Parts | None, str]] = [(None, "")] * len(who)
-    in_turn = sorted(range(len(who)), key=lambda place: who[place].expected_s)
-    for number, place in enumerate(in_turn):
-        one, left = who[place], deadline - time.perf_counter()
+    found: dict[Key, tuple[Parts | None, str]] = {}
+    for number, one in enumerate(sorted(who, key=lambda one: one.expected_s)):
+        left = deadline - time.perf_counter()
         if (1 + len(STRIPPED)) * one.expected_s > left:
-            found[place] = None, "the time budget did not reach it"
+            found[one.key] = None, "the time budget did not reach it"
             continue
         try:
-            # Who is not ready in a share of what is left ends after the least turns.
-            found[place] = parts(one, time.perf_counter() + left / (len(who) - number)), ""
+            # A contestant that needs more than its share of the remaining time ends after the least turns.
+            found[one.key] = parts(one, time.perf_counter() + left / (len(who) - number)), ""
         except (Exception, SystemExit) as problem:  # an engine that fails now and then loses its parts, not everyone's
-            found[place] = None, f"{type(problem).__name__}: {problem}"
+            found[one.key] = None, f"{type(problem).__name__}: {problem}"
     return found
 
 

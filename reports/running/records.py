@@ -22,6 +22,9 @@ TRUTH_RTOL = 1e-13
 # No honest sentence is longer; the last error message of an engine fits.
 _LONGEST_TEXT = 2000
 
+# A row of a table, as it travels and is kept.
+Row = dict[str, str | float | int | bool | None]
+
 
 @dataclass(frozen=True)
 class Offer:

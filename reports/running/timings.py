@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
-from adapters import Setting
 from adapters.interface import executables
 from cases import Case
 
 from . import clock, cold, parts
 from .calls import Calls, Keep
-from .clock import Contestant, Timing
+from .clock import Contestant, Key, Timing
 from .cold import Cold
 from .parts import Parts
 from .records import Experiment, routes
@@ -30,10 +30,12 @@ FULL_BUDGET_A_CASE = 60.0
 COLD_BUDGET, PARTS_BUDGET = 1.0, 1.5
 # Beyond its budget a case may take as long as one run more and its compilations.
 PATIENCE = 60.0
+# The step of a build in which cold starts and the parts of runs are measured.
+_BESIDE = "cold starts and parts"
+# What is said of a contestant that an answer does not name.
+_NONE = None, "the answer of the clock does not name it"
 # The budget of those that are timed alone only to see whether they end their process.
 _TRIAL_SECONDS = 1.0
-
-Key = tuple[str, str, str, Setting]  # case, solver, route, setting
 
 
 class Timed(NamedTuple):
@@ -98,7 +100,7 @@ def measure(experiment: Experiment, full: bool, calls: Calls) -> Timed:
         for place, who in enumerate(in_turn):
             left = max(deadline - time.perf_counter(), 1.0) / (len(cases) - place)
             found, failed = time_together(who, FULL_BUDGET_A_CASE if full else left, share, alone)
-            timings.update({(one.case.label, *one[1:4]): timing for one, timing in found})
+            timings.update({one.key: timing for one, timing in found})
             failures.update({f"{one.case.label}, {' '.join(map(str, one[1:4]))}": why for one, why in failed})
             yield
 
@@ -116,33 +118,41 @@ def beside(experiment: Experiment, wanted: Collection[Key], full: bool, calls: C
 
     def one_by_one(cold_alone: Calls, parts_alone: Calls) -> Iterator[None]:
         for case in experiment.cases:
-            who = [one for one in contestants(experiment, case) if (case.label, *one[1:4]) in wanted]
+            who = [one for one in contestants(experiment, case) if one.key in wanted]
             if who:
-                colds.update(_beside(cold.first_calls, who, cold_budget, cold_alone))
-                shares.update(_beside(parts.parts_of_all, who, parts_budget, parts_alone))
+                colds.update(_measured(partial(_cold_starts, cold_alone), who, cold_budget))
+                shares.update(_measured(partial(_parts, parts_alone), who, parts_budget))
                 yield
 
     # Nothing may have been compiled in a process that is to begin cold: it splits off others, which make the calls.
     with calls.alone() as cold_alone, calls.alone() as parts_alone:
         steps = one_by_one(cold_alone, parts_alone)
-        for _ in calls.progress("cold starts and parts", len({key[0] for key in wanted}), steps):
+        for _ in calls.progress(_BESIDE, len({key[0] for key in wanted}), steps):
             pass
     return Beside(colds, shares)
 
 
-def _beside(function: Callable, who: Sequence[Contestant], budget: float, alone: Calls) -> dict[Key, Any]:
-    keep = Keep(
-        "timing",
-        of=_content,
-        worth=lambda value: not any(getattr(told, "disturbed", False) for told, _ in value if told),
-    )
+def _cold_starts(alone: Calls, who: Sequence[Contestant], share: float) -> list[Answer]:
+    return alone.all(_BESIDE, cold.first_calls, [(who, share)], limit=share + PATIENCE, keep=_KEEP)
+
+
+def _parts(alone: Calls, who: Sequence[Contestant], share: float) -> list[Answer]:
+    return alone.all(_BESIDE, parts.parts_of_all, [(who, share)], limit=share + PATIENCE, keep=_KEEP)
+
+
+def _measured(ask: Callable[..., list[Answer]], who: Sequence[Contestant], budget: float) -> dict[Key, Any]:
+    """What was measured of each contestant, within `budget` wall seconds for all processes that this takes."""
     found: dict[Key, Any] = {}
     for some in _by_version(who):
-        share = budget * len(some) / len(who)
-        (answer,) = alone.all("cold starts and parts", function, [(some, share)], limit=share + PATIENCE, keep=keep)
-        told = answer.value if answer.outcome == "done" else []
-        found |= {(one.case.label, *one[1:4]): value for one, (value, _) in zip(some, told, strict=False) if value}
+        (answer,) = ask(some, budget * len(some) / len(who))
+        results = answer.value if answer.outcome == "done" else {}
+        found |= {one.key: value for one in some if (value := results.get(one.key, _NONE)[0])}
     return found
+
+
+def _undisturbed(results: Mapping[Key, tuple[Any, str]]) -> bool:
+    """Whether nothing else had a part in what was measured, which is then worth keeping."""
+    return not any(getattr(value, "disturbed", False) for value, _ in results.values())
 
 
 def _by_version(who: Sequence[Contestant]) -> list[list[Contestant]]:
@@ -154,8 +164,13 @@ def _by_version(who: Sequence[Contestant]) -> list[list[Contestant]]:
 
 
 def _content(who: Sequence[Contestant], budget: float) -> tuple:
-    """What decides a timing: cases, solvers, routes and settings, and the time there was for it."""
-    return *dict.fromkeys(one.case for one in who), sorted((*one[1:3], str(one[3])) for one in who), budget
+    """What decides a timing, whatever the order of the contestants: the cases, who runs which of them by which setting,
+    and the time there was for it."""
+    cases = sorted(dict.fromkeys(one.case for one in who), key=lambda case: case.label)
+    return *cases, sorted((one.key for one in who), key=repr), budget
+
+
+_KEEP = Keep("timing", of=_content, worth=_undisturbed)
 
 
 def time_together(
@@ -171,11 +186,7 @@ def time_together(
         portions = [(some, len(some) / len(who)) for some in processes]
         told = [time_together(some, budget * part, share * part, alone, again) for some, part in portions]
         return [pair for found, _ in told for pair in found], [pair for _, failed in told for pair in failed]
-    keep = Keep(
-        "timing",
-        of=lambda who, _: _content(who, share),
-        worth=lambda value: not any(timing.disturbed for timing, _ in value if timing),
-    )
+    keep = _KEEP._replace(of=lambda who, _: _content(who, share))
     (answer,) = alone.all("timings", clock.time_all, [(who, budget)], limit=budget + PATIENCE, keep=keep)
     if answer.outcome == "done":
         return _sorted([(who, answer)])
@@ -195,11 +206,14 @@ def _sorted(
     answered: Sequence[tuple[Sequence[Contestant], Answer]],
 ) -> tuple[list[tuple[Contestant, Timing]], list[tuple[Contestant, str]]]:
     """What has a timing, and what has none and why."""
-    told: list[tuple[Contestant, tuple[Timing | None, str]]] = []
+    found: list[tuple[Contestant, Timing]] = []
+    failed: list[tuple[Contestant, str]] = []
     for who, answer in answered:
-        done = answer.outcome == "done"
-        told += zip(who, answer.value if done else [(None, answer.failure[1])] * len(who), strict=True)
-    return [(one, timing) for one, (timing, _) in told if timing], [(one, why) for one, (_, why) in told if why]
+        for one in who:
+            timing, why = answer.value.get(one.key, _NONE) if answer.outcome == "done" else (None, answer.failure[1])
+            found += [(one, timing)] if timing else []
+            failed += [(one, why)] if why else []
+    return found, failed
 
 
 def _by_solver(who: Sequence[Contestant]) -> list[list[Contestant]]:

@@ -106,5 +106,5 @@ def test_a_call_from_cold_that_has_nothing_left_to_import_is_a_repeat(monkeypatc
     who = [Contestant(CIRCLE, "pymunk", "native", setting, 0.1)]
     cold.first_calls(who, 60.0)
     made.clear()
-    ((told, why),) = cold.first_calls(who, 60.0)
+    ((told, why),) = cold.first_calls(who, 60.0).values()
     assert told.repeats <= cold.LEAST_REPEATS == len(made) and not why  # of which a busy machine disturbs some

@@ -130,7 +130,7 @@ def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp
     class Pool:
         def run(self, function, arguments, *_):
             made.append(arguments)
-            yield 0, workers.Answer("done", value=[(timing, ""), (None, "it fell over")])
+            yield 0, workers.Answer("done", value={who[0].key: (timing, ""), who[1].key: (None, "it fell over")})
 
     calls = Calls(store=Store(tmp_path), versions=VERSIONS)
     calls._pool = Pool()
@@ -150,7 +150,7 @@ class Clock:
             if len(who) > self.most or any(one.setting["s"] in self.deadly for one in who):
                 yield i, workers.Answer("died", reason="it ended")
             else:
-                yield i, workers.Answer("done", value=[(TIMING, "")] * len(who))
+                yield i, workers.Answer("done", value={one.key: (TIMING, "") for one in who})
 
 
 TIMING = replace(UNTIMED, cpu_s=1.0)
@@ -176,7 +176,7 @@ def test_timings_made_within_another_budget_or_beside_others_are_not_taken(tmp_p
     class Pool:
         def run(self, function, arguments, *_):
             made.append(arguments)
-            yield 0, workers.Answer("done", value=[(None, "it fell over")] * len(arguments[0][0]))
+            yield 0, workers.Answer("done", value={one.key: (None, "it fell over") for one in arguments[0][0]})
 
     calls = Calls(store=Store(tmp_path), versions=VERSIONS)
     calls._pool = Pool()

@@ -78,7 +78,7 @@ def with_object_array(path: Path) -> None:
         members = {name: archive.read(name) for name in archive.namelist()}
     array = io.BytesIO()
     np.save(array, np.array([Trap(path.parent / "sprung")], dtype=object), allow_pickle=True)
-    members["value.samples.t.npy"] = array.getvalue()
+    members["0.npy"] = array.getvalue()
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in members.items():
             archive.writestr(name, content)

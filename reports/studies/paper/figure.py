@@ -47,7 +47,7 @@ def remark(found: Paper) -> Figure:
     """The closing remark as curves over μ₀, and with it where rolling follows."""
     rows = found.remark
     mus = np.array([row["mu"] for row in rows])
-    rolls = np.array([row["needed"] <= 1.0 for row in rows])
+    rolls = np.array([row["needed"] for row in rows], dtype=float) <= 1.0
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 3, figsize=(10.4, 3.3), layout="constrained")
         panels = (

@@ -6,7 +6,7 @@ The paper's figures end where v vanishes. Its sizes and its start are not in its
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,8 @@ import reference
 from cases import Mode, Trajectory
 from reference.paper.application import rolls_beyond, slip_end
 from reference.paper.lines import LINES
+
+from ...running.records import Row
 
 # The paper's coefficients, and those it draws.
 COEFFICIENTS, FIGURED = (0.01, 0.1, 0.2), (0.01, 0.1)
@@ -34,9 +36,9 @@ class Paper(NamedTuple):
     """The rows of the three tables, and for each coefficient of `FIGURED` its curves up to v = 0 and on, with when v
     vanishes (s) and what follows."""
 
-    equations: list[dict[str, Any]]
-    claims: list[dict[str, Any]]
-    remark: list[dict[str, Any]]
+    equations: list[Row]
+    claims: list[Row]
+    remark: list[Row]
     curves: dict[float, tuple[dict[str, np.ndarray], dict[str, np.ndarray], float, str]]
 
 
@@ -49,18 +51,18 @@ def measure() -> Paper:
     return Paper(equation_rows(), claim_rows(), remark_rows(), drawn)
 
 
-def equation_rows() -> list[dict[str, Any]]:
+def equation_rows() -> list[Row]:
     """One row for each numbered equation: what it says and where it stands in the code."""
     return [{"equation": f"({n})", "says": says, "places": ", ".join(places)} for n, says, places in LINES]
 
 
-def claim_rows() -> list[dict[str, Any]]:
+def claim_rows() -> list[Row]:
     """One row for each of the paper's coefficients: where v vanishes, what follows, and the cone's margin there.
 
     `needed` is the friction that rolling would take over what the cone holds; `rolls_beyond` (rad) the release from
     rest from which on the disc rolls.
     """
-    rows = []
+    rows: list[Row] = []
     for mu in COEFFICIENTS:
         end, first = slip_end(mu), _motion(mu).transitions[0]
         rows.append(
@@ -79,7 +81,7 @@ def claim_rows() -> list[dict[str, Any]]:
     return rows
 
 
-def remark_rows() -> list[dict[str, Any]]:
+def remark_rows() -> list[Row]:
     """The closing remark: where and when v vanishes (in units of √((R − r)/g)), one row for each of `MUS`."""
     return [{"mu": float(mu), **slip_end(float(mu))._asdict()} for mu in MUS]
 

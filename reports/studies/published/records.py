@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import reference
 from cases import Case, Trajectory
+
+from ...running.records import Row
 
 Reading = Callable[[Trajectory], float]
 
@@ -79,7 +80,7 @@ def verdict(number: Number, ours: float) -> str:
     return "known" if difference <= number.off else "differs"
 
 
-def row(publication: Publication, number: Number, ours: float) -> dict[str, Any]:
+def row(publication: Publication, number: Number, ours: float) -> Row:
     """One row of the table; keys as in COLUMNS."""
     found = verdict(number, ours)
     return {
@@ -96,7 +97,7 @@ def row(publication: Publication, number: Number, ours: float) -> dict[str, Any]
     }
 
 
-def rows(publications: Sequence[Publication]) -> list[dict[str, Any]]:
+def rows(publications: Sequence[Publication]) -> list[Row]:
     """The table of some publications: one row per number, in their order."""
     table = []
     for publication in publications:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from ...analysis.columns import Table
 from ...drawing.files import Drawn
 from ...running.calls import Calls, Keep
+from ...running.records import Row
 from .. import Request
 from . import COLUMNS, PUBLICATIONS
 from .records import rows as compared
@@ -23,15 +23,15 @@ IN_REPORT = True
 TABLES = {"published": Table("Numbers that other programs publish, and ours", COLUMNS)}
 
 
-def of_one(index: int) -> list[dict[str, Any]]:
+def of_one(index: int) -> list[Row]:
     """The rows of one publication, by its place in `PUBLICATIONS`."""
     return compared(PUBLICATIONS[index : index + 1])
 
 
-def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
+def run(request: Request, calls: Calls) -> list[Row]:
     """The rows of all publications; one that could not be computed says why."""
     answers = calls.all("published numbers", of_one, [(i,) for i in range(len(PUBLICATIONS))], keep=Keep())
-    found = []
+    found: list[Row] = []
     for publication, answer in zip(PUBLICATIONS, answers, strict=True):
         if answer.outcome == "done":
             found += answer.value
@@ -41,11 +41,11 @@ def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
     return found
 
 
-def rows(found: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+def rows(found: list[Row]) -> dict[str, list[Row]]:
     """The one table."""
     return {"published": found}
 
 
-def draw(found: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
+def draw(found: list[Row], folder: Path) -> Iterator[Drawn]:
     """Nothing: it is a table."""
     yield from ()

@@ -1,0 +1,77 @@
+"""A clock for tests: time passes only where a test says so, so that no result depends on the machine or its load."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from types import SimpleNamespace
+
+from reports.running.serving import Answer
+
+# Seconds that a look at the clock takes: far below every time that a test measures.
+TICK = 1e-9
+
+
+class Watch:
+    """Stands for the module `time`; the processor's seconds and those on the wall pass separately."""
+
+    def __init__(self) -> None:
+        self.wall = self.cpu = 0.0
+
+    def perf_counter(self) -> float:
+        """Wall seconds."""
+        self.wall += TICK
+        return self.wall
+
+    def process_time(self) -> float:
+        """CPU seconds."""
+        self.cpu += TICK
+        return self.cpu
+
+    monotonic, thread_time = perf_counter, process_time
+
+    def spend(self, cpu: float, wall: float | None = None) -> None:
+        """Let CPU seconds pass, and as many on the wall if it does not say how many."""
+        self.cpu += cpu
+        self.wall += cpu if wall is None else wall
+
+    def work(self, cpu: float, done: Callable[[], object] = lambda: None, wall: float | None = None) -> Callable:
+        """A function of any arguments that calls `done`, takes so long and returns its first argument."""
+
+        def work(*arguments):
+            done()
+            self.spend(cpu, wall)
+            return arguments[0] if arguments else None
+
+        return work
+
+    def engine(self, build: float, run: float, read: float, **more) -> SimpleNamespace:
+        """An adapter whose functions take so many CPU seconds; each setting's knob `cost` multiplies all three."""
+
+        def built(case, route, setting):
+            self.spend(build * setting["cost"])
+            return SimpleNamespace(cost=setting["cost"])
+
+        def taking(seconds: float) -> Callable:
+            def work(model):
+                self.spend(seconds * model.cost)
+                return SimpleNamespace(t=())
+
+            return work
+
+        return SimpleNamespace(build=built, run=taking(run), read=taking(read), **more)
+
+
+class Here:
+    """Stands for a pool of workers: makes the calls in this process, at once; `made` are those it was given."""
+
+    def __init__(self) -> None:
+        self.made: list[tuple] = []
+
+    def run(self, function: Callable, arguments, *_) -> Iterator[tuple[int, Answer]]:
+        """Answers in the order of the calls."""
+        for i, call in enumerate(arguments):
+            self.made.append(call)
+            yield i, Answer("done", value=function(*call))
+
+    def close(self) -> None:
+        """There is nothing to end."""
