@@ -48,7 +48,12 @@ _DOES = {
 
 @dataclass(frozen=True)
 class Transition:
-    """One change of mode: when (s), from what to what, where on the two curves, and why (one phrase)."""
+    """One change of mode: when (s), from what to what, where on the two curves, and why (one phrase).
+
+    An impact after which the plate flies is a change from flight to flight. It is listed if it closes with at least
+    7e-4 of the greatest closing speed since the plate last lay on its track, whatever its rebound is. Slower ones
+    belong to bouncing that comes to rest, whose end is the change from flight to contact.
+    """
 
     time: float
     before: Mode

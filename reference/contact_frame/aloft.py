@@ -15,8 +15,8 @@ from .course import UNFINISHED, Course, Flying, Landing, Leap, Stopped, Touching
 from .equations import Phase, leaves
 from .flight import Touch
 
-# A rebound is listed if its speed is at least this part of the greatest closing speed since the plate last lay on its
-# track; slower ones belong to bouncing that comes to rest.
+# An impact after which the plate flies is listed if it closes with at least this part of the greatest closing speed
+# since the plate last lay on its track; slower ones belong to bouncing that comes to rest.
 LISTED = 7e-4
 
 # A flight is a hop close to the track if all that acts on the plate turns by no more than this (rad) before it is over.
@@ -76,8 +76,8 @@ def _long(course: Course, now: Flying) -> Landing | Stopped:
     return Landing([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)
 
 
-def land(course: Course, landing: Landing) -> Touching | Flying | Stopped:
-    """What follows when the outline meets the track."""
+def land(course: Course, landing: Landing, flown: bool = True) -> Touching | Flying | Stopped:
+    """What follows when the outline meets the track; `flown`: whether a flight led there."""
     scene, effect = course.scene, course.case.effect(Impact)
     (xi1, xi2, spin, slip), turns = landing.z, landing.turns
     q = scene.place(xi1, xi2)
@@ -93,16 +93,18 @@ def land(course: Course, landing: Landing) -> Touching | Flying | Stopped:
         return Stopped("energy_gain")
     z = [xi1, xi2, result.spin, result.slip]
     course.last_xi1 = xi1
-    course.fastest = max(course.fastest, -landing.lift)
+    course.fastest = max(course.fastest, -landing.lift if flown else 0.0)
+    listed = flown and -landing.lift >= LISTED * course.fastest
     if result.lift == 0.0:
-        return _settle(course, z, turns)
-    course.bounces.append(Bounce(course.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
-    listed = result.lift >= LISTED * course.fastest and not drowns(course, z, turns, result.lift)
-    limit = None if listed else _accumulation(course, turns)
-    if limit is not None:
-        course.t = limit.time
-        return _settle(course, limit.z, turns)
-    after = leap(course, z, turns, result.lift)
+        after = _settle(course, z, turns)
+    else:
+        course.bounces.append(Bounce(course.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
+        stepped = listed and not drowns(course, z, turns, result.lift)
+        limit = None if stepped else _accumulation(course, turns)
+        if limit is not None:
+            course.t = limit.time
+            return _settle(course, limit.z, turns)
+        after = leap(course, z, turns, result.lift)
     if listed and isinstance(after, Flying):
         course.transitions.append(Transition(course.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2))
     return after

@@ -142,7 +142,7 @@ def _start(course: Course) -> Touching | Flying | Stopped:
         return Flying(body)
     lift = course.case.start.gap_rate
     if lift < 0.0 or aloft.drowns(course, z, 0, lift):  # what rises by less than a rounding comes down at once, as fast
-        return aloft.land(course, Landing(z, 0, -abs(lift)))
+        return aloft.land(course, Landing(z, 0, -abs(lift)), flown=lift < 0.0)
     return aloft.leap(course, z, 0, lift)
 
 

@@ -33,8 +33,9 @@ NEGLIGIBLE = 1e-13
 # Bounces count from where the time that is left is this part of the natural time, and while the ratio of two rebounds
 # does not change by more than as much: there u is small.
 SMALL = 2e-2
-# A rebound is listed among the transitions if it is at least as fast as this part of the greatest closing speed since
-# the plate last lay on its track. (Powers of round coefficients of restitution stay away from it.)
+# An impact after which the plate flies is listed among the transitions if it closes with at least this part of the
+# greatest closing speed since the plate last lay on its track: so the list of bouncing that comes to rest is finite.
+# (Powers of round coefficients of restitution stay away from it.)
 LISTED = 7e-4
 
 
@@ -65,16 +66,22 @@ class Bounces:
         self.last: _Bounce | None = None
         self.ratio = inf
         self.some: list[_Bounce] = []  # of those that count, with speeds well apart
+        self.struck = -inf  # time of the last impact, s
         self.greatest = 0.0  # closing speed of the spell, m/s
 
-    def add(self, since: float, landing: Landing, after: Touch, pull: float) -> bool:
-        """An impact that ends a flight begun at `since`, the velocities after it, with lift > 0, and how fast gravity
-        and load bring it back (m/s²; not if it is not positive). Whether the rebound is listed."""
+    def strike(self, since: float, landing: Landing) -> bool:
+        """An impact that ends a flight begun at `since`; whether it is listed if the plate flies on."""
+        closing = -landing.touch.lift
+        if since > self.struck:  # the plate has lain on its track meanwhile
+            self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
+        self.struck, self.greatest = landing.time, max(self.greatest, closing)
+        return closing >= LISTED * self.greatest
+
+    def rebound(self, landing: Landing, after: Touch, pull: float) -> None:
+        """The velocities after the last impact, with lift > 0, and how fast gravity and load bring the plate back, m/s²
+        (not if it is not positive)."""
         closing = -landing.touch.lift
         ratio = after.lift / closing if closing > 0.0 else inf
-        if self.last and since > self.last.landing.time:  # the plate has lain on its track meanwhile
-            self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
-        self.greatest = max(self.greatest, closing)
         natural = self._natural(landing, after, pull)
         left = 2.0 * after.lift / (pull * (1.0 - ratio)) if pull > 0.0 and ratio < 1.0 else inf
         self.last = _Bounce(landing, after, pull, natural, left)
@@ -83,7 +90,10 @@ class Bounces:
         if left <= SMALL * natural and (not self.some or after.lift <= APART * self.some[-1].after.lift):
             self.some = [*self.some[1 - MOST :], self.last]
         self.ratio = ratio
-        return after.lift >= LISTED * self.greatest
+
+    def no_rebound(self) -> None:
+        """The last impact left no lift: what follows it belongs to no sequence of rebounds before it."""
+        self.last, self.some, self.ratio = None, [], inf
 
     def _natural(self, landing: Landing, after: Touch, pull: float) -> float:
         """The shortest of the times in which the plate falls through its size, turns by a radian, and the pull changes

@@ -106,7 +106,7 @@ class Step(NamedTuple):
     state: tuple[float, ...] = ()
     regime: Regime | None = None
     ending: Ending = COMPLETED
-    listed: bool = True  # a rebound that is too small is a change of mode nobody lists
+    listed: bool = True  # whether an impact between two flights is listed
 
 
 def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
@@ -389,6 +389,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     law, since = law_of(case, landing.arm_t, landing.arm_n), segments[0].start
     # What opens and has not flown does not get off its track: it comes down as fast as it rose, and stays.
     none = landing.time == since and landing.touch.lift >= 0.0
+    listed = not none and bounces.strike(since, landing)
     touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
     after = collide(law, touch)
     if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
@@ -396,16 +397,17 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
     if none or after.lift <= 0.0:
+        bounces.no_rebound()
         cause = "rest" if after.lift > 0.0 else "landing"
-        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), cause)
+        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), cause, listed)
     drowns = _drowns(case, after.lift, pull, place)
-    listed = bounces.add(since, landing, after, pull) and not drowns
-    limit = None if listed else bounces.limit()  # what is listed is stepped through
+    bounces.rebound(landing, after, pull)
+    limit = None if listed and not drowns else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
         settled = (*flown, bounces.settling(last.phase, limit))
-        return _rest(case, settled, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest")
+        return _rest(case, settled, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest", False)
     if drowns:
-        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "rest")
+        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", listed)
     aloft = in_flight(case, y, after.slip, after.omega, after.lift)
     return Step(flown, landing.time, place, "landing", aloft, FLIGHT, listed=listed)
 
@@ -417,12 +419,11 @@ def _drowns(case: Case, lift: float, pull: float, place: tuple[float, float]) ->
     return lift * lift <= 2.0 * pull * known
 
 
-def _rest(case: Case, segments, t: float, place, theta: float, touch: Touch, cause: str) -> Step:
-    """Contact that neither opens nor closes: the mode that follows, or flight where none does."""
+def _rest(case: Case, segments, t: float, place, theta: float, touch: Touch, cause: str, listed: bool) -> Step:
+    """Contact that neither opens nor closes: the mode that follows, or flight, `listed` or not, where none does."""
     y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
     moves = senses(case, y, touch.slip, touch.omega, LOCATED)
     following = decide(case, t, y, LOCATED, able(case, *moves))
     if following:
         return Step(segments, t, place, cause, y, following)
-    # What leaves at once has no speed to be listed by.
-    return _leave(case, segments, t, y, cause)._replace(listed=False)
+    return _leave(case, segments, t, y, cause)._replace(listed=listed)

@@ -1,6 +1,7 @@
 """Transitions of a solver matched with the truth's: which are found, which missed, which spurious, and how late.
 
-A rebound of the truth's that flies for less than a motion's samples resolve is asked of nobody: it is unresolved.
+An impact of the truth's after which the plate flies for less than a motion's samples resolve is asked of nobody: it is
+unresolved.
 """
 
 from __future__ import annotations
@@ -46,9 +47,9 @@ def match(truth: Sequence[Transition], found: Sequence[Transition], gap: float =
 
 
 def _short(truth: Sequence[Transition], i: int, least: float) -> bool:
-    """Whether the transition is a rebound whose flight is shorter than that."""
-    rebounds = truth[i].before is truth[i].after is Mode.FLIGHT
-    return rebounds and i + 1 < len(truth) and truth[i + 1].time - truth[i].time < least
+    """Whether the transition is an impact after which the plate flies for less than that."""
+    flies_on = truth[i].before is truth[i].after is Mode.FLIGHT
+    return flies_on and i + 1 < len(truth) and truth[i + 1].time - truth[i].time < least
 
 
 def _pairing(truth: Sequence[Transition], found: Sequence[Transition]) -> list[tuple[int, int]]:

@@ -33,14 +33,16 @@ from cases.nearest import nearest
 from . import slip_phases
 from .slip_phases import Reading
 
-# A rebound is listed if it is at least as fast as this part of the greatest closing speed since the plate last lay on
-# its track (the reference's rule), and if samples resolve the flight that it begins.
+# An impact is listed if it closes with at least this part of the greatest closing speed since the plate last lay on its
+# track (the reference's rule), and if samples resolve the flight that it begins.
 _LISTED = 7e-4
 # A rebound that flies for a whole gap g between samples needs a jump of the velocity by a·g at least, with the
 # acceleration a of free flight: half of that is an impact.
 _JUMP = 0.5
 # Without gravity and load: ten roundings of single precision, of the motion's speed.
 _SMALLEST_JUMP = 1e-6
+# An impact no farther from the end than this part of its time is at the end: some roundings of where parabolas meet.
+_ROUNDING = 1e-14
 # A contact of fewer samples tells no slope.
 _FEWEST = 4
 
@@ -56,12 +58,11 @@ class _Change(NamedTuple):
 
 
 class _Impact(NamedTuple):
-    """When, how far the time moves, and with what speeds along the track's normal it closes and rebounds (m/s)."""
+    """When, how far the time moves, and with what speed along the track's normal it closes (m/s)."""
 
     time: float
     spread: float
     closing: float
-    rebound: float
 
 
 class _Stretch(NamedTuple):
@@ -203,7 +204,7 @@ class _Motion:
         return np.column_stack([self.all.vx, self.all.vy])
 
     def _rebounds(self, stretch: _Stretch, landing: _Change | None) -> Iterable[_Change]:
-        """The impacts of a flight that rebound fast enough to be listed and fly on for long enough to be seen."""
+        """The impacts of a flight that close fast enough to be listed and fly on for long enough to be seen."""
         impacts = self._impacts(stretch)
         if not impacts:
             return
@@ -216,9 +217,10 @@ class _Motion:
         greatest = 0.0
         for impact, end in zip(impacts, ends, strict=True):
             greatest = max(greatest, impact.closing)
-            # The last flight of a motion is seen as far as it goes.
-            whole = end - impact.time >= seen or (landing is None and impact is impacts[-1])
-            if whole and impact.rebound >= _LISTED * greatest:
+            # The last flight of a motion is seen as far as it goes, if there is one.
+            goes_on = landing is None and impact is impacts[-1] and end - impact.time > _ROUNDING * end
+            whole = end - impact.time >= seen or goes_on
+            if whole and impact.closing >= _LISTED * greatest:
                 yield _Change(impact.time, Mode.FLIGHT, Mode.FLIGHT, impact.spread, "impact")
 
     def _impacts(self, stretch: _Stretch) -> list[_Impact]:
@@ -232,25 +234,22 @@ class _Motion:
             # Samples left out between the two are a contact: there it touched, jump or not.
             if j > i + 1 or self._jumps(i, j):
                 time, spread = self._meeting(i, j)
-                found.append(_Impact(time, spread, *self._speeds(i, j, time)))
+                found.append(_Impact(time, spread, self._closing(i, j, time)))
         return found
 
-    def _speeds(self, i: int, j: int, time: float) -> tuple[float, float]:
-        """With what speeds the outline's nearest point closes and rebounds at a time between the samples i and j, m/s;
-        the change of the whole velocity where no point of the track is near."""
+    def _closing(self, i: int, j: int, time: float) -> float:
+        """With what speed the outline's nearest point closes at a time between the samples i and j, m/s; the change of
+        the whole velocity where no point of the track is near."""
         motion, free = self.all, np.nan_to_num(self._free)
         after = motion.t[j] - time
-        velocities = self._rates[i] + (time - motion.t[i]) * free[i], self._rates[j] - after * free[j]
-        x, y = self._places[j] - after * velocities[1]
+        before, later = self._rates[i] + (time - motion.t[i]) * free[i], self._rates[j] - after * free[j]
+        x, y = self._places[j] - after * later
         contact = nearest(self.case, float(x), float(y), float(motion.theta[j] - after * motion.omega[j]))
         if contact is None:
-            return 0.0, float(np.hypot(*(velocities[1] - velocities[0])))
+            return float(np.hypot(*(later - before)))
         (nx, ny), (X, Y) = self.case.track.normal(contact.xi1), self.case.track.point(contact.xi1)
-        closing, rebound = (
-            float((v[0] - omega * (Y - y)) * nx + (v[1] + omega * (X - x)) * ny)
-            for v, omega in zip(velocities, (motion.omega[i], motion.omega[j]), strict=True)
-        )
-        return -closing, rebound
+        omega = motion.omega[i]
+        return -float((before[0] - omega * (Y - y)) * nx + (before[1] + omega * (X - x)) * ny)
 
     def _jumps(self, i: int, j: int) -> bool:
         """Whether the velocity changes from sample i, in flight, to sample j by more than gravity and load do."""

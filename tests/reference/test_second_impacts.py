@@ -243,8 +243,8 @@ def test_bounces_on_a_line_follow_a_geometric_series_to_its_limit(e, rests, effe
     case = falling(e, *effects, **start)
     answer = solve(case)
     fall = sqrt(2 * 0.3 / G)
-    # Rebounds of at least 7e-4 of the first, fastest closing speed are listed.
-    lasting = [2 * fall * e**n for n in range(1, 200) if e**n >= 7e-4]
+    # Impacts that close with at least 7e-4 of the first, greatest speed are listed; the n-th closes with eⁿ⁻¹ of it.
+    lasting = [2 * fall * e**n for n in range(1, 200) if e ** (n - 1) >= 7e-4 and e > 0.0]
     hits = fall + np.concatenate([[0.0], np.cumsum(lasting)])[: len(lasting)]
     landed = answer.transitions[len(lasting)]
     assert modes(answer)[: len(lasting)] == [(Mode.FLIGHT, Mode.FLIGHT)] * len(lasting)
@@ -302,15 +302,15 @@ def test_bouncing_comes_to_rest_at_the_same_instant_whatever_the_duration(durati
     # √(2h/g) (1 + e)/(1 − e) for e = 0.9 from half a metre.
     answer = solve(falling(0.9, height=0.5, duration=duration))
     assert rest_of(answer) == pytest.approx(6.066233139734, abs=2e-12)
-    # All 68 rebounds of at least 7e-4 of the first closing speed, 0.9⁶⁸ = 7.7e-4, are listed.
-    assert len(answer.transitions) == 69
+    # All 69 impacts that close with at least 7e-4 of the first speed, 0.9⁶⁸ = 7.7e-4, are listed.
+    assert len(answer.transitions) == 70
 
 
 def check_that_it_rests(e: float, rests: float, duration: float) -> None:
     answer = solve(falling(e, height=0.05, duration=duration))
     assert rest_of(answer) == pytest.approx(rests, abs=1e-9)
     hits = sqrt(2 * 0.05 / G) * (1 + 2 * e * (1 - e ** np.arange(len(answer.transitions) - 1)) / (1 - e))
-    assert len(hits) == int(np.log(7e-4) / np.log(e))
+    assert len(hits) == 1 + int(np.log(7e-4) / np.log(e))
     assert [t.time for t in answer.transitions[:-1]] == pytest.approx(hits, abs=1e-9)
 
 
@@ -343,8 +343,8 @@ def test_a_start_that_begins_with_an_impact_rebounds(speed, e, law):
     assert [t.time for t in answer.transitions[:2]] == pytest.approx([0.0, 2 * e * speed / G], rel=1e-12)
 
 
-def test_a_rebound_is_listed_from_seven_ten_thousandths_of_the_greatest_closing_speed_on():
-    for e, listed in ((7.1e-4, 1), (6.9e-4, 0)):
+def test_an_impact_is_listed_from_seven_ten_thousandths_of_the_greatest_closing_speed_on():
+    for e, listed in ((7.1e-4, 2), (6.9e-4, 1)):
         answer = solve(falling(e, duration=1.0))
         assert modes(answer) == [(Mode.FLIGHT, Mode.FLIGHT)] * listed + [(Mode.FLIGHT, Mode.SLIDE)]
 

@@ -170,17 +170,32 @@ def test_impact_without_gravity_is_seen_and_rounding_is_none():
     assert times(told) == pytest.approx([0.3141], abs=1e-7)
 
 
-def test_rebound_too_slow_for_the_listing_is_not_listed():
-    # Both flights are resolved by their samples; 7e-4 of the closing speed is the least that is listed.
-    for part, listed in ((6e-4, False), (8e-4, True)):
+def test_impact_that_closes_too_slowly_for_the_listing_is_not_listed():
+    # All three flights are resolved by their samples; 7e-4 of the first closing speed is the least that is listed.
+    for part, listed in ((6e-4, 1), (8e-4, 2)):
         t = np.arange(0.0, 0.4, 1e-5)
         up = 3.0 * part
+        second = 0.3 + 2 * up / G
         y, v = bounce(t, 0.3, 3.0, up)
-        again = t >= 0.3 + 2 * up / G
-        y[again], v[again] = R, 0.0
-        told = transitions.read_motion(thrown(), motion(t, y, v, contact=again))
+        again = t >= second
+        y[again], v[again] = (row[again] for row in bounce(t, second, up, 0.9 * up))
+        down = t >= second + 1.8 * up / G
+        y[down], v[down] = R, 0.0
+        told = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
         assert kinds(told) == [(FLIGHT, FLIGHT)] * listed + [(FLIGHT, ROLL)]
-        assert times(told)[-1] == pytest.approx(0.3 + 2 * up / G, abs=1e-5)
+        assert times(told)[-1] == pytest.approx(second + 1.8 * up / G, abs=1e-5)
+
+
+def test_impact_without_a_rebound_is_listed_where_the_plate_flies_on():
+    # Gravity is turned around at the impact: what hits the floor without a rebound leaves it at once.
+    case = thrown(Gravity(G), Load(fy=f"{2 * G}*(1+tanh(1e6*(t-0.3)))/2"), Impact(0.0), duration=0.6)
+    t = np.linspace(0.0, 0.6, 60)
+    y, v = bounce(t, 0.3, 3.0, 0.0)
+    up = t > 0.3
+    y[up], v[up] = R + 0.5 * G * (t[up] - 0.3) ** 2, G * (t[up] - 0.3)
+    told = transitions.read_motion(case, motion(t, y, v))
+    assert kinds(told) == [(FLIGHT, FLIGHT)]
+    assert times(told) == pytest.approx([0.3], abs=1e-2)
 
 
 def test_landing_without_rebound_is_where_the_fall_meets_the_floor():
