@@ -24,8 +24,8 @@ from .witnesses import EPS, QUANTITIES, Witness, witnesses
 TRUTH = Path(__file__).with_name("truth.json")
 SAMPLES = 11
 
-# Witnesses whose transition times lie further apart than this (s) contradict each other: a million times what they
-# differ by on ordinary scenes, and no truth for engines that come within 1e-8 s.
+# Witnesses whose transition times lie further apart than this (s) contradict each other, and an end with a wider bar is
+# not known: a million times what they differ by on ordinary scenes, and no truth for engines that come within 1e-8 s.
 WIDEST = 1e-7
 
 # A place that is not known to this part of the plate's size is none: a caliper reads a thousandth, a figure shows it.
@@ -143,7 +143,13 @@ def _whose_fault(moves: Shares, spreads: bool = False) -> str:
 
 
 def _of_use(case: Case, certificate: Certificate, able: list[Witness], moves: Shares) -> None:
-    """Raises NotCertified where a bar on the plate's place or angle is too wide to be of use."""
+    """Raises NotCertified where a bar on the motion's end, or on the plate's place or angle, is too wide to be of
+    use."""
+    if certificate.end.bar > WIDEST:
+        other = max(able, key=lambda witness: abs(witness.end - certificate.end.value))
+        wide = f"the end ({certificate.status}) is known to {certificate.end.bar:.2g} s only, more than {WIDEST:g} s"
+        ends = f"{able[0].name} finds {able[0].end!r} s, {other.name} {other.end!r} s"
+        raise NotCertified(f"{case.label}: {wide} ({ends}); {_whose_fault(moves, moves.end > WIDEST)}")
     outline = case.plate.outline
     size = float(np.ptp(outline.point(np.linspace(*outline.span, 721)), axis=1).max())
     for quantity, unit, limit in (("x", "m", COARSEST * size), ("y", "m", COARSEST * size), ("theta", "rad", COARSEST)):

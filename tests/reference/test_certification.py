@@ -147,6 +147,11 @@ def test_witnesses_that_tell_different_times_are_named_with_them(monkeypatch):
     assert "roll at 0.33978933" in disagreeing(monkeypatch, late)
 
 
+def test_an_end_with_a_wider_bar_than_a_transition_may_have_makes_no_certificate(monkeypatch):
+    text = disagreeing(monkeypatch, lambda witness: witness._replace(end=witness.end + 2e-7))
+    assert "the end (completed) is known to 2e-07 s only, more than 1e-07 s" in text
+
+
 def test_a_bar_that_is_no_use_makes_no_certificate(monkeypatch):
     """A place that is known to a hundredth of the plate only."""
 
