@@ -19,6 +19,7 @@ import numpy as np
 import sympy as sp
 
 from . import expressions, features, formulas, measured
+from .derivation import derived, in_one_thread
 from .errors import BadCurve, BadValue, finite
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 from .kept import kept
@@ -58,6 +59,7 @@ class Curve:
     residual: float | None = None
     expression: tuple[sp.Expr, sp.Expr] = field(init=False)
 
+    @in_one_thread
     def __post_init__(self):
         object.__setattr__(self, "domain", _checked_domain(self.domain))
         object.__setattr__(self, "expression", _the_one(_expression(self.function)))
@@ -67,6 +69,7 @@ class Curve:
         if first is not self:
             vars(self).update({name: fact for name, fact in vars(first).items() if name not in _AS_GIVEN})
 
+    @in_one_thread
     def __repr__(self) -> str:
         parts = [_shortened(str(part)) for part in self.expression]
         where = "" if self.domain is None else f", {self.domain[0]:g} <= s <= {self.domain[1]:g}"
@@ -86,6 +89,7 @@ class Curve:
         """A curve travels to another process as its expression, a tree of SymPy objects; no text is read back."""
         return _arrived, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
 
+    @in_one_thread
     def at(self, s) -> tuple[sp.Expr, sp.Expr]:
         """(X, Y) as expressions, with another expression for the parameter: how a curve is written into another."""
         place = expressions.as_expression(s)
@@ -95,6 +99,7 @@ class Curve:
         return x, y
 
     @classmethod
+    @in_one_thread
     def through(cls, points, closed: bool) -> Curve:
         """A smooth curve that fits points (n, 2) in metres, in order along it; `residual` tells by how much it misses.
 
@@ -112,7 +117,7 @@ class Curve:
 
     # --- evaluation -------------------------------------------------------------------------------------------------
 
-    @cached_property
+    @derived
     def structure(self) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]:
         """The expression with its floating-point constants replaced by ±c0, ±c1, … (all positive), and those symbols.
 
@@ -121,16 +126,16 @@ class Curve:
         (x, y), symbols = expressions.lifted(self.expression)
         return _the_one(((x, y), symbols))
 
-    @cached_property
+    @derived
     def constants(self) -> tuple[float, ...]:
         """The values of `structure`'s symbols: the sizes in the order in which the expression names them."""
         return expressions.constants(self.expression)
 
-    @cached_property
+    @derived
     def _jet(self) -> Callable:
         return _compiled_jet(self.structure, "math")
 
-    @cached_property
+    @derived
     def _jets(self) -> Callable:
         return _compiled_jet(self.structure, "numpy")
 
@@ -177,7 +182,7 @@ class Curve:
 
     # --- the curve as a whole ---------------------------------------------------------------------------------------
 
-    @cached_property
+    @derived
     def period(self) -> float | None:
         """The parameter's period of a closed curve, else None.
 
@@ -206,14 +211,14 @@ class Curve:
                 return float(parts[np.argmax(repeats)])
         return float(length)
 
-    @cached_property
+    @derived
     def span(self) -> tuple[float, float]:
         """A range of the parameter that shows the whole curve (one turn of a closed one)."""
         if self.domain is not None:
             return self.domain
         return (0.0, self.period) if self.period else UNBOUNDED_SPAN
 
-    @cached_property
+    @derived
     def features(self) -> features.Features | None:
         """Where its curvature and speed change, and how finely; None for a straight line run through evenly."""
         if all(sp.diff(part, PARAMETER, 2) == 0 for part in self.expression):
@@ -333,6 +338,7 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
     return x, y
 
 
+@in_one_thread
 def _arrived(trees, domain, residual) -> Curve:
     """The curve that a process sent. It was checked there, so it is not checked again."""
     curve, expression = object.__new__(Curve), tuple(map(expressions.from_tree, trees))

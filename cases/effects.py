@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import cos, isfinite, nan, pi, sin
 from typing import TypeVar
 
@@ -15,6 +14,7 @@ import numpy as np
 import sympy as sp
 
 from . import expressions, features, formulas
+from .derivation import derived, in_one_thread
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 
 # How an impact's restitution and friction go together (`Impact`).
@@ -53,6 +53,7 @@ class Load:
     fy: sp.Expr | str | float = 0.0
     moment: sp.Expr | str | float = 0.0
 
+    @in_one_thread
     def __post_init__(self):
         for name in ("fx", "fy", "moment"):
             object.__setattr__(self, name, _formula(f"{name} of Load", getattr(self, name)))
@@ -68,7 +69,7 @@ class Load:
         """(fx, fy, moment) as expressions in `MOTION`."""
         return self.fx, self.fy, self.moment
 
-    @cached_property
+    @derived
     def at(self) -> Callable[..., list[float]]:
         """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats; NaN where there is no value."""
         compiled = sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
@@ -83,7 +84,7 @@ class Load:
 
         return values
 
-    @cached_property
+    @derived
     def features(self) -> features.Features | None:
         """Where its parts that depend on time alone change, and how finely; None if it has none.
 
@@ -101,6 +102,7 @@ class Load:
         return features.Features(values, features.centres(parts, MOTION[0]))
 
 
+@in_one_thread
 def _arrived(*trees) -> Load:
     """The load that a process sent."""
     return Load(*map(expressions.from_tree, trees))

@@ -17,6 +17,8 @@ import numpy as np
 import sympy as sp
 from numpy.polynomial import chebyshev, polynomial
 
+from .derivation import LOCK
+
 # Sixteen is about the order of the Taylor method, so that a piece is about what one step can follow.
 DEGREE = 16
 # Coefficients below this part of the function's size are rounding of some tens of operations.
@@ -157,6 +159,13 @@ class Features:
     def _side(self, forward: bool, k: int) -> Window:
         """The k-th window away from zero."""
         windows = self._sides[forward]
+        if len(windows) <= k:
+            with LOCK:
+                self._resolve(windows, forward, k)
+        return windows[k]
+
+    def _resolve(self, windows: list[Window], forward: bool, k: int) -> None:
+        """Append windows up to the k-th."""
         while len(windows) <= k:
             near, length = 0.0, WINDOW
             if windows:
@@ -165,7 +174,6 @@ class Features:
                 length = (last.high - last.low) * (2.0 if len(last.strides) <= CROWDED else 1.0)
             ends = (near, near + length) if forward else (near - length, near)
             windows.append(Window(self._function, *ends, self._centres))
-        return windows[k]
 
 
 def _resolved(function: Function, low: float, high: float, centres: Iterable[float]) -> tuple[np.ndarray, np.ndarray]:

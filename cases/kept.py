@@ -30,6 +30,8 @@ from typing import Any, TypeVar
 import numpy as np
 import sympy as sp
 
+from .derivation import in_one_thread
+
 T = TypeVar("T")
 
 VARIABLE = "SLIP_TO_ROLL_CACHE"
@@ -51,6 +53,7 @@ made: Counter[str] = Counter()
 _written = -1
 
 
+@in_one_thread
 def kept(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
     """`make()`, or what it returned before in a process of the same code, versions and processor.
 
@@ -72,6 +75,7 @@ def kept(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
     return value
 
 
+@in_one_thread
 def counted() -> tuple[Counter[str], Counter[str]]:
     """What was taken and made since it was asked last: how a worker reports to the process that asks it."""
     since = Counter(taken), Counter(made)

@@ -15,6 +15,7 @@ from typing import Any
 import sympy as sp
 
 from .curves import Curve
+from .derivation import in_one_thread
 from .errors import BadCurve, BadValue, finite, positive, whole
 from .expressions import PARAMETER, admitted, cos, cosh, exp, sin
 
@@ -151,6 +152,7 @@ def logarithmic_spiral(start: float, growth: float, turns: float = 0.5) -> Curve
     return Curve(lambda s: (a * exp(b * s) * cos(s), a * exp(b * s) * sin(s)), (-reach, reach))
 
 
+@in_one_thread
 def from_support(support: Callable[[Any], Any]) -> Curve:
     """The outline whose tangent with outward normal (cos s, sin s) lies at the distance h(s) from the origin.
 

@@ -18,6 +18,7 @@ from typing import Any
 
 from . import files
 from .case import Case
+from .derivation import LOCK, in_one_thread
 from .errors import BadValue, CaseError, unknown
 from .measured import paths_count_from
 from .patience import TimeUp
@@ -102,7 +103,7 @@ def entry(name: str) -> Entry:
 def names(hard: bool | None = None) -> list[str]:
     """Every case's name, in alphabetical order; only those of the hard atlas, or only the others, if asked."""
     _import_catalogue()
-    return sorted(name for name, found in _entries.items() if hard is None or bool(found.hard) == hard)
+    return sorted(name for name, found in list(_entries.items()) if hard is None or bool(found.hard) == hard)
 
 
 def load(name: str, **parameters) -> Case:
@@ -120,7 +121,7 @@ def load(name: str, **parameters) -> Case:
         if not isinstance(value, Real):
             raise BadValue(f"{key} of {bare} is {value!r}; give a number")
     try:
-        with paths_count_from(found.folder):
+        with LOCK, paths_count_from(found.folder):
             made = found.function(**parameters)
     except (CaseError, KeyboardInterrupt, TimeUp):
         raise
@@ -152,6 +153,7 @@ class _AsWritten(importlib.machinery.SourceFileLoader):
         return self.source_to_code(self.get_data(path), path)
 
 
+@in_one_thread
 def load_file(path: str | Path) -> list[str]:
     """Bring the case functions of a Python file into the catalogue; returns their names.
 

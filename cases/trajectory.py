@@ -150,14 +150,17 @@ class Trajectory:
 
         def __getattr__(self, name):
             # Only what is not there comes here: samples on demand, or a mistake.
-            sample = vars(self).get("_sample")
-            if sample is None or name not in _SAMPLES:
+            known = vars(self)
+            sample = known.get("_sample") if name in _SAMPLES else None
+            if sample is not None:
+                times, state = sample()
+                for column, values in {"t": times, **state._asdict()}.items():
+                    known.setdefault(column, values)  # another thread may have made the same
+                self.__post_init__()
+                known.pop("_sample", None)
+            if name not in known:
                 raise AttributeError(f"a {type(self).__name__} has no {name!r}", name=name, obj=self)
-            times, state = sample()
-            vars(self).update(state._asdict(), t=times)
-            del vars(self)["_sample"]
-            self.__post_init__()
-            return vars(self)[name]
+            return known[name]
 
     def __getstate__(self) -> dict[str, Any]:
         """A trajectory travels and is kept with its samples."""

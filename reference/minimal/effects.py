@@ -13,6 +13,7 @@ from typing import ClassVar, NamedTuple
 import sympy as sp
 
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
+from cases.derivation import in_one_thread
 from cases.effects import MOTION
 from cases.expressions import constants, lifted
 
@@ -191,6 +192,7 @@ def laws(case: Case) -> Laws:
 
 
 @lru_cache(maxsize=256)
+@in_one_thread
 def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
     loads: list[Weight | Applied] = [Weight()] if Gravity in kinds else []
     if load is not None:
@@ -201,5 +203,6 @@ def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
 
 
 @lru_cache(maxsize=256)
+@in_one_thread
 def _needs_angle(law: Laws) -> bool:
     return any(MOTION[3] in e.free_symbols for e in law.torsor)

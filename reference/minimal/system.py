@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from math import isfinite, nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from cases import Case, Curve, Plate
+from cases.derivation import derived
 from cases.effects import MOTION
 from cases.kept import kept
 
@@ -90,7 +91,7 @@ class System:
         self.condition_rates = Named(condition_rates, lambda: self.equations.condition_rates)
         self.guards = Named(guards, lambda: self.equations.guards)
 
-    @cached_property
+    @derived
     def equations(self) -> Equations:
         return self._derive()
 
@@ -120,52 +121,52 @@ class System:
         known = {"rates": self.variables, "observed": Motion._fields}
         return len(known[what] if what in known else getattr(self, what))
 
-    @cached_property
+    @derived
     def rates_of_numbers(self):
         """(t, y, parameters) -> list of rates, on floats."""
         return self._compile("rates", "math")
 
-    @cached_property
+    @derived
     def rates_of_arrays(self):
         """The same on arrays of shape (n,); a constant rate stays a number."""
         return self._compile("rates", "numpy")
 
-    @cached_property
+    @derived
     def rates_of_series(self):
         """The same on `series.Series`."""
         return self._compile("rates", "series")
 
-    @cached_property
+    @derived
     def guards_of_numbers(self):
         """(t, y, parameters) -> list of guard values, on floats."""
         return self._compile("guards", "math")
 
-    @cached_property
+    @derived
     def guards_of_arrays(self):
         """The same on arrays of shape (n,); a constant guard stays a number."""
         return self._compile("guards", "numpy")
 
-    @cached_property
+    @derived
     def conditions_of_numbers(self):
         """(t, y, parameters) -> list of the conditions' values, on floats."""
         return self._compile("conditions", "math")
 
-    @cached_property
+    @derived
     def conditions_of_arrays(self):
         """The same on arrays of shape (n,); a constant condition stays a number."""
         return self._compile("conditions", "numpy")
 
-    @cached_property
+    @derived
     def condition_rates_of_arrays(self):
         """(t, y, parameters) -> list of the rates in `condition_rates`, on arrays; a constant one stays a number."""
         return self._compile("condition_rates", "numpy")
 
-    @cached_property
+    @derived
     def condition_rates_of_numbers(self):
         """(t, y, parameters) -> list of the rates in `condition_rates`, on floats."""
         return self._compile("condition_rates", "math")
 
-    @cached_property
+    @derived
     def conditions_of_series(self):
         """The same as `conditions_of_numbers` on `series.Series`; a constant condition stays a number."""
         return self._compile("conditions", "series")
@@ -183,12 +184,12 @@ class System:
         time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
         return state, self.conditions_of_series(time, state, parameters)
 
-    @cached_property
+    @derived
     def observed_of_arrays(self):
         """(t, y, parameters) -> list in the order of `Motion`, on arrays."""
         return self._compile("observed", "numpy")
 
-    @cached_property
+    @derived
     def observed_of_numbers(self):
         """The same on floats."""
         return self._compile("observed", "math")

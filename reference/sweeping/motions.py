@@ -79,7 +79,8 @@ def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> N
     keep[who] = False
     noted = [Events.joined([moved.events], keep)]
     for i in who.tolist():
-        transitions = _simulated(scenes.alone(i), rtol, moved, i)
+        with np.errstate(all="ignore"):  # as in `simulate`
+            transitions = _simulated(scenes.alone(i), rtol, moved, i)
         numbers = [
             (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions
         ]
@@ -87,7 +88,6 @@ def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> N
     moved.events = Events.joined(noted, everybody)
 
 
-@np.errstate(all="ignore")  # as in `simulate`
 def _simulated(case: Case, rtol: float, moved: Motions, i: int) -> list[Transition]:
     """What `simulate` finds, without samples, into row i; returns the transitions."""
     prepare(case, None, rtol)

@@ -60,12 +60,12 @@ def rows(
     plan: Plan, parameters: Mapping[str, np.ndarray], start: int = 0, optimised: bool = False, certified: bool = False
 ) -> pa.Table:
     """The rows of scenarios of the plan's case with any parameters, numbered from `start`."""
-    began, n = time.process_time(), len(next(iter(parameters.values())))
+    began, n = time.thread_time(), len(next(iter(parameters.values())))
     groups, bad = scenes(plan.make, parameters, straight(plan.function))
     moved = [(group, _moved(group, plan.rtol, optimised)) for group in groups]
     columns = _columns(n, moved, bad)
     columns["error_bars"] = _bars(plan, parameters, columns) if certified else pa.nulls(n, COLUMNS["error_bars"][0])
-    columns["cpu_s"] = np.full(n, (time.process_time() - began) / n)
+    columns["cpu_s"] = np.full(n, (time.thread_time() - began) / n)
     known = {"scenario": np.arange(start, start + n), **parameters}
     arrays = [pa.array(column) for column in known.values()]
     arrays += [_arrow(columns[name], kind) for name, (kind, _) in COLUMNS.items()]

@@ -40,9 +40,13 @@ _ENDED, _ALONE = -1, -2
 _TIME, _UNKNOWN = -1, -2
 
 
-@np.errstate(all="ignore")  # what is not finite is handed to the solver of one, which says so
 def move(scenes: Scenes, rtol: float, optimised: bool = False) -> Motions:
     """The motions of scenarios of one structure; `optimised`: by code that takes a second more to compile."""
+    with np.errstate(all="ignore"):  # what is not finite is handed to the solver of one, which says so
+        return _moved(scenes, rtol, optimised)
+
+
+def _moved(scenes: Scenes, rtol: float, optimised: bool) -> Motions:
     n = len(scenes.rows)
     moved, left = Motions.none(n), np.arange(n)
     if _plain(scenes):
@@ -163,7 +167,10 @@ class _Wave:
         sound = np.flatnonzero(left.sound)
         guards = np.full(len(who), _UNKNOWN)
         times, states = left.times, left.states
-        guards[sound], self.steps[who[sound]] = self._integrated(columns, times, states, end, sound, who)
+        integrators = taylor.compiled(columns.system, taylor.tolerance_of(self.rtol), float, self.optimised)
+        guards[sound], self.steps[who[sound]] = integrators.call(
+            self._integrated, columns, times, states, end, sound, who
+        )
         for i in who[guards == _UNKNOWN].tolist():
             self._one(i)
         for guard in np.unique(guards[guards > _UNKNOWN]).tolist():
@@ -174,9 +181,8 @@ class _Wave:
             else:
                 self._after(number, list(columns.system.guards)[guard], who[some], times[some], y)
 
-    def _integrated(self, columns: Columns, times, states, end, sound: np.ndarray, who: np.ndarray):
+    def _integrated(self, integrator, columns: Columns, times, states, end, sound: np.ndarray, who: np.ndarray):
         """Integrate from `times` and `states`, which become those of the events: the guards, and the steps so far."""
-        integrator = taylor.compiled(columns.system, taylor.tolerance_of(self.rtol), float, self.optimised)
         pars, state = integrator.pars, integrator.state
         count, many = len(pars), taylor.CHUNK
         success, limit, all_steps = taylor.SUCCESS, taylor.TIME_LIMIT, taylor.STEP_LIMIT

@@ -17,13 +17,15 @@ pytestmark = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not inst
 @pytest.mark.parametrize("name, level", [("disc_in_circle", 3), ("disc_on_line", 3), ("ellipse_in_circle", 0)])
 def test_small_systems_are_optimised_and_large_ones_are_not(name, level):
     case = cases.load(name)
-    integrator = taylor.compiled(phase(case, candidates(case)[0]).system, 1e-10)
+    integrator = taylor.compiled(phase(case, candidates(case)[0]).system, 1e-10).call(lambda one: one)
     assert integrator.llvm_state.opt_level == level
 
 
 def test_in_quadruple_precision_nothing_is_written_out_nor_optimised():
     case = cases.load("disc_in_circle")
-    integrator = taylor.compiled(phase(case, candidates(case)[0]).system, taylor.QUADRUPLE_TOLERANCE, taylor.hy.real128)
+    integrator = taylor.compiled(
+        phase(case, candidates(case)[0]).system, taylor.QUADRUPLE_TOLERANCE, taylor.hy.real128
+    ).call(lambda one: one)
     assert integrator.compact_mode and integrator.llvm_state.opt_level == 0
 
 

@@ -89,13 +89,14 @@ class _Start:
         self._function = system.kept("start", decided, lambda: _compiled(system, terms))
         self._variables = len(system.variables)
         self._coefficients = self._variables * terms
-        self._inputs = np.empty(self._coefficients + 4 + system.positions + len(system.parameters))
+        self._count = self._coefficients + 4 + system.positions + len(system.parameters)
 
     def __call__(self, coefficients: np.ndarray, known: tuple[float, ...]) -> _Ahead:
         """`known` are part, span, t, the plate's size, lengths and parameters; h = min(part/often, span)."""
-        self._inputs[: self._coefficients] = coefficients.ravel()
-        self._inputs[self._coefficients :] = known
-        total, longest, often, h, *told = self._function(self._inputs).tolist()
+        inputs = np.empty(self._count)  # of this call alone: other threads make theirs
+        inputs[: self._coefficients] = coefficients.ravel()
+        inputs[self._coefficients :] = known
+        total, longest, often, h, *told = self._function(inputs).tolist()
         return _Ahead(total, longest, often, h, told[: self._variables], told[self._variables :])
 
 

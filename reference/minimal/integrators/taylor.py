@@ -15,6 +15,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..modes import Phase
 from ..system import System
+from .pool import Pool
 from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIED, Event, Segment
 
 try:
@@ -50,11 +51,11 @@ CHUNK = 1000
 
 
 @lru_cache(maxsize=128)
-def compiled(system: System, tolerance: float, real: type = float, optimised: bool = False):
-    """The compiled integrator of a system, with one terminal event for each guard; `optimised` whatever that takes,
-    for who makes thousands of runs."""
+def compiled(system: System, tolerance: float, real: type = float, optimised: bool = False) -> Pool:
+    """The compiled integrators of a system, with one terminal event for each guard; `optimised` whatever that takes,
+    for thousands of runs."""
     decided = (tolerance, real.__name__, hy.__version__, build(), *(("optimised",) if optimised else ()))
-    return system.kept("integrator", decided, lambda: _compiled(system, tolerance, real, optimised))
+    return Pool(lambda: system.kept("integrator", decided, lambda: _compiled(system, tolerance, real, optimised)))
 
 
 def _compiled(system: System, tolerance: float, real: type, optimised: bool):
@@ -99,27 +100,26 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     for. Where a step may pass something over, or the loop finds no event to end at, they are taken one by one at once.
     """
     tolerance = tolerance_of(rtol)
-    integrator = compiled(phase.system, tolerance)
-    ended = None if phase.features else _at_once(integrator, phase, t, y, end)
+    integrators = compiled(phase.system, tolerance)
+    ended = None if phase.features else integrators.call(_at_once, phase, t, y, end)
     if ended is None:
-        return _one_by_one(integrator, phase, t, y, end, float, tolerance)
+        return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
     event, steps = ended
     # No closure, for the garbage collector's sake.
-    return Segment(
-        phase, t, event, steps, steps, partial(_again, integrator, phase, t, y, end, tolerance, event.time, steps)
-    )
+    return Segment(phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps))
 
 
-def _again(integrator, phase: Phase, t: float, y, end: float, tolerance: float, ended: float, steps: int):
+def _again(phase: Phase, t: float, y, end: float, tolerance: float, ended: float, steps: int):
     """Times and dense output of a phase that the compiled loop carried to its end, in so many steps."""
-    again = _one_by_one(integrator, phase, t, y, end, float, tolerance, most_steps=steps)
+    integrators = compiled(phase.system, tolerance)
+    again = integrators.call(_one_by_one, phase, t, y, end, float, tolerance, most_steps=steps)
     return np.append(again.times[:-1], ended), again.states
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """The same in quadruple precision, start and end of the phase rounded to double; `rtol` is not looked at."""
-    integrator = compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
-    return _one_by_one(integrator, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
+    integrators = compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
+    return integrators.call(_one_by_one, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
 
 
 def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, int] | None:
