@@ -116,7 +116,7 @@ def test_no_pickle_is_read_from_a_store_or_an_array(mark, tmp_path):
     results = store.Store(place)
     assert results.problem() == ""
     key = {"what": "a run"}
-    results.put("run", key, 1.0)
+    results.put("run", key, 1.0, float)
     (file,) = place.glob("run-*.npz")
     file.write_bytes(content)
     assert store.Store(place).get("run", key, float) is None
@@ -182,7 +182,7 @@ def test_a_record_says_nothing_about_what_code_runs(mark):
     said = json.loads(json.dumps({"__reduce__": ["os.system", f"touch {mark}"], "py/object": "os.system"}))
     for kind in (float, tuple[float, ...], cases.Transition):
         with pytest.raises((ValueError, TypeError, KeyError)):
-            packing.unpack(kind, said, {})
+            packing.unpack(kind, said, [])
 
 
 @pytest.mark.parametrize("open_to", [0o777, 0o770, 0o707])

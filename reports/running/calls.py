@@ -17,7 +17,7 @@ from cases import Case
 
 from . import workers
 from .cluster import Cluster
-from .fingerprint import Key, adapter_sources, content, made_with, plain, record_digest, sources
+from .fingerprint import Key, adapter_sources, made_with, of_argument, sources
 from .progress import Progress, silent
 from .records import now
 from .serving import Answer
@@ -161,58 +161,55 @@ class Calls:
                     self.lost.append(f"{step}, {_named(calls[k])}: {answer.reason}")
                 if keep:
                     answer = replace(answer, when=now())
-                    self._keep(keys[left[k]], keep, limit, answer)
+                    self._keep(function, keys[left[k]], keep, limit, answer)
                 yield left[k], answer
         self.spent.book(step)
 
     def _kept(self, function: Callable, key: Key | None, keep: Keep | None, limit: float) -> Answer | None:
         if keep is None or key is None:
             return None
-        value = self.store.get(keep.kind, key, get_type_hints(function)["return"])
+        value = self.store.get(keep.kind, key, _returned(function))
         if value is not None:
             return Answer("done", value=value)
         # A finished call stands whatever the limit is now; one that failed, under the limit it had.
         failure = self.store.get(keep.kind, {**key, "limit": limit}, _Failure)
         return failure and Answer(**failure._asdict())
 
-    def _keep(self, key: Key | None, keep: Keep, limit: float, answer: Answer) -> None:
+    def _keep(self, function: Callable, key: Key | None, keep: Keep, limit: float, answer: Answer) -> None:
         if answer.outcome == "done":
             if keep.worth(answer.value):
-                self.store.put(keep.kind, key, answer.value)
+                self.store.put(keep.kind, key, answer.value, _returned(function))
         elif keep.failures and answer.lasting and answer.outcome != "raised":
             failure = _Failure(answer.outcome, answer.reason, answer.output, answer.when)
-            self.store.put(keep.kind, key and {**key, "limit": limit}, failure)
+            self.store.put(keep.kind, key and {**key, "limit": limit}, failure, _Failure)
 
     def key(self, function: Callable, call: tuple, keep: Keep) -> Key | None:
-        """What decides a call's answer; None, and so nothing is kept, where a solver could not tell its version or a
-        case has something that cannot be compared."""
+        """What decides a call's answer; None, and so nothing is kept, where a solver could not tell its version or an
+        argument has something that cannot be compared."""
         said = keep.of(*call)
-        cases = [argument for argument in said if isinstance(argument, Case)]
+        cases = [each for each in said if isinstance(each, Case)]
         engines = made_with(self.versions, sorted(_solvers(said, self.versions.__contains__)))
-        if engines is None or any(content(case) is None for case in cases):
+        arguments = [of_argument(each) for each in said]
+        if engines is None or None in arguments:
             return None
         return {
             "case": ", ".join(case.label for case in cases),
             "function": f"{function.__module__}.{function.__qualname__}",
-            "arguments": [_plain(argument) for argument in said],
+            "arguments": arguments,
             "code": sources(sys.modules[function.__module__], keep.apart),
             **engines,
         }
+
+
+def _returned(function: Callable) -> Any:
+    """The type that a function says it returns."""
+    return get_type_hints(function)["return"]
 
 
 def _named(call: tuple) -> str:
     """A call's cases, solvers and settings, for people."""
     told = [argument.label if isinstance(argument, Case) else str(argument) for argument in call[:4]]
     return " ".join(text for text in told if text and len(text) <= _NAMED_CHARACTERS)
-
-
-def _plain(argument: Any) -> Any:
-    if isinstance(argument, Case):
-        return content(argument)
-    try:
-        return plain(argument)
-    except TypeError:
-        return record_digest(argument)  # what holds arrays
 
 
 def _group(call: tuple, engines: Sequence[str]) -> str:

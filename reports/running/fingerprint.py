@@ -19,19 +19,21 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from cases import Case, Curve
 from reference import certification
 
 from . import code, reference_adapter, versions
-from .packing import pack
 from .records import REFERENCE
 
 Key = dict[str, Any]
 
 # Whose versions can change a digit of any result: arithmetic, code generation, compilers of expressions.
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "heyoka")
+# Characters of an argument that a key spells out, for whoever looks into a file of the store.
+_LONGEST_ARGUMENT = 1000
 
 
 def made_with(versions: Mapping[str, str], solvers: Iterable[str]) -> Key | None:
@@ -80,13 +82,20 @@ def digest(told: Any) -> str:
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
 
 
-def record_digest(record: Any) -> str:
-    """Digest of a plain record, its arrays included."""
-    plain, arrays = pack(record)
-    return digest([plain, {name: hashlib.sha256(array.tobytes()).hexdigest() for name, array in arrays.items()}])
+# --- arguments --------------------------------------------------------------------------------------------------------
 
 
-# --- a case -----------------------------------------------------------------------------------------------------------
+def of_argument(value: Any) -> Any:
+    """What a call's argument says, in a form that JSON can hold: a digest of what is long.
+
+    None if it has something that cannot be compared, such as a function."""
+    if isinstance(value, Case):
+        return content(value)
+    try:
+        said = plain(value)
+    except TypeError:
+        return None
+    return said if len(json.dumps(said)) <= _LONGEST_ARGUMENT else digest(said)
 
 
 @lru_cache(maxsize=256)
@@ -101,12 +110,15 @@ def content(case: Case) -> str | None:
 
 
 def plain(value: Any) -> Any:
-    """Numbers, texts and formulas of a record, whatever its kind; TypeError for what has no content to compare."""
+    """Numbers, texts, formulas and digests of arrays of a record, whatever its kind; TypeError for what has no content
+    to compare."""
     if isinstance(value, Curve):
         return ["Curve", [sp.srepr(part) for part in value.expression], plain(value.domain)]
     if isinstance(value, sp.Basic):
         return sp.srepr(value)
-    if value is None or isinstance(value, bool | int | float | str):
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return ["ndarray", value.dtype.str, list(value.shape), hashlib.sha256(value.tobytes()).hexdigest()]
+    if value is None or isinstance(value, bool | int | float | str | np.generic):
         return [type(value).__name__, repr(value)]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return [type(value).__name__, {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}]

@@ -1,7 +1,7 @@
 """Finished results on disk, one file each, so that a stopped build goes on where it was.
 
-A file is a zip archive with `record.json` (key, time, the record) and the record's arrays in NumPy's own format: no
-pickle, a checksum on every part. It is written beside its place and moved there, so that it is whole or absent
+A file is a zip archive with `record.json` (key, time, the record) and the bytes of the record's arrays: no pickle, a
+checksum on every part. It is written beside its place and moved there, so that it is whole or absent
 whenever a process ends, and two builds may use one store. (It is not flushed to the disk: a loss of power may cut it
 short, as its checksums then tell.) A file that cannot be read is as good as none.
 """
@@ -15,12 +15,10 @@ import re
 import tempfile
 import zipfile
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
-
-import numpy as np
 
 from . import scratch
 from .fingerprint import Key, digest
@@ -35,6 +33,8 @@ _FILE = re.compile(r"[a-z]+-[0-9a-f]{64}\.npz")
 _UNFINISHED = re.compile(r"\.unfinished-\w+")
 _OWN = rf"{_FILE.pattern}|{_UNFINISHED.pattern}|\.gitignore"
 _RECORD = "record.json"
+# The largest record is a case's figures, some megabytes; a few kilobytes that unfold to gigabytes are none.
+_MOST_BYTES = 2**28
 
 
 class Store:
@@ -64,14 +64,12 @@ class Store:
         return ""
 
     def get(self, kind: str, key: Key | None, record: type[T]) -> T | None:
-        """The record kept under a key; None if there is none to be had."""
+        """The record of type `record` kept under a key; None if there is none to be had."""
         if self.folder is None or key is None or self.fresh:
             return None
         path = self._path(kind, key)
         try:
-            with zipfile.ZipFile(path) as archive:
-                told = json.loads(archive.read(_RECORD))
-                arrays = {n[:-4]: _array(archive, n) for n in archive.namelist() if n != _RECORD}
+            told, arrays = _read(path)
             if told["key"] != key:
                 raise ValueError("it is another's")
             found, when = unpack(record, told["record"], arrays), str(told["when"])
@@ -87,12 +85,12 @@ class Store:
         self._oldest = min(filter(None, (self._oldest, when)))
         return found
 
-    def put(self, kind: str, key: Key | None, record: Any) -> None:
-        """Keep a record; where that fails, `trouble` says so."""
+    def put(self, kind: str, key: Key | None, value: T, record: type[T]) -> None:
+        """Keep a value of type `record`; where that fails, `trouble` says so."""
         if self.folder is None or key is None:
             return
         try:
-            plain, arrays = pack(record)
+            plain, arrays = pack(record, value)
             content = _archive({"key": key, "when": now(), "record": plain}, arrays)
             self._open()
             handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
@@ -106,7 +104,7 @@ class Store:
                 Path(unfinished).unlink(missing_ok=True)
             self._put[kind] += 1
             self._used.add(self._path(kind, key))
-        except (OSError, TypeError, ValueError) as problem:  # also what an adapter gave that no file can hold
+        except (OSError, ValueError) as problem:  # also what an adapter gave that no file can hold
             self._unwritten.append(_sentence(problem))
 
     def trim(self, bound: int = BOUND_BYTES) -> None:
@@ -184,20 +182,24 @@ def _counted(kinds: Counter[str]) -> str:
     return " and ".join(f"{n} {kind}{'s' * (n != 1)}" for kind, n in sorted(kinds.items())) or "nothing"
 
 
-def _archive(told: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
+def _archive(told: Mapping[str, Any], arrays: Sequence[bytes]) -> bytes:
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         archive.writestr(_RECORD, json.dumps(told, ensure_ascii=False, indent=1))
-        for name, array in arrays.items():
+        for place, array in enumerate(arrays):
             # As it is: to compress a run's numbers to two thirds takes twenty times as long.
-            with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w") as member:
-                np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(str(place)), array)
     return content.getvalue()
 
 
-def _array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
-    # Read as a whole, so that its checksum is looked at.
-    return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
+def _read(path: Path) -> tuple[dict[str, Any], list[bytes]]:
+    """What `_archive` was given; raises whatever a damaged file may raise."""
+    with zipfile.ZipFile(path) as archive:
+        # A member is read to the size that it claims, and no further.
+        if sum(member.file_size for member in archive.infolist()) > _MOST_BYTES:
+            raise ValueError(f"it claims to hold more than {_MOST_BYTES / 1e6:.0f} MB")
+        # Each is read as a whole, so that its checksum is looked at.
+        return json.loads(archive.read(_RECORD)), [archive.read(str(i)) for i in range(len(archive.namelist()) - 1)]
 
 
 def _sentence(problem: Exception) -> str:

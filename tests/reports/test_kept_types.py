@@ -2,8 +2,6 @@
 
 import ast
 import dataclasses
-import struct
-from enum import Enum
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,6 +20,8 @@ from cases.trajectory import State
 from reports.running import calls
 from reports.running.store import Store
 from reports.studies.stability import measure as stability
+
+from .identical import identical
 
 ROOT = Path(reports.__file__).parent
 # The methods of `Calls` that keep answers, and the functions that pass on what they are given to keep.
@@ -86,27 +86,9 @@ st.register_type_strategy(np.ndarray, ARRAYS)
 st.register_type_strategy(Trajectory, motions())
 
 
-def identical(one: Any, other: Any) -> bool:
-    """Of the same types throughout and the same to the last bit, NaN included."""
-    if type(one) is not type(other):
-        return False
-    if isinstance(one, np.ndarray):
-        return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
-    if isinstance(one, float):
-        return struct.pack("d", one) == struct.pack("d", other) or (one != one and other != other)
-    if dataclasses.is_dataclass(one) and not isinstance(one, type):
-        names = [f.name for f in dataclasses.fields(one)]
-        return all(identical(getattr(one, name), getattr(other, name)) for name in names)
-    if isinstance(one, tuple | list) and not isinstance(one, Enum):
-        return len(one) == len(other) and all(map(identical, one, other))
-    if isinstance(one, dict):
-        return identical(list(one.items()), list(other.items()))
-    return one == other
-
-
 def came_back(kind: Any, answer: Any) -> bool:
     with TemporaryDirectory() as folder:
-        Store(Path(folder)).put("trial", {"key": 1}, answer)
+        Store(Path(folder)).put("trial", {"key": 1}, answer, kind)
         store = Store(Path(folder))
         found = store.get("trial", {"key": 1}, kind)
         assert store.trouble() == []

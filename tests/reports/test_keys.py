@@ -1,8 +1,11 @@
 """What decides a run: the key under which it is kept."""
 
 import os
+from copy import deepcopy
+from functools import partial
 from importlib.metadata import EntryPoint
 
+import numpy as np
 import pytest
 
 import cases
@@ -13,6 +16,13 @@ from reports.running.calls import Calls
 from reports.running.records import Truth
 
 TRUTH = Truth("taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE)
+
+
+def _without(missing: str, package: str) -> str:
+    """The version of a package, as it was asked for before it was installed."""
+    return "0" if package == missing else fingerprint.version(package)
+
+
 CASE_FILE = """
 from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
 from cases.library import line
@@ -93,11 +103,12 @@ def test_a_key_tells_solver_route_setting_versions_and_truth():
     assert run_key(case) == run_key(cases.load("disc_on_line")) == run_key(case, rung=2)
 
 
+# Every package that can change a digit of a result: the list of `fingerprint` is not asked for it.
 @pytest.mark.parametrize(
     "name, value",
     [
         ("machine", lambda: "another"),
-        ("installed", lambda package: "0"),
+        *(("installed", partial(_without, package)) for package in ("numpy", "scipy", "sympy", "mpmath", "heyoka")),
         ("sys", type("S", (), {"version": "3.99.0 (main)"})),
     ],
 )
@@ -110,6 +121,29 @@ def test_a_key_tells_machine_packages_and_python(name, value, monkeypatch):
         assert run_key(case) != before
     finally:
         fingerprint.surroundings.cache_clear()
+
+
+@pytest.mark.parametrize(
+    "one, other",
+    [
+        (np.zeros(4), np.zeros((2, 2))),
+        (np.zeros(4), np.zeros(4, dtype=np.int64)),
+        (np.array([1.0, 2.0]), np.array([1.0, 2.0 + 1e-15])),
+        (Truth(samples={"t": np.zeros(3)}), Truth(samples={"x": np.zeros(3)})),
+        (np.float64(1.0), np.float32(1.0)),
+        (1, 1.0),
+        ("x" * 5000, "x" * 5001),
+    ],
+)
+def test_arguments_that_differ_have_other_keys(one, other):
+    assert fingerprint.of_argument(one) != fingerprint.of_argument(other)
+    assert fingerprint.of_argument(one) == fingerprint.of_argument(deepcopy(one)) is not None
+
+
+def test_what_cannot_be_compared_has_no_key_and_is_not_kept():
+    call = (cases.load("disc_on_line"), "pymunk", "native", Setting.of(h=0.1), 1, lambda: None)
+    assert Calls(versions=VERSIONS).key(tasks.perform, call, experiment._KEEP_RUN) is None
+    assert fingerprint.of_argument(np.array([print], dtype=object)) is None
 
 
 def test_where_a_version_is_not_known_nothing_is_kept():

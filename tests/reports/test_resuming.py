@@ -17,20 +17,16 @@ import cases
 from adapters import Setting
 from reports import build, options
 from reports.analysis import tables
-from reports.running import experiment, fingerprint, timings, workers
+from reports.running import experiment, timings, workers
 from reports.running.calls import Calls
 from reports.running.clock import UNTIMED, Contestant, Timing
 from reports.running.store import Store
 
 from .. import fake_adapter
+from .identical import identical
 
 ROOT = Path(__file__).parents[2]
 VERSIONS = {"pymunk": "7.2.0", "reference": "0.1.0"}
-
-
-def same(one, other) -> bool:
-    """To the last bit, NaN included."""
-    return fingerprint.record_digest(one) == fingerprint.record_digest(other)
 
 
 def setting_of(file: Path) -> str:
@@ -74,7 +70,7 @@ def test_what_was_run_is_not_run_again_and_a_changed_setting_alone_is(fake):
     first = fake(["wait 1", "wait 2", "nan", "never rolls"])
     again = fake(["wait 1", "wait 2", "nan", "never rolls"])
     assert fake_adapter.runs_in(fake.folder) == ["wait 1", "wait 2", "nan", "never rolls"]
-    assert all(same(first[setting], again[setting]) for setting in first)
+    assert all(identical(first[setting], again[setting]) for setting in first)
     assert [run.outcome for run in again.values()] == ["right", "right", "crashed", "wrong"]
     changed = fake(["wait 3", "wait 1", "nan"])
     assert fake_adapter.runs_in(fake.folder)[4:] == ["wait 3"]

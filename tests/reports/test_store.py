@@ -1,9 +1,9 @@
 """The store of finished runs: what comes back from it, and what damage does."""
 
-import io
 import json
 import multiprocessing
 import os
+import pickle
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -15,9 +15,10 @@ from adapters import Setting
 from cases import Cost, Mode, Transition
 from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
-from reports.running import fingerprint
 from reports.running.records import Run, Truth
 from reports.running.store import Store
+
+from .identical import identical
 
 ROOT = Path(__file__).parents[2]
 KEY = {"case": "c", "setting": ["h", "0.1"]}
@@ -32,22 +33,17 @@ TRUTH = Truth(
 )
 
 
-def same(one, other) -> bool:
-    """To the last bit, NaN included."""
-    return fingerprint.record_digest(one) == fingerprint.record_digest(other)
-
-
 # --- what is kept -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind, record", [("run", RUN), ("truth", TRUTH), ("truth", Truth(failure="none"))])
 def test_records_come_back_to_the_last_bit(kind, record, tmp_path):
-    Store(tmp_path / "s").put(kind, KEY, record)
-    assert same(Store(tmp_path / "s").get(kind, KEY, type(record)), record)
+    Store(tmp_path / "s").put(kind, KEY, record, type(record))
+    assert identical(Store(tmp_path / "s").get(kind, KEY, type(record)), record)
 
 
 def test_nothing_is_taken_under_another_key_or_when_asked_for_fresh(tmp_path):
-    Store(tmp_path).put("run", KEY, RUN)
+    Store(tmp_path).put("run", KEY, RUN, Run)
     assert Store(tmp_path).get("run", {**KEY, "case": "d"}, Run) is None
     assert Store(tmp_path).get("truth", KEY, Truth) is None
     assert Store(tmp_path).get("run", None, Run) is None
@@ -57,13 +53,13 @@ def test_nothing_is_taken_under_another_key_or_when_asked_for_fresh(tmp_path):
 def test_a_store_without_a_folder_keeps_nothing_and_says_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     store = Store(None)
-    store.put("run", KEY, RUN)
+    store.put("run", KEY, RUN, Run)
     assert store.get("run", KEY, Run) is None and store.trouble() == [] and list(tmp_path.iterdir()) == []
 
 
 def test_the_folder_is_ignored_by_git_and_its_size_told(tmp_path):
     store = Store(tmp_path / "s")
-    store.put("run", KEY, replace(RUN, samples={"t": np.random.default_rng(1).random(1_000_000)}))
+    store.put("run", KEY, replace(RUN, samples={"t": np.random.default_rng(1).random(1_000_000)}), Run)
     assert (tmp_path / "s" / ".gitignore").read_text() == "*\n"
     assert "holds 8 MB and may be deleted" in store.size_words()
 
@@ -73,15 +69,19 @@ def kept_file(folder: Path) -> Path:
     return file
 
 
-def with_object_array(path: Path) -> None:
+def with_member(path: Path, name: str, content: bytes) -> None:
+    """Write the file again with other content in one member."""
     with zipfile.ZipFile(path) as archive:
-        members = {name: archive.read(name) for name in archive.namelist()}
-    array = io.BytesIO()
-    np.save(array, np.array([Trap(path.parent / "sprung")], dtype=object), allow_pickle=True)
-    members["0.npy"] = array.getvalue()
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, content in members.items():
-            archive.writestr(name, content)
+        members = {other: archive.read(other) for other in archive.namelist()} | {name: content}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for member, said in members.items():
+            archive.writestr(member, said)
+
+
+def with_object_array(path: Path) -> None:
+    array = pickle.dumps([Trap(path.parent / "sprung")])
+    with_record(path, lambda told: told["record"].update(samples=[["t", [0, "|O", [len(array) // 8]]]]))
+    with_member(path, "0", array)
 
 
 class Trap:
@@ -98,8 +98,14 @@ def with_record(path: Path, change) -> None:
     with zipfile.ZipFile(path) as archive:
         told = json.loads(archive.read("record.json"))
     change(told)
+    with_member(path, "record.json", json.dumps(told).encode())
+
+
+def without_arrays(path: Path) -> None:
+    with zipfile.ZipFile(path) as archive:
+        told = archive.read("record.json")
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("record.json", json.dumps(told))
+        archive.writestr("record.json", told)
 
 
 def flipped(path: Path) -> None:
@@ -113,7 +119,16 @@ DAMAGE = {
     "cut short": lambda path: path.write_bytes(path.read_bytes()[:-400]),
     "garbage": lambda path: path.write_bytes(os.urandom(5000)),
     "one byte": flipped,
-    "no arrays": lambda path: with_record(path, lambda told: None),
+    "no arrays": without_arrays,
+    "an array cut short": lambda path: with_member(path, "0", b"12345678"),
+    "an array of text": lambda path: with_record(
+        path, lambda told: told["record"]["samples"][0][1].__setitem__(1, "<U2")
+    ),
+    "an array of another shape": lambda path: with_record(
+        path, lambda told: told["record"]["samples"][0][1].__setitem__(2, [10**12])
+    ),
+    "nested beyond all bounds": lambda path: with_member(path, "record.json", b"[" * 200_000),
+    "a few kilobytes that unfold to 300 MB": lambda path: with_member(path, "record.json", b" " * 300_000_000),
     "of another key": lambda path: with_record(path, lambda told: told["key"].update(case="d")),
     "another record": lambda path: with_record(path, lambda told: told.update(record={"a": 1})),
     "wrong type": lambda path: with_record(path, lambda told: told["record"].update(outcome=3)),
@@ -124,26 +139,26 @@ DAMAGE = {
 
 @pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
 def test_a_damaged_file_is_told_in_one_line_and_mended_by_running_it_again(damage, tmp_path):
-    Store(tmp_path).put("run", KEY, RUN)
+    Store(tmp_path).put("run", KEY, RUN, Run)
     damage(kept_file(tmp_path))
     store = Store(tmp_path)
     assert store.get("run", KEY, Run) is None
     (told,) = store.trouble()
     assert told.startswith("could not be read, and made again: 1, such as run-") and "\n" not in told
-    store.put("run", KEY, RUN)
+    store.put("run", KEY, RUN, Run)
     mended = Store(tmp_path)
-    assert same(mended.get("run", KEY, Run), RUN) and mended.trouble() == []
+    assert identical(mended.get("run", KEY, Run), RUN) and mended.trouble() == []
     assert not (tmp_path / "sprung").exists()
 
 
 def test_a_folder_in_a_file_s_place_is_told_and_left(tmp_path):
-    Store(tmp_path).put("run", KEY, RUN)
+    Store(tmp_path).put("run", KEY, RUN, Run)
     file = kept_file(tmp_path)
     file.unlink()
     file.mkdir()
     store = Store(tmp_path)
     assert store.get("run", KEY, Run) is None
-    store.put("run", KEY, RUN)
+    store.put("run", KEY, RUN, Run)
     assert [line.partition(":")[0] for line in store.trouble()] == [
         "could not be read, and made again",
         "could not be kept",
@@ -154,7 +169,7 @@ def test_a_folder_in_a_file_s_place_is_told_and_left(tmp_path):
 def test_files_of_others_are_told_and_left(tmp_path):
     (tmp_path / "thesis.tex").write_text("precious")
     store = Store(tmp_path)
-    store.put("run", KEY, RUN)
+    store.put("run", KEY, RUN, Run)
     store.trim(bound=0)
     assert store.trouble() == ["not its own, and left alone: 1, such as thesis.tex"]
     assert (tmp_path / "thesis.tex").read_text() == "precious"
@@ -163,7 +178,7 @@ def test_files_of_others_are_told_and_left(tmp_path):
 def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     (tmp_path / "file").write_text("precious")
     store = Store(tmp_path / "file" / "store")
-    store.put("run", KEY, RUN)
+    store.put("run", KEY, RUN, Run)
     assert store.get("run", KEY, Run) is None
     (told,) = store.trouble()
     assert told.startswith("could not be kept: 1")
@@ -173,20 +188,35 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
 
 def test_who_stops_a_fresh_build_is_told_to_go_on_without_it(tmp_path):
     store = Store(tmp_path, fresh=True)
-    store.put("run", KEY, RUN)
+    store.put("run", KEY, RUN, Run)
     assert store.kept_words() == f"1 run kept in {tmp_path}; the same command without --fresh goes on from there"
 
 
-def test_what_no_file_can_hold_is_told(tmp_path):
+@pytest.mark.parametrize(
+    "change",
+    [
+        dict(status=object()),
+        dict(rung="12"),  # a text in the place of a number
+        dict(cost=Cost(steps="12")),
+        dict(cost=Cost(cpu_s=10**400)),
+        dict(setting=Setting((("h", None),))),
+        dict(samples={"t": np.array(["words"])}),
+        dict(samples={"t": [0.0, 1.0]}),
+        dict(status="a lone \ud800"),
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_what_could_not_be_read_back_is_not_kept_and_told(change, tmp_path):
     store = Store(tmp_path)
-    store.put("run", KEY, replace(RUN, status=object()))
-    assert "could not be kept: 1" in store.trouble()[0]
+    store.put("run", KEY, replace(RUN, **change), Run)
+    (told,) = store.trouble()
+    assert told.startswith("could not be kept: 1") and not list(tmp_path.glob("run-*"))
 
 
 def test_room_is_made_by_removing_what_was_longest_unused_but_nothing_of_this_build(tmp_path):
     files = []
     for i in range(4):
-        Store(tmp_path).put("run", {"i": i}, RUN)
+        Store(tmp_path).put("run", {"i": i}, RUN, Run)
         files += set(tmp_path.glob("run-*")) - set(files)
         os.utime(files[i], (1e9 + i, 1e9 + i))
     half = tmp_path / ".unfinished-killed"
@@ -204,9 +234,9 @@ def put_often(folder: Path) -> list[str]:
     """Write and read the same few keys again and again, as two builds would."""
     store = Store(folder)
     for i in range(60):
-        store.put("run", {"i": i % 3}, RUN)
+        store.put("run", {"i": i % 3}, RUN, Run)
         found = store.get("run", {"i": i % 3}, Run)
-        assert found is not None and same(found, RUN)
+        assert found is not None and identical(found, RUN)
     return store.trouble()
 
 
