@@ -2,9 +2,12 @@
 
     python -m cases                            lists every case in one line, hard ones with a star
     python -m cases new NAME [--force]         writes NAME.py, a commented case to start from
-    python -m cases check FILE                 says what is wrong in a file of cases, and where; else what happens
-    python -m cases show NAME [mu=0.3 …]       a picture of scene and motion, facts, and who can run it
-    python -m cases export NAME [mu=0.3 …]     the scene and its true transitions as JSON and CSV
+    python -m cases check CASE [mu=0.3 …]      says what is wrong in a case or a file of cases, and where; else what
+                                               happens
+    python -m cases show CASE [mu=0.3 …]       a picture of scene and motion, facts, and which solvers can run it
+    python -m cases export CASE [mu=0.3 …]     the scene and its true transitions as JSON and CSV
+
+CASE is NAME, "NAME[parameter=value,…]", FILE.py or FILE.py:FUNCTION, in every command of the suite.
 
 `show` and `export` need solvers, which this package knows nothing of: whoever has them declares them as entry points
 of the group "slip_to_roll.commands" (the suite's own are `reports.show` and `reports.export`). There `check` is a
@@ -18,14 +21,13 @@ import builtins
 import importlib.util
 import keyword
 import sys
-import traceback
 from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from . import files, registry
-from .errors import BadValue, CaseError, UnknownName, unknown
-from .patience import patience
+from . import lookup, registry
+from .errors import BadValue, CaseError, unknown
+from .words import status
 
 OWN = ("new", "check")
 BY_OTHERS = ("show", "export")
@@ -63,18 +65,16 @@ def {name}(depth=0.3, mu=0.1):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0, or 2 with one line if what was asked for makes no sense."""
-    words = list(sys.argv[1:] if argv is None else argv)
-    try:
-        if words and words[0] in ("-h", "--help"):
-            print((__doc__ or "").strip())
-        elif not words:
-            print(listing())
-        else:
-            run(words[0], words[1:])
-    except (CaseError, OSError) as problem:
-        print(f"cases: {problem}", file=sys.stderr)
-        return 2
-    return 0
+    return status("cases", _work, argv)
+
+
+def _work(words: list[str]) -> None:
+    if {"-h", "--help"} & {*words[:1]} or ({*OWN} & {*words[:1]} and {"-h", "--help"} & {*words}):
+        print((__doc__ or "").strip())
+    elif not words:
+        print(listing())
+    else:
+        run(words[0], words[1:])
 
 
 def run(command: str, words: Sequence[str]) -> None:
@@ -89,12 +89,16 @@ def run(command: str, words: Sequence[str]) -> None:
             )
         found(words)
         return
-    force = command == "new" and "--force" in words
-    words = [word for word in words if not (force and word == "--force")]
+    if command == "check":
+        if not words:
+            raise BadValue("check takes a case or a FILE: python -m cases check FILE")
+        print(check(words[0], words[1:]))
+        return
+    force = "--force" in words
+    words = [word for word in words if word != "--force"]
     if len(words) != 1:
-        what = "NAME" if command == "new" else "FILE"
-        raise BadValue(f"{command} takes one {what}: python -m cases {command} {what}")
-    print(new(words[0], force) if command == "new" else check(words[0]))
+        raise BadValue("new takes one NAME: python -m cases new NAME")
+    print(new(words[0], force))
 
 
 def _of_others(command: str) -> Callable | None:
@@ -144,46 +148,20 @@ def _shadows(name: str) -> bool:
         return True
 
 
-def check(file: str) -> str:
-    """Load a file, make every variant of its cases and run it, where there is a solver; raises CaseError with file and
-    line of what is wrong."""
-    path = files.place("case file", file)
-    if not path.suffix and path.with_suffix(".py").is_file():
-        file = str(path.with_suffix(".py"))
-    path = files.existing("case file", file)
-    try:
-        with patience(str(path)):
-            names = registry.load_file(path)
-    except UnknownName:
-        raise
-    except CaseError as problem:
-        raise BadValue(f"{where(path, problem)}: {problem}") from problem
-    lines, run = [], _of_others("check")
-    for name in names:
+def check(text: str, changes: Sequence[str] = ()) -> str:
+    """Make every variant of the cases that a word names (or the one with `changes`) and run it, where there is a
+    solver; raises CaseError with file and line of what is wrong."""
+    found, run = lookup.named(text), _of_others("check")
+    lines = []
+    for case in [found.one(changes)] if changes else found.every():
         try:
-            with patience(f"{path}, in {name}"):
-                made = registry.select(name)
-            told = [run(case) if run else NO_SOLVER for case in made]
-        except (Exception, SystemExit) as problem:  # the author's code may fail in any way; it is told with its place
-            kind = "" if isinstance(problem, CaseError) else f"{type(problem).__name__}: "
-            raise BadValue(f"{where(path, problem)}, in {name}: {kind}{' '.join(str(problem).split())}") from problem
-        lines += [f"{case.label}: fits; {what}" for case, what in zip(made, told, strict=True)]
-        if "Source:" not in (registry.entry(name).function.__doc__ or ""):
-            lines.append(f"{name}: its docstring names no source yet (Source: …); the acceptance tests ask for one")
-    return "\n".join(lines)
-
-
-def where(path: Path, problem: BaseException) -> str:
-    """path:line of the innermost place in the author's file that the problem came through."""
-    causes: list[BaseException] = [problem]
-    while causes[-1].__cause__:
-        causes.append(causes[-1].__cause__)
-    lines = [
-        frame.lineno
-        for cause in causes
-        for frame in traceback.extract_tb(cause.__traceback__)
-        if Path(frame.filename).resolve() == path.resolve()
+            does = run(case) if run else NO_SOLVER
+        except CaseError as problem:
+            raise BadValue(f"{case.label}: {problem}") from problem
+        lines.append(f"{case.label}: fits; {does}")
+    lines += [
+        f"{name}: its docstring names no source yet (Source: …); the acceptance tests ask for one"
+        for name in found.names
+        if "Source:" not in (registry.entry(name).function.__doc__ or "")
     ]
-    syntax = [cause.lineno for cause in causes if isinstance(cause, SyntaxError)]
-    line = (syntax or lines or [None])[-1]
-    return f"{path}:{line}" if line else str(path)
+    return "\n".join(lines)

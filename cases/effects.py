@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import cos, isfinite, nan, pi, sin
-from typing import TypeVar
+from typing import TypeVar, get_args
 
 import numpy as np
 import sympy as sp
@@ -201,6 +201,8 @@ class Impact:
 
 Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact
 
+_KINDS: tuple[type, ...] = get_args(Effect)
+
 # What an effect needs beside it, any one of them, and why.
 _NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
     RollingResistance: ((CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
@@ -230,10 +232,14 @@ def checked(effects) -> tuple[Effect, ...]:
         effects = tuple(effects)
     except TypeError:
         raise BadValue(f"effects is {effects!r}; give a tuple such as (Gravity(9.81), Unilateral())") from None
-    for e in effects:
-        if not isinstance(e, Effect):
-            raise BadValue(f"{e!r} is not an effect; give objects such as Gravity(9.81), with the brackets")
     kinds: Sequence[type] = [type(e) for e in effects]
+    for e, kind in zip(effects, kinds, strict=True):
+        if kind in _KINDS:
+            continue
+        if base := next((known for known in _KINDS if isinstance(e, known)), None):
+            # What it adds no solver would know, and what it contradicts no check.
+            raise BadValue(f"{kind.__name__} is a class of its own; give {base.__name__}, which solvers know")
+        raise BadValue(f"{e!r} is not an effect; give objects such as Gravity(9.81), with the brackets")
     twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
     if twice:
         raise BadValue(f"the case asks for {twice.__name__} more than once; give one of each effect")

@@ -21,6 +21,17 @@ class CaseError(ValueError):
         super().__init__(line if len(line) <= LONGEST else f"{line[:half]} … {line[-half:]}")
 
 
+def described(problem: BaseException) -> str:
+    """An exception in one line: its type and its text, if it has one. Raises nothing, whatever its `__str__` does."""
+    try:
+        text = str(CaseError(str(problem)))
+    except Exception:
+        text = "(its text cannot be read)"
+    if isinstance(problem, CaseError) and text:
+        return text
+    return f"{type(problem).__name__}: {text}" if text else type(problem).__name__
+
+
 class BadValue(CaseError):
     """A number or a type that no scene can have (NaN, a negative mass, a word where a number belongs)."""
 

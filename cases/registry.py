@@ -19,9 +19,8 @@ from typing import Any
 from . import files
 from .case import Case
 from .derivation import LOCK, in_one_thread
-from .errors import BadValue, CaseError, unknown
+from .errors import BadValue, CaseError, described, unknown
 from .measured import paths_count_from
-from .patience import TimeUp
 
 
 @dataclass(frozen=True)
@@ -40,13 +39,23 @@ class Entry:
     long: tuple[Mapping[str, Any], ...] = ()
 
     @cached_property
-    def folder(self) -> Path:
-        """The folder of the file that holds the function: its relative paths count from there."""
+    def file(self) -> Path | None:
+        """The file that holds the function; None for a callable that was written in no file."""
         try:
             file = inspect.getsourcefile(self.function)
-        except TypeError:  # a callable that was written in no file
-            file = None
-        return Path(file).parent if file else Path()
+        except TypeError:
+            return None
+        return Path(file) if file else None
+
+    @property
+    def folder(self) -> Path:
+        """The folder of that file: relative paths of the function count from there."""
+        return self.file.parent if self.file else Path()
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is a case of the suite's own catalogue."""
+        return self.function.__module__.startswith(f"{__package__}.catalogue.")
 
     @cached_property
     def parameters(self) -> dict[str, Any]:
@@ -123,11 +132,11 @@ def load(name: str, **parameters) -> Case:
     try:
         with LOCK, paths_count_from(found.folder):
             made = found.function(**parameters)
-    except (CaseError, KeyboardInterrupt, TimeUp):
+    except (CaseError, KeyboardInterrupt):
         raise
     except BaseException as problem:  # sys.exit among them
-        told = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
-        raise BadValue(f"{bare} cannot be made with {told}: {type(problem).__name__}: {problem}") from problem
+        values = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
+        raise BadValue(f"{bare} cannot be made with {values}: {described(problem)}") from problem
     if not isinstance(made, Case):
         raise BadValue(f"the case function {bare} returned {type(made).__name__}; return a Case")
     return made.named(bare, parameters)
@@ -169,10 +178,10 @@ def load_file(path: str | Path) -> list[str]:
     try:
         with paths_count_from(place.parent):
             spec.loader.exec_module(importlib.util.module_from_spec(spec))
-    except (CaseError, KeyboardInterrupt, TimeUp):
+    except (CaseError, KeyboardInterrupt):
         raise
     except BaseException as problem:
-        raise BadValue(f"the case file {path} fails: {type(problem).__name__}: {problem}") from problem
+        raise BadValue(f"the case file {path} fails: {described(problem)}") from problem
     new = [name for name in _entries if _entries[name] is not before.get(name)]
     if not new:
         raise BadValue(f"the case file {path} holds no case; mark its function with @case")
@@ -194,7 +203,7 @@ def _import_packages() -> None:
         try:
             found.load()
         except (Exception, SystemExit) as problem:
-            raise BadValue(f"the cases of {found.value} fail: {type(problem).__name__}: {problem}") from problem
+            raise BadValue(f"the cases of {found.value} fail: {described(problem)}") from problem
 
 
 def parse(text: str) -> tuple[str, dict[str, float]]:

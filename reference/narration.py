@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cases import BadValue, Case, CaseError, Gravity, Mode, Trajectory, Unilateral
 from cases.contact import start_motion
+from cases.errors import described
 
 from .solve import simulate
 
@@ -20,7 +21,7 @@ def check(case: Case) -> str:
     except CaseError:
         raise
     except Exception as problem:  # whatever else the author's curves and loads bring up
-        raise BadValue(f"the motion fails: {type(problem).__name__}: {problem}") from problem
+        raise BadValue(f"the motion fails: {described(problem)}") from problem
 
 
 def wrong_side(case: Case, motion: Trajectory) -> str:

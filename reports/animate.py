@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cases import Case
+from cases.words import status
 
-from . import options
 from .drawing.files import file_name
 from .show import case_of, check_ours
 
@@ -37,7 +37,7 @@ def _film(case: Case, path: Path) -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """The command; returns its exit status."""
-    return options.status(COMMAND, run, argv)
+    return status(COMMAND, run, argv)
 
 
 if __name__ == "__main__":

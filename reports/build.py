@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import cases
-from cases import Case, CaseError, kept
+from cases import Case, CaseError, kept, lookup
+from cases.words import status
 
 from . import options
-from .options import Plan, guarded
+from .options import Plan
 
 if TYPE_CHECKING:
     from .analysis.work_precision import Measured
@@ -33,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
     written, 3 if it is written and a case has no truth, or no solver could run one that was named, 130 if it was
     stopped."""
-    return options.status(COMMAND, _work, argv)
+    return status(COMMAND, _work, argv)
 
 
 def _work(words: list[str]) -> int:
@@ -79,7 +80,7 @@ def listing(files: Sequence[str]) -> str:
     for name in cases.names():
         lines.append(f"  {name}: {cases.entry(name).summary}")
         try:
-            lines += [f"    {case.label}" for case in guarded("it", lambda name=name: cases.select(name))]
+            lines += [f"    {case.label}" for case in lookup.named(name).every()]
         except CaseError as problem:
             lines.append(f"    cannot be made: {problem}")
     lines.append("solvers")

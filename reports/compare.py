@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import cases
-from cases import Case
+from cases import Case, lookup
 from cases.files import existing
+from cases.words import status
 
 from . import options
 
@@ -94,16 +94,16 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     def work(words: list[str]) -> None:
         positional = {
-            "CASE": 'a case, such as "disc_in_circle[mu=0.1]"',
+            "CASE": options.A_CASE,
             "FILE": "comma-separated values with the columns t, x, y, theta",
         }
         parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", "creep", words=positional)
         given = parser.parse_args(words)
         options.load_files(given.case_file)
-        case = options.guarded(f"the case {given.CASE}", lambda: cases.load(given.CASE))
+        case = lookup.named(given.CASE).one()
         print(compare(case, existing("file", given.FILE), options.creep_of(given.creep)))
 
-    return options.status(COMMAND, work, argv)
+    return status(COMMAND, work, argv)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases import BadValue
 from cases.files import place, text
+from cases.words import status
 
 from . import options
 from .running.records import legible
@@ -245,7 +246,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(told(comparison, one, other, solvers))
         return 0 if comparison.same else 3
 
-    return options.status(COMMAND, work, argv)
+    return status(COMMAND, work, argv)
 
 
 if __name__ == "__main__":

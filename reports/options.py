@@ -6,12 +6,10 @@ Everything here answers at once; what is slow to import is imported when it is n
 from __future__ import annotations
 
 import argparse
-import io
 import os
 import shlex
-import sys
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
@@ -19,10 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 import adapters
 import cases
-from cases import BadValue, Case, CaseError, kept
+from cases import BadValue, Case, kept, lookup
 from cases.errors import unknown
 from cases.files import place
-from cases.patience import patience
 from cases.words import Parser
 
 from .page.folder import foreign_file
@@ -56,6 +53,9 @@ MOST_JOBS = 256
 # Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
 _LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
 
+# The word of a command that is one case.
+A_CASE = 'a case: name, "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION'
+
 # Each option: its flag, and what argparse has to know. Commands choose from these and add none.
 _OPTIONS: dict[str, dict[str, Any]] = {
     "out": dict(metavar="DIR", help="folder to write"),
@@ -63,7 +63,8 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         metavar="NAME",
         nargs="+",
         action="extend",
-        help='cases: a name (all its variants) or "name[parameter=value,…]" (default: all, or those of --case-file)',
+        help='cases: a name (all its variants), "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION '
+        "(default: all, or those of --case-file)",
     ),
     "case_file": dict(
         metavar="FILE",
@@ -170,25 +171,6 @@ def parser(
     return parser
 
 
-def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
-    """The exit status of a command: what its work says, or 0; 2 if what is asked of it makes no sense, 1 if files
-    cannot be read or written, 130 if it was stopped. What went wrong is said in one line."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # no work is lost by a letter that a terminal has not
-    try:
-        return work(list(sys.argv[1:] if argv is None else argv)) or 0
-    except CaseError as problem:
-        print(f"{command}: {problem}", file=sys.stderr)
-        return 2
-    except OSError as problem:
-        print(f"{command}: {problem}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt as stop:
-        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a bar may stand on the line
-        return 130
-
-
 def command(module: str, words: Sequence[str]) -> str:
     """The command as it is typed again."""
     return " ".join([f"python -m {module}", *map(shlex.quote, words)])
@@ -262,11 +244,12 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
     out = checked_out(options.out)
     store = checked_store(options.store, out)
     names = options.case or own
-    found = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
+    found, more = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
     external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
     named = bool(names)
     if options.dask is not None and own_engines:
         raise BadValue("--engine names files of this machine, which --dask leaves; give one of the two")
+    files = tuple(dict.fromkeys((*files, *more)))
     return Plan(
         out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper,
         options.dask,
@@ -313,7 +296,7 @@ def chosen_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
 
 def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
     """Bring case files into the catalogue; their paths, and the names of their cases."""
-    names = [name for file in files for name in guarded(f"the file {file}", lambda file=file: cases.load_file(file))]
+    names = [name for file in files for name in lookup.load_file(file)]
     return tuple(str(Path(file).resolve()) for file in files), names
 
 
@@ -355,26 +338,16 @@ def whole_jobs(text: str) -> int:
     return jobs
 
 
-def chosen_cases(texts: Sequence[str], effort: str) -> tuple[Case, ...]:
-    """The cases of the texts, each once; a quick report takes only the last variant of a bare name."""
+def chosen_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], tuple[str, ...]]:
+    """The cases of the texts, each once, and the files that the texts name; a quick report takes only the last variant
+    of each case."""
     found: dict[tuple, Case] = {}
-    for text in texts:
-        variants = guarded(f"the case {text}", lambda text=text: cases.select(text))
-        for case in variants[-1:] if effort == "quick" else variants:
+    named = [lookup.named(text) for text in texts]
+    for one in named:
+        variants = one.every()
+        for case in {case.name: case for case in variants}.values() if effort == "quick" else variants:
             found.setdefault((case.name, tuple(case.parameters.items())), case)
-    return tuple(found.values())
-
-
-def guarded(what: str, make):
-    """A case's own code may fail in any way, or never end; it is said in one sentence."""
-    try:
-        with patience(what):
-            return make()
-    except CaseError:
-        raise
-    except (Exception, SystemExit) as problem:
-        text = " ".join(str(problem).split())
-        raise BadValue(f"{what} fails: {type(problem).__name__}: {text}") from problem
+    return tuple(found.values()), tuple(str(one.file.resolve()) for one in named if one.file)
 
 
 def checked_out(out: str | Path) -> Path:

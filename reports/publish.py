@@ -22,6 +22,7 @@ from typing import Any
 
 import cases
 from cases import BadValue, files
+from cases.words import status
 
 from . import options
 from .page import folder
@@ -221,7 +222,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
         print(f"{place}, {size / 1e6:.1f} MB")
 
-    return options.status(COMMAND, work, argv)
+    return status(COMMAND, work, argv)
 
 
 if __name__ == "__main__":

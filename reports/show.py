@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import cases
-from cases import BadValue, Case, Trajectory
+from cases import BadValue, Case, Trajectory, lookup
 from cases.files import place
 from cases.pictures import MADE_BY
+from cases.words import status
 
 from . import options
 
@@ -50,26 +51,13 @@ def run(words: Sequence[str]) -> None:
 
 
 def case_of(command: str, words: Sequence[str], says: str) -> Asked:
-    """The case that a command line names, where its output goes, and whether it may write over what is there.
-
-    A name that the catalogue does not know is looked for in NAME.py where one works, which `python -m cases new` wrote.
-    """
-    positional = {"NAME": 'a case: name, "name[parameter=value,…]", or a file of cases', "parameter=value*": _CHANGES}
+    """The case that a command line names, where its output goes, and whether it may write over what is there."""
+    positional = {"CASE": options.A_CASE, "parameter=value*": _CHANGES}
     parser = options.parser(command, says, "case_file", "out", "force", words=positional)
     given = parser.parse_args(list(words))
     out = given.out and place("folder or file of --out", given.out)
-    _, own = options.load_files(given.case_file)
-    name, bracket, inside = given.NAME.partition("[")
-    file = place("case", name if name.endswith(".py") else f"{name}.py")
-    if not own and name not in cases.names() and file.is_file():
-        _, own = options.load_files([str(file)])
-        if name.endswith(".py"):
-            if len(own) > 1:
-                raise BadValue(f"{file} has {len(own)} cases; give --case-file {file} and one of {', '.join(own)}")
-            name = own[0]
-    changed = ",".join(filter(None, [inside.removesuffix("]"), *getattr(given, "parameter=value")]))
-    text = f"{name}[{changed}]" if bracket or changed else name
-    return Asked(options.guarded(f"the case {text}", lambda: cases.load(text)), out, given.force)
+    options.load_files(given.case_file)
+    return Asked(lookup.named(given.CASE).one(getattr(given, "parameter=value")), out, given.force)
 
 
 def check_ours(path: Path, force: bool) -> None:
@@ -102,7 +90,7 @@ def facts(case: Case, motion: Trajectory) -> str:
 
 def main(command: Callable[[list[str]], None] = run) -> int:
     """For a suite that is not installed: `python -m reports.show NAME`."""
-    return options.status("cases", command, None)
+    return status("cases", command, None)
 
 
 if __name__ == "__main__":

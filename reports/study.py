@@ -6,8 +6,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import cases
-from cases import BadValue
+from cases import BadValue, lookup
+from cases.words import status
 
 from . import options, studies
 
@@ -16,7 +16,7 @@ COMMAND = "reports.study"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """The command; returns its exit status."""
-    return options.status(COMMAND, _work, argv)
+    return status(COMMAND, _work, argv)
 
 
 def _work(words: list[str]) -> None:
@@ -37,10 +37,8 @@ def _work(words: list[str]) -> None:
     if own and "case" not in study.TAKES:
         raise BadValue(f"{given.NAME} has its own cases; leave out --case-file")
     solvers, jobs = options.chosen_solvers(given.solver), options.whole_jobs(given.jobs)
-    made = [
-        options.guarded(f"the case {text}", lambda text=text: cases.select(text, long=given.full)) for text in texts
-    ]
-    chosen = tuple({case.label: case for some in made for case in some}.values())
+    made = (case for text in texts for case in lookup.named(text).every(long=given.full))
+    chosen = tuple({case.label: case for case in made}.values())
     request = studies.Request(chosen, solvers, given.full)
     out = options.checked_out(given.out or given.NAME)
     store = options.checked_store(given.store, out)

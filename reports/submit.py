@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cases.files import place
+from cases.words import status
 
 from . import options
 
@@ -54,7 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser = options.parser(COMMAND, "Check and judge motions that are to be handed in.", words=positional)
         print(_text(*judged(parser.parse_args(words).FOLDER)))
 
-    return options.status(COMMAND, work, argv)
+    return status(COMMAND, work, argv)
 
 
 if __name__ == "__main__":

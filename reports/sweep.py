@@ -6,9 +6,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from cases import BadValue
+from cases import BadValue, lookup
 from cases.errors import finite, whole
 from cases.files import place
+from cases.words import status
 
 from . import options
 
@@ -17,19 +18,20 @@ COMMAND = "reports.sweep"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """The command; returns its exit status."""
-    return options.status(COMMAND, _work, argv)
+    return status(COMMAND, _work, argv)
 
 
 def _work(words: list[str]) -> None:
     parser = options.parser(
         COMMAND, "Simulate a case over its parameters: a row for every scenario, in Parquet, and a map.", "vary",
         "sample", "number", "seed", "rtol", "certify", "refine", "solver", "case_file", "out", "jobs", "dask", "fresh",
-        words={"CASE": "a case, or name[parameter=value,…]"}, out="sweep",
+        words={"CASE": options.A_CASE}, out="sweep",
         example=f"python -m {COMMAND} disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
     )  # fmt: skip
     given = parser.parse_args(words)
     files, _ = options.load_files(given.case_file)
-    plan = _plan(given, files)
+    case = lookup.named(given.CASE)
+    plan = _plan(given, case.label(), (*files, str(case.file.resolve())) if case.file else files)
     solvers = [name for name in options.chosen_solvers(given.solver or ["reference"]) if name != "reference"]
     if versioned := next((name for name in solvers if "@" in name), ""):
         raise BadValue(f"a sweep runs what is installed, not {versioned}; reports.build has versions beside each other")
@@ -41,7 +43,7 @@ def _work(words: list[str]) -> None:
     _sweep(plan, solvers, jobs, out, given, width, options.command(COMMAND, words))
 
 
-def _plan(given, files: Sequence[str]):
+def _plan(given, case: str, files: Sequence[str]):
     """The plan of the options; raises CaseError, in one sentence."""
     try:
         from reference.sweeping import plan, table
@@ -59,7 +61,7 @@ def _plan(given, files: Sequence[str]):
         vary[name.strip()] = values.strip()
     number = None if given.number is None else whole("--number", _number("--number", given.number), 1, MOST)
     seed, rtol = whole("--seed", _number("--seed", given.seed), 0, MOST), _number("--rtol", given.rtol)
-    found = plan(given.CASE, vary, given.sample, number, seed, rtol, files)
+    found = plan(case, vary, given.sample, number, seed, rtol, files)
     table.check_names(found)
     return found
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import cases
-from cases import CaseError, kept
+from cases import CaseError, kept, lookup
 
 _PROPERTY = "accuracy"
 _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
@@ -37,7 +37,7 @@ def pytest_configure(config):
     if config.option.markexpr == "not slow" and config.getoption("--hypothesis-seed", None) is None:
         settings.load_profile("same")
     try:
-        config.own_cases = [name for file in config.getoption("--case-file") for name in cases.load_file(file)]
+        config.own_cases = [name for file in config.getoption("--case-file") for name in lookup.load_file(file)]
     except CaseError as problem:
         raise pytest.UsageError(str(problem)) from None
 

@@ -1,29 +1,30 @@
 """The command `python -m cases`, tried as a new user would, with a deliberate mistake at each step."""
 
 import json
+import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import cases
-from cases import registry
+from cases import lookup, registry, trial
 from cases.commands import TEMPLATE, main
 from reference import narration
-from reports import export, show
+from reports import animate, build, compare, options, sweep
 
 
 @pytest.fixture
 def desk(tmp_path, monkeypatch):
-    """An empty working folder, a catalogue that forgets what is loaded, and the suite's own commands installed."""
+    """An empty working folder, and a catalogue that forgets what is loaded. The commands are those that are installed:
+    where pyproject.toml is newer than the installation, `pip install -e .` (or make) declares them."""
     monkeypatch.chdir(tmp_path)
     cases.names()
     monkeypatch.setattr(registry, "_entries", dict(registry._entries))
-    commands = {"show": show.run, "export": export.run, "check": narration.check}
-    monkeypatch.setattr(
-        "cases.commands.entry_points", lambda group, name: [SimpleNamespace(load=lambda: commands[name])]
-    )
     return tmp_path
 
 
@@ -143,7 +144,7 @@ def test_export_holds_what_a_scene_needs(desk, capsys):
         (["new", "disc_on_line"], "already a case"),
         (["check", "nowhere.py"], "no case file"),
         (["check"], "check FILE"),
-        (["show"], "NAME"),
+        (["show"], "CASE"),
         (["show", "disc_on_lime"], "disc_on_line"),
         (["show", "disc_on_line", "mew=0.3"], "mu"),
         (["show", "disc_on_line", "mu=slippery"], "parameter=number"),
@@ -177,6 +178,156 @@ def test_a_mistake_in_a_file_is_told_in_one_line_with_its_place(desk, capsys, be
     told = refused(capsys, "check", "my_valley.py")
     assert says in told and "my_valley.py" in told
     assert bool(re.search(r"my_valley\.py:\d+", told)) == line
+
+
+# Files of an author who makes a mistake of the more surprising kind: what they hold, and what is said of them.
+ODD = {
+    "no_text": ("raise Exception", "odd.py:1: the case file odd.py fails: Exception"),
+    "no_text_in_its_case": (
+        "from cases import case\n@case\ndef odd():\n    raise AssertionError",
+        "odd.py:4: odd cannot be made with its own parameters: AssertionError",
+    ),
+    "text_that_fails": (
+        "class Odd(Exception):\n    def __str__(self):\n        raise ValueError\nraise Odd",
+        "odd.py:4: the case file odd.py fails: Odd: (its text cannot be read)",
+    ),
+    "no_exception": (
+        "class Odd(BaseException):\n    pass\nraise Odd('a b')",
+        "odd.py:3: the case file odd.py fails: Odd: a b",
+    ),
+    "interrupt": ("raise KeyboardInterrupt", "odd.py:1: KeyboardInterrupt"),
+    "exit": (
+        "import os\nprint('so long')\nos._exit(7)",
+        "the case file odd.py ends the process (exit status 7) instead of returning a case",
+    ),
+    "signal": (
+        "import os, signal\nos.kill(os.getpid(), signal.SIGTERM)",
+        "the case file odd.py ends the process (signal SIGTERM) instead of returning a case",
+    ),
+    "thread": (
+        f"import threading, time\nthreading.Thread(target=time.sleep, args=(1e6,), name='odd').start()\n"
+        f"{TEMPLATE.format(name='odd')}",
+        "the case file leaves the thread 'odd' running; end it, or give it daemon=True",
+    ),
+    "asks": ("input('your name?')", "odd.py:1: the case file odd.py fails: EOFError: EOF when reading a line"),
+    "endless": (
+        "import signal\nsignal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())\nwhile True:\n    pass",
+        "the case file odd.py does not end within 1.5 s; look for a loop without end in it",
+    ),
+}
+
+
+@pytest.mark.parametrize("way", ODD)
+def test_a_file_that_fails_in_an_odd_way_is_one_line_of_every_command(way, desk, capfd, monkeypatch):
+    monkeypatch.setattr(trial, "SECONDS", 1.5)
+    text, says = ODD[way]
+    (desk / "odd.py").write_text(text)
+    for command, main_of, words in (
+        ("cases", main, ["check", "odd.py"]),
+        ("reports.build", build.main, ["--list", "--case-file", "odd.py"]),
+        ("reports.animate", animate.main, ["odd.py"]),
+    ):
+        if (way, command) == ("no_text_in_its_case", "reports.build"):
+            continue  # which lists such a case, and why it cannot be made
+        assert main_of(words) == 2
+        out, err = capfd.readouterr()
+        assert out == "" and err.startswith(f"{command}: {says}") and err.count("\n") == 1, err
+    assert [path.name for path in desk.iterdir() if path.name != "__pycache__"] == ["odd.py"]
+
+
+def test_what_a_case_file_starts_is_ended_with_its_trial(desk, capsys):
+    (desk / "odd.py").write_text(
+        "import pathlib, subprocess\n"
+        "run = subprocess.Popen(['sleep', '1000'])\n"
+        "pathlib.Path('pid').write_text(str(run.pid))\n"
+        "while True: pass\n"
+    )
+    with pytest.raises(cases.BadValue, match="does not end"):
+        trial.trial("it", lambda: registry.load_file(desk / "odd.py"), seconds=2.0)
+    sleeper = Path("/proc") / (desk / "pid").read_text()
+    assert not sleeper.exists() or "(zombie)" in (sleeper / "status").read_text()
+
+
+TWO = '''
+import cases
+from cases import case
+
+
+@case(variants=[dict(mu=0.1), dict(mu=0.3)])
+def slow_one(mu=0.2):
+    """It slides. Source: this test."""
+    return cases.load("disc_on_line", mu=mu)
+
+
+@case
+def fast_one(mu=0.2):
+    """It slides. Source: this test."""
+    return cases.load("disc_on_line", mu=mu, v0=2.0)
+'''
+
+
+@pytest.mark.parametrize(
+    ("text", "labels"),
+    [
+        ("disc_in_circle", [f"disc_in_circle[mu={mu}]" for mu in (0.01, 0.1, 0.2)]),
+        ("disc_on_line[mu=0.25]", ["disc_on_line[mu=0.25]"]),
+        ("two.py", ["slow_one[mu=0.1]", "slow_one[mu=0.3]", "fast_one"]),
+        ("two", ["slow_one[mu=0.1]", "slow_one[mu=0.3]", "fast_one"]),
+        ("two.py:slow_one", ["slow_one[mu=0.1]", "slow_one[mu=0.3]"]),
+        ("two:fast_one[mu=0.3]", ["fast_one[mu=0.3]"]),
+    ],
+)
+def test_a_case_is_found_by_name_variant_file_and_function(text, labels, desk, capsys):
+    (desk / "two.py").write_text(TWO)
+    assert [case.label for case in lookup.named(text).every()] == labels
+    found, files = options.chosen_cases([text], "default")
+    assert [case.label for case in found] == labels
+    assert files == ((str(desk / "two.py"),) if "two" in text else ())
+    out = run(capsys, "check", text)[1]
+    assert [line.partition(":")[0] for line in out.splitlines() if ": fits; slides" in line] == labels
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        lambda text: main(["show", text]),
+        lambda text: main(["export", text]),
+        lambda text: compare.main([text, "motion.csv"]),
+        lambda text: animate.main([text]),
+        lambda text: sweep.main([text, "--vary", "mu=0.1:0.2:2"]),
+    ],
+    ids=["show", "export", "compare", "animate", "sweep"],
+)
+def test_a_command_of_one_case_finds_it_in_a_file_and_names_those_of_a_file_with_several(command, desk, capsys):
+    (desk / "two.py").write_text(TWO)
+    for text in ("two.py", "two"):
+        assert command(text) == 2
+        assert f"{text} has 2 cases, slow_one, fast_one; give one: two.py:slow_one" in capsys.readouterr().err
+    assert command("two.py:fast_one[mew=1]") == 2
+    assert "there is no parameter of fast_one 'mew'; choose from mu" in capsys.readouterr().err
+
+
+def test_a_function_that_a_file_has_not_is_named_with_those_it_has(desk, capsys):
+    (desk / "two.py").write_text(TWO)
+    assert "slow_one" in refused(capsys, "check", "two.py:slow_on")
+    assert "there is no case file 'three'" in refused(capsys, "check", "three:slow_one")
+
+
+def test_the_list_is_printed_on_a_terminal_that_knows_no_letter_beyond_ascii():
+    plain = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    told = subprocess.run([sys.executable, "-m", "cases"], env=plain, capture_output=True, text=True)
+    assert told.returncode == 0 and told.stderr == "" and len(told.stdout.splitlines()) == len(cases.names())
+
+
+@pytest.mark.parametrize("module", ["cases", "reports.build"])
+def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
+    """In 0.9 GB the BLAS of SciPy waits for ever for its buffers."""
+    words = f"ulimit -v 900000; exec {sys.executable} -m {module} {'show disc_on_line' if module == 'cases' else ''}"
+    told = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert told.returncode == 2 and told.stderr.count("\n") == 1 and list(tmp_path.iterdir()) == []
+    assert told.stderr.endswith(
+        "the shell limits the address space to 0.86 GB, and 2 GB are needed; type: ulimit -v unlimited\n"
+    )
 
 
 def test_a_suite_that_is_not_installed_says_how_to_show(capsys, monkeypatch):

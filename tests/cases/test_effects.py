@@ -24,6 +24,14 @@ from cases.library import line
 ROUGH = (Gravity(9.81), CoulombFriction(0.2), Unilateral())
 
 
+class Sandpaper(PerfectlyRough):
+    """A class of an author's own; it must not pass for another kind of effect than PerfectlyRough."""
+
+
+class Sticky(CoulombFriction):
+    """The same of CoulombFriction."""
+
+
 def level(effects, **start):
     return Case(line(), disc(0.5, 2.0), effects, Start(xi1=0.0, **start), 1.0)
 
@@ -35,6 +43,9 @@ def level(effects, **start):
         (lambda: level((Gravity(9.81), Flight())), "add it or leave Flight out"),
         (lambda: level((Gravity(9.81), Unilateral(), Impact(0.5))), "asks for Flight"),
         (lambda: level((CoulombFriction(0.1), PerfectlyRough())), "contradict"),
+        (lambda: level((CoulombFriction(0.1), Sandpaper())), "give PerfectlyRough"),
+        (lambda: level((CoulombFriction(0.1), Sticky(0.3))), "give CoulombFriction"),
+        (lambda: level((PerfectlyRough(), Sticky(0.3))), "give CoulombFriction"),
         (lambda: level(ROUGH, gap=0.1), "add Flight"),
         (lambda: level(ROUGH, gap_rate=0.1), "add Flight"),
         (lambda: level((*ROUGH, Flight()), gap_rate=-0.1), "add Impact"),

@@ -17,7 +17,6 @@ from datetime import date
 from typing import Any
 
 from cases import CaseError
-from cases.patience import TimeUp
 
 # Characters: a sentence with the longest list of names in it.
 ONE_SENTENCE = 600
@@ -41,7 +40,7 @@ class Kind:
     found: tuple[tuple[str, Call], ...] = ()
 
 
-class Late(TimeUp):
+class Late(KeyboardInterrupt):
     """No Exception, so that nothing on the way takes it for one of its own."""
 
 

@@ -11,6 +11,7 @@ import pytest
 import cases
 from cases import CaseError, CoulombFriction, Gravity, Start, Unilateral, disc
 from cases.library import line
+from cases.words import status
 from reports import build, compare, options, show, study
 
 ROOT = Path(__file__).parents[2]
@@ -46,7 +47,7 @@ def test_every_command_refuses_what_it_does_not_know_in_one_sentence(main, words
 
 
 def show_main(words) -> int:
-    return options.status("cases", show.run, words)
+    return status("cases", show.run, words)
 
 
 def test_an_option_means_the_same_in_every_command():
@@ -87,6 +88,7 @@ def test_a_report_that_makes_no_sense_is_refused_before_anything_runs(given, mor
 SCRIPT = """
 from cases import Case, CoulombFriction, Gravity, Start, Unilateral, disc
 from cases.library import line
+from cases.words import status
 from reports.build import report
 
 print("begins")

@@ -1,0 +1,138 @@
+"""The cases that a word of a command line means. Every command finds them here:
+
+    NAME                    of the catalogue, or of NAME.py in the working folder
+    NAME[parameter=value,…] one variant
+    FILE.py                 every case of a file
+    FILE.py:FUNCTION        one case of a file, also with [parameter=value,…]
+
+A file of cases is Python code: this is for what a user types, not for words from elsewhere (`cases.load` is for those).
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+from . import files, registry
+from .case import Case
+from .errors import BadValue, CaseError, UnknownName, described, unknown
+from .trial import trial
+
+T = TypeVar("T")
+
+
+class Named(NamedTuple):
+    """What a word names: cases of the catalogue, what its brackets hold (None: it has none), and the file it is in."""
+
+    text: str
+    names: tuple[str, ...]
+    inside: str | None
+    file: Path | None
+
+    def one(self, changes: Sequence[str] = ()) -> Case:
+        """The one case, with `changes` such as "mu=0.3"; raises CaseError in one sentence if there are several, or it
+        cannot be made."""
+        label = self.label(changes)
+        return _tried(f"the case {label}", self.names[0], partial(registry.load, label))
+
+    def every(self, long: bool = False) -> list[Case]:
+        """Every variant of every case, or the one variant; with `long` those that take minutes, too. Raises CaseError
+        in one sentence."""
+        if self.inside is not None:
+            return [self.one()]
+        found: list[Case] = []
+        for name in self.names:
+            found += _tried(f"the case {name}", name, partial(registry.select, name, long))
+        return found
+
+    def label(self, changes: Sequence[str] = ()) -> str:
+        """The one case, with `changes`, as `name[parameter=value,…]`; raises BadValue if there are several."""
+        if len(self.names) > 1:
+            cases = f"{len(self.names)} cases, {', '.join(self.names)}"
+            raise BadValue(f"{self.text} has {cases}; give one: {self.file}:{self.names[0]}")
+        inside = ",".join(filter(None, [self.inside, *changes]))
+        return f"{self.names[0]}[{inside}]" if inside or self.inside is not None else self.names[0]
+
+
+def named(text: str) -> Named:
+    """What a word names; a file that it names is tried and brought into the catalogue. Raises CaseError in one
+    sentence."""
+    head, bracket, rest = text.strip().partition("[")
+    if bracket and not rest.endswith("]"):
+        raise BadValue(f"{text!r} is not a case; write name or name[parameter=value,…]")
+    inside = rest.removesuffix("]") if bracket else None
+    path, colon, function = head.partition(":")
+    file = _file(path)
+    if file is None:
+        if colon:
+            raise UnknownName(f"there is no case file {path!r}; write FILE.py:FUNCTION")
+        bare, _ = registry.parse(head)
+        registry.entry(bare)  # raises UnknownName
+        return Named(text, (bare,), inside, None)
+    names = tuple(load_file(file))
+    if colon and function not in names:
+        raise unknown(f"case in {file}", function, names)
+    return Named(text, (function,) if colon else names, inside, file)
+
+
+def load_file(file: str | Path) -> list[str]:
+    """Bring the cases of a file into the catalogue, once it has been tried; their names. Raises CaseError in one
+    sentence with the place in the file."""
+    path = files.existing("case file", file)
+    return _made(f"the case file {path}", path, partial(registry.load_file, path))
+
+
+def _tried(what: str, name: str, make: Callable[[], T]) -> T:
+    """What `make` returns of the case `name`, tried first if the case is not the suite's own."""
+    entry = registry.entry(name)
+    return make() if entry.is_own or entry.file is None else _made(what, entry.file, make)
+
+
+def _made(what: str, file: Path, make: Callable[[], T]) -> T:
+    """What `make` returns, tried first; raises BadValue with the place in the author's file."""
+    trial(what, make, explain=lambda problem: _sentence(file, problem))
+    try:
+        return make()
+    except CaseError as problem:
+        raise BadValue(_sentence(file, problem)) from problem
+
+
+def _sentence(file: Path, problem: BaseException) -> str:
+    """What is wrong, and where in the author's file."""
+    place, said = _place(file, problem), described(problem)
+    return said if said.startswith(place) or (place == _shown(file) and place in said) else f"{place}: {said}"
+
+
+def _file(text: str) -> Path | None:
+    """The file that a word names; None if it is a name of the catalogue, or nothing that is there."""
+    if text.endswith(".py"):
+        return files.existing("case file", text)
+    if text in registry.names():
+        return None
+    beside = files.place("case", f"{text}.py")
+    return beside if beside.is_file() else None
+
+
+def _place(file: Path, problem: BaseException) -> str:
+    """path:line of the innermost place in the author's file that a problem came through, or the path alone."""
+    causes: list[BaseException] = [problem]
+    while causes[-1].__cause__:
+        causes.append(causes[-1].__cause__)
+    lines = [
+        frame.lineno
+        for cause in causes
+        for frame in traceback.extract_tb(cause.__traceback__)
+        if Path(frame.filename).resolve() == file.resolve()
+    ]
+    syntax = [cause.lineno for cause in causes if isinstance(cause, SyntaxError)]
+    line = (syntax or lines or [None])[-1]
+    return f"{_shown(file)}:{line}" if line else _shown(file)
+
+
+def _shown(file: Path) -> str:
+    """The file as it is named from the working folder."""
+    here = Path.cwd()
+    return str(file.relative_to(here) if file.is_relative_to(here) else file)
