@@ -123,7 +123,7 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     else:
         stop = len(s) - 1 if reachable.all() else int(np.argmin(reachable))
     end = min(int(np.searchsorted(run, run[stop] + margin)), len(s) - 1)
-    return float(s[end]), float(run[end]), float(np.sqrt(2 * max(kinetic[: stop + 1].max(), 0.0)))
+    return float(s[end]), float(run[end]), float(np.sqrt(2 * np.max(kinetic[: stop + 1], initial=0.0)))
 
 
 def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:

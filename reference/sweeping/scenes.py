@@ -284,7 +284,7 @@ def _probes(columns: Mapping[str, np.ndarray], n: int) -> Iterator[int]:
     yield from dict.fromkeys(i for pair in ends for i in pair)
     lows_highs = [(column.min(), column.max()) for column in columns.values()]
     for corner in product(*lows_highs) if len(lows_highs) <= 4 else ():
-        there = np.logical_and.reduce([c == v for c, v in zip(columns.values(), corner, strict=True)])
+        there = np.all([c == v for c, v in zip(columns.values(), corner, strict=True)], axis=0)
         yield from np.flatnonzero(there)[:1].tolist()
     yield from np.random.default_rng(n).integers(0, n, PROBES).tolist()
 

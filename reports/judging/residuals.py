@@ -172,8 +172,8 @@ def _forces_broken(case: Case, motion: Trajectory) -> list[str]:
     # A force that no motion of the scene would show is none: of a plate that rests without weight all are rounding.
     scale = CONE * max(float(np.abs(normal).max()), case.plate.mass * slow**2 / case.plate.reach)
     beyond = np.abs(tangential) - (friction.stick if friction else 0.0) * np.abs(normal)
-    if not case.effect(PerfectlyRough) and beyond.max() > scale:
-        broken.append(f"friction exceeds its cone by {beyond.max():.3g} N at t = {t[np.argmax(beyond)]:.6g} s")
+    if not case.effect(PerfectlyRough) and np.max(beyond) > scale:
+        broken.append(f"friction exceeds its cone by {np.max(beyond):.3g} N at t = {t[np.argmax(beyond)]:.6g} s")
     if case.effect(Unilateral) and normal.min() < -scale:
         broken.append(f"the track pulls with {-normal.min():.3g} N at t = {t[np.argmin(normal)]:.6g} s")
     power = np.where(np.isnan(motion.slip), 0.0, tangential * motion.slip)

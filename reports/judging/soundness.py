@@ -60,7 +60,7 @@ def jumps(case: Case, motion: Trajectory, truth: Trajectory, far: float) -> list
     way = np.hypot(np.diff(motion.x), np.diff(motion.y))
     beyond = way - FASTER * fastest * np.diff(motion.t) - PUSHED * case.plate.reach
     told = []
-    if len(beyond) and beyond.max() > 0.0:
+    if len(beyond) and np.max(beyond) > 0.0:
         i = int(np.argmax(beyond))
         told.append(f"jumps by {way[i]:.3g} m at {motion.t[i + 1]:.6g} s")
     moved = float(np.hypot(truth.x - truth.x[0], truth.y - truth.y[0]).max())

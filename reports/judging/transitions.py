@@ -227,8 +227,8 @@ class _Motion:
         """The impacts of a flight, in order."""
         inside = slice(stretch.start, stretch.stop)
         # A solver whose impacts last tells no force in them: those samples are neither contact nor free.
-        aloft = np.isnan(self.all.xi1[inside]) & ~np.isnan(self.all.normal_force[inside])
-        aloft = stretch.start + np.flatnonzero(aloft)
+        free = np.isnan(self.all.xi1[inside]) & ~np.isnan(self.all.normal_force[inside])
+        aloft = stretch.start + np.flatnonzero(free)
         found = []
         for i, j in zip(aloft[:-1].tolist(), aloft[1:].tolist(), strict=True):
             # Samples left out between the two are a contact: there it touched, jump or not.
