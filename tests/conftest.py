@@ -24,7 +24,10 @@ def pytest_addoption(parser):
 
 # `make test` draws the same examples everywhere and always: what fails is the change, not the draw. The slow tests,
 # and whoever gives a seed, draw others.
+# No test is slow by hypothesis' clock: on a busy machine any would be.
 settings.register_profile("same", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("other", deadline=None)
+QUICK = "not slow and not timed"  # the default choice of pyproject.toml
 
 
 def pytest_configure(config):
@@ -34,8 +37,8 @@ def pytest_configure(config):
     """
     os.environ.setdefault(kept.VARIABLE, kept.OFF)
     gc.disable()  # what is collected stays to the end: looking through it for garbage finds none and takes seconds
-    if config.option.markexpr == "not slow" and config.getoption("--hypothesis-seed", None) is None:
-        settings.load_profile("same")
+    quick = config.option.markexpr == QUICK and config.getoption("--hypothesis-seed", None) is None
+    settings.load_profile("same" if quick else "other")
     try:
         config.own_cases = [name for file in config.getoption("--case-file") for name in lookup.load_file(file)]
     except CaseError as problem:

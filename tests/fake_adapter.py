@@ -114,12 +114,12 @@ def run(model):
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM, signal.SIGINT})
         while True:
             time.sleep(1.0)
-    elif how == "until told":
-        while not (HERE / "told").exists():
-            time.sleep(0.01)
     elif how == "until killed":
         (HERE / "pid").write_text(str(os.getpid()))
         time.sleep(60.0)
+    elif how.startswith("until"):  # there is a file of that name
+        while not (HERE / how.partition(" ")[2]).exists():
+            time.sleep(0.01)
     elif how == "segfault":
         os.kill(os.getpid(), signal.SIGSEGV)
     elif how == "no library":

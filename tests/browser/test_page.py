@@ -23,6 +23,14 @@ def time_of(page, player):
     return float(page.eval_on_selector(player, "one => one.dataset.time"))
 
 
+def after_frames(page, count=20):
+    """Wait until the page has been drawn so many times, however long that takes."""
+    page.evaluate(
+        "count => new Promise(done => { const next = () => count-- ? requestAnimationFrame(next) : done(); next() })",
+        count,
+    )
+
+
 # --- the first screen -------------------------------------------------------------------------------------------------
 
 
@@ -91,7 +99,7 @@ def test_the_disc_on_the_first_screen_moves_by_itself_and_stops_when_asked(open_
     page.wait_for_function("+document.querySelector('.first .player').dataset.time > 0.05")
     page.click(".first [data-do=play]")
     stopped = time_of(page, ".first .player")
-    page.wait_for_timeout(150)
+    after_frames(page)
     assert time_of(page, ".first .player") == stopped
     assert page.get_attribute(".first [data-do=play]", "aria-label") == "play"
 
@@ -99,7 +107,7 @@ def test_the_disc_on_the_first_screen_moves_by_itself_and_stops_when_asked(open_
 def test_who_asks_for_less_motion_gets_none_until_play_is_pressed(open_page):
     page = open_page(reduced_motion="reduce")
     page.wait_for_selector(".first .player[data-time]")
-    page.wait_for_timeout(200)
+    after_frames(page)
     assert time_of(page, ".first .player") == 0.0
     page.click(".first [data-do=play]")
     page.wait_for_function("+document.querySelector('.first .player').dataset.time > 0.02")
@@ -336,7 +344,7 @@ def test_axe_finds_no_serious_fault(open_page, scheme):
     for place in chapters(page):
         visit(page, place)
     page.evaluate(SHOW_ALL)
-    page.wait_for_timeout(400)
+    after_frames(page)
     assert all(page.locator(place).is_visible() for place in chapters(page))
     assert serious_faults(page, FEW_ROWS, scheme) == []
 
@@ -347,5 +355,5 @@ def test_axe_finds_no_serious_fault_in_any_row_of_any_chapter(open_page, scheme)
     page = open_page(color_scheme=scheme, reduced_motion="reduce")
     for place in chapters(page):
         visit(page, place)
-        page.wait_for_timeout(400)
+        after_frames(page)
         assert serious_faults(page, None, scheme) == [], place

@@ -64,6 +64,7 @@ def _operation(expression) -> str:
     return str(expression).split("(")[0] if "(" in str(expression) else "variable"
 
 
+@pytest.mark.timed
 @needs_heyoka
 def test_frictionless_disc_runs_as_fast_as_by_hand():
     now = frictionless()

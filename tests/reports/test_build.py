@@ -288,8 +288,8 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path, monkey
 
     monkeypatch.setattr(folder.scratch, "Folder", full)
     argv = ["--out", str(tmp_path / "report"), "--store", str(tmp_path / "store"), "--case", "disc_on_line", "--quick"]
-    began = time.monotonic()
-    assert build.main(argv) == 1 and time.monotonic() - began < 10.0
+    monkeypatch.setattr("reports.running.experiment.run", lambda *_: pytest.fail("it ran something"))
+    assert build.main(argv) == 1
     assert "cannot write the report: [Errno 28] No space left" in capsys.readouterr().err
 
 

@@ -2,13 +2,14 @@
 
 import statistics
 import time
-from functools import partial
 from math import isnan
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import cases
+import reference
 from adapters import Setting
 from adapters.pymunk import adapter, assisted
 from reports.running import cold, parts, tasks
@@ -60,6 +61,7 @@ def by_profile() -> float:
     return 2 * outside(outer) - outside(inner)
 
 
+@pytest.mark.timed
 def test_engine_and_binding_take_as_long_by_profile_as_with_an_empty_callback():
     """On pymunk's assisted route, where nearly all of a step is ours. By turns, and the medians of the turns."""
     turns = [(by_empty_callback(), by_profile()) for _ in range(9)]
@@ -68,6 +70,7 @@ def test_engine_and_binding_take_as_long_by_profile_as_with_an_empty_callback():
     assert profiled == pytest.approx(hollow, rel=0.1)
 
 
+@pytest.mark.timed
 @pytest.mark.parametrize("route", ["native", "assisted"])
 def test_parts_by_difference_are_the_whole(route):
     setting = adapter.ladder(CIRCLE, route)[3]
@@ -78,24 +81,34 @@ def test_parts_by_difference_are_the_whole(route):
     assert 0.0 < told.engine < (0.1 if route == "assisted" else 0.7)
 
 
+@pytest.mark.timed
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
 def test_a_profile_tells_an_engine_from_the_python_it_calls_back():
-    """heyoka's own steps are less than half of a Taylor run of a few milliseconds; Python alone has no engine."""
+    """heyoka's own steps are less than half of a Taylor run of a few milliseconds."""
     told = parts.parts(Contestant(CIRCLE, "reference", "taylor", Setting.of(rtol=1e-9), 0.1), time.perf_counter() + 1.0)
     assert 0.0 < told.engine < 0.9 and told.engine + told.callback == 1.0 and isnan(told.binding)
+
+
+def test_python_alone_has_no_engine():
     literal = Contestant(CIRCLE, "reference", "augmented", Setting.of(rtol=1e-3), 0.1)
     assert parts.parts(literal, time.perf_counter() + 1.0) is None
 
 
-def test_what_python_does_within_an_engine_is_not_the_engine_s():
-    def work(seconds: float, *_) -> float:
-        began = time.thread_time()
-        while time.thread_time() - began < seconds:
-            pass
-        return 0.0
+def test_what_python_does_within_an_engine_is_not_the_engine_s(monkeypatch):
+    """By a clock that work alone moves on, so that no other load on the machine has a part in it."""
+    seconds: list[int] = []
+    monkeypatch.setattr(parts, "time", SimpleNamespace(thread_time=lambda: len(seconds)))
 
-    # `sorted` calls its key back: to the profiler an engine of the package "builtins".
-    run = partial(sorted, [3, 1, 2], key=lambda x: work(0.01))
-    assert parts.engine_seconds("builtins", run) < 0.005
+    def work(x: int) -> int:
+        seconds.extend(range(10))
+        return x
+
+    # To the profiler an engine of the package "builtins": `sorted` calls its key back, `extend` works for 7 s itself.
+    def run() -> None:
+        sorted([3, 1, 2], key=work)
+        seconds.extend(range(7))
+
+    assert parts.engine_seconds("builtins", run) == 7
     assert isnan(parts.engine_seconds("an_engine_that_is_not_called", run))
 
 

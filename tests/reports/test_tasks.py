@@ -1,6 +1,5 @@
 """One run and its verdict, and the tables."""
 
-import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -123,12 +122,20 @@ def test_failing_engines_give_rows(monkeypatch, line, read, outcome, reason):
 
 
 def test_clock_is_around_run_alone(monkeypatch, line):
-    def slow(case):
-        time.sleep(0.2)
-        return bowling(case)
+    """By a clock that building and running alone move on."""
+    now = [0.0]
+    clock = SimpleNamespace(process_time=lambda: now[0], perf_counter=lambda: now[0])
+    monkeypatch.setattr(tasks, "time", clock)
 
-    run = performed(monkeypatch, line, slow, run=lambda model: sum(range(200_000)))
-    assert 0.0 < run.cost.cpu_s and run.cost.wall_s < 0.2 <= run.cost.setup_s
+    def takes(seconds, result):
+        def work(case):
+            now[0] += seconds
+            return result(case)
+
+        return work
+
+    run = performed(monkeypatch, line, takes(5.0, bowling), run=takes(1.0, lambda model: None))
+    assert (run.cost.cpu_s, run.cost.wall_s, run.cost.setup_s) == (1.0, 1.0, 5.0)
 
 
 def test_transitions_of_a_solver_that_locates_them_are_taken_as_they_are(line):
