@@ -163,7 +163,7 @@ class Trajectory:
             return known[name]
 
     def __getstate__(self) -> dict[str, Any]:
-        """A trajectory travels and is kept with its samples."""
+        """A trajectory travels and is kept with its samples, and with its dense output where that can be pickled."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def __post_init__(self):

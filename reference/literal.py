@@ -15,6 +15,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, RollingResistance
 
+from .minimal import modes
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
 from .minimal.system import PARADOX, System
@@ -166,11 +167,23 @@ def prepare(phase: Phase, rtol: float = 1e-10) -> None:
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """As `dop853.integrate`, with the paper's matrix in place of the phase's own equations."""
-    # All that the loop and the record ask of a system; nothing here is symbolic.
-    literal = cast(System, LiteralSystem(phase.case, phase))
     from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
 
-    return dop853.integrate(phase._replace(system=literal), t, y, end, rtol)
+    return dop853.integrate(_with_matrix(phase), t, y, end, rtol)
+
+
+class _LiteralPhase(Phase):
+    """A phase whose equations are the paper's matrix."""
+
+    def __reduce__(self):
+        """It travels to another process as the phase it was made of."""
+        return _with_matrix, (modes.phase(self.case, self.regime),)
+
+
+def _with_matrix(now: Phase) -> _LiteralPhase:
+    """The phase with the paper's matrix in place of its own equations."""
+    # All that the loop and the record ask of a system; nothing here is symbolic.
+    return _LiteralPhase(*now._replace(system=cast(System, LiteralSystem(now.case, now))))
 
 
 def warning(segments: Sequence[Segment]) -> str:

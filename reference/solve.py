@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import pickle
 import time
 from dataclasses import replace
 from functools import lru_cache
@@ -165,16 +166,37 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         times = np.concatenate([segment.times for segment in segments])
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
-    starts = np.array([segment.start for segment in segments])
+    first_mode = segments[0].phase.regime.mode
+    return Trajectory.on_demand(samples, **told, first_mode=first_mode, dense=_Dense(case, segments))
 
-    def dense(when: np.ndarray) -> State:
-        values = np.empty((len(State._fields), len(when)))
-        for i, block in blocks(starts, when):
-            values[:, block] = _observe(case, segments[i].phase, when[block], segments[i].states(when[block]))
+
+class _Dense:
+    """A motion at any times, from its segments: times (n,) ↦ State.
+
+    To another process it travels with all of its steps, so that nothing is integrated there; what evaluates them is
+    derived there when it is first asked.
+    """
+
+    def __init__(self, case: Case, segments: list[Segment]):
+        self._case, self._known, self._packed = case, segments, b""
+
+    def __call__(self, when: np.ndarray) -> State:
+        segments, values = self._segments, np.empty((len(State._fields), len(when)))
+        for i, block in blocks(np.array([segment.start for segment in segments]), when):
+            values[:, block] = _observe(self._case, segments[i].phase, when[block], segments[i].states(when[block]))
         return State(*values)
 
-    first_mode = segments[0].phase.regime.mode
-    return Trajectory.on_demand(samples, **told, first_mode=first_mode, dense=dense)
+    @property
+    def _segments(self) -> list[Segment]:
+        if not self._known:
+            self._known = pickle.loads(self._packed)
+        return self._known
+
+    def __getstate__(self) -> tuple[Case, bytes]:
+        return self._case, self._packed or pickle.dumps(self._known, protocol=5)
+
+    def __setstate__(self, state: tuple[Case, bytes]) -> None:
+        (self._case, self._packed), self._known = state, []
 
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:

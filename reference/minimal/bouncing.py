@@ -11,6 +11,7 @@ whatever ρ is.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf, sqrt
 from typing import NamedTuple
 
@@ -133,16 +134,25 @@ class Bounces:
         assert self.last is not None
         landing, after = self.last.landing, self.last.after
         first, last = (
-            np.array(in_flight(self.case, (place.xi1, place.xi2), touch.slip, touch.omega, touch.lift))
+            tuple(map(float, in_flight(self.case, (place.xi1, place.xi2), touch.slip, touch.omega, touch.lift)))
             for place, touch in ((landing, after), (limit, limit.touch))
         )
+        times, states = np.array([landing.time, limit.time]), _Straight(landing.time, limit.time, first, last)
+        return Segment.of(flight, times, states, Event(None, limit.time, last), 0)
 
-        def states(times: np.ndarray) -> np.ndarray:
-            part = (times - landing.time) / (limit.time - landing.time)
-            return first[:, None] + np.outer(last - first, part)
 
-        times = np.array([landing.time, limit.time])
-        return Segment.of(flight, times, states, Event(None, limit.time, tuple(last.tolist())), 0)
+@dataclass(frozen=True, eq=False, slots=True)
+class _Straight:
+    """States that change evenly from one time (s) to another: times (n,) ↦ states (variables, n)."""
+
+    start: float
+    end: float
+    first: tuple[float, ...]
+    last: tuple[float, ...]
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        first, part = np.array(self.first), (times - self.start) / (self.end - self.start)
+        return first[:, None] + np.outer(np.array(self.last) - first, part)
 
 
 def extrapolated(at: Sequence[float], values: Sequence[float]) -> tuple[float, float]:

@@ -61,6 +61,10 @@ class Phase(NamedTuple):
     case: Case
     features: tuple[tuple[int | None, Features], ...] = ()
 
+    def __reduce__(self):
+        """A phase travels to another process as its case and its regime: all else is derived from these."""
+        return phase, (self.case, self.regime)
+
 
 def candidates(case: Case) -> tuple[Regime, ...]:
     """The contacts the case's effects allow; where two are possible (static friction) the earlier one is taken."""

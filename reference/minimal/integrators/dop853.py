@@ -7,7 +7,8 @@ reverses and comes back) would leave no change of sign at the ends.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
@@ -113,7 +114,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
             guard, when = found
             piece, event = _land(phase, rhs, piece, guard, when, rtol, atol)
             return Segment.of(
-                phase, np.array([*times, event.time]), _joined(times, [*pieces, piece]), event, solver.nfev
+                phase, np.array([*times, event.time]), _Joined(times, [*pieces, piece]), event, solver.nfev
             )
         times.append(solver.t)
         pieces.append(piece)
@@ -129,7 +130,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
 
 def _ended(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
     """The segment of whole steps; of none, the state where it stopped."""
-    states = _joined(times[:-1], pieces) if pieces else lambda when: np.outer(event.state, np.ones(len(when)))
+    states = _Joined(times[:-1], pieces) if pieces else _Still(event.state)
     return Segment.of(phase, np.array(times), states, event, evaluations)
 
 
@@ -180,7 +181,7 @@ def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, ev
         return _ended(phase, times, pieces, Event(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
     rest = integrate(phase, piece.t_old, piece.y_old, until, rtol)
     event = rest.event if rest.event.guard else rest.event._replace(guard=BREAKDOWN)
-    states = _joined(times, [*pieces, rest.states])
+    states = _Joined(times, [*pieces, rest.states])
     return Segment.of(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
 
 
@@ -278,7 +279,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
         if abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(t) or t + correction <= start:
             break
         t, y = float(t + correction), _runge_kutta(rhs, t, y, correction)
-    return _joined([p.t_old for p in pieces], pieces), Event(guard, t, tuple(y.tolist()))
+    return _Joined([p.t_old for p in pieces], pieces), Event(guard, t, tuple(y.tolist()))
 
 
 def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
@@ -290,20 +291,32 @@ def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
     return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def _joined(starts, pieces) -> Callable[[np.ndarray], np.ndarray]:
-    """Dense output over several steps."""
-    begins = np.array(starts)
+@dataclass(frozen=True, eq=False, slots=True)
+class _Still:
+    """Dense output of a phase without a step: it stays where it is."""
 
-    def states(times: np.ndarray) -> np.ndarray:
+    state: tuple[float, ...]
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        return np.outer(self.state, np.ones(len(times)))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Joined:
+    """Dense output over several steps that begin at `starts`: times (n,) ↦ states (variables, n)."""
+
+    starts: Sequence[float]
+    pieces: Sequence[Callable[[np.ndarray], np.ndarray]]
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        pieces = self.pieces
         if len(times) == 1:  # a search looks at one instant after the other: a fifth of the time below
-            piece = pieces[min(max(bisect_right(starts, float(times[0])) - 1, 0), len(pieces) - 1)]
+            piece = pieces[min(max(bisect_right(self.starts, float(times[0])) - 1, 0), len(pieces) - 1)]
             if not isinstance(piece, DenseOutput):
                 return piece(times)
             return (piece.y_old + np.array(_weights((float(times[0]) - piece.t_old) / piece.h)) @ piece.F)[:, None]
-        found = [(block, pieces[i](times[block])) for i, block in blocks(begins, times)]
+        found = [(block, pieces[i](times[block])) for i, block in blocks(np.array(self.starts), times)]
         joined = np.empty((len(found[0][1]), len(times)))
         for block, values in found:
             joined[:, block] = values
         return joined
-
-    return states

@@ -71,6 +71,10 @@ class Segment:
         """The dense output."""
         return self._recorded[1]
 
+    def __reduce__(self):
+        """A segment travels to another process with all its steps: what would make them again stays here."""
+        return Segment, (self.phase, self.start, self.event, self.evaluations, self.steps, self._recorded)
+
     def until(self, time: float, evaluations: int) -> Segment:
         """The same motion cut at that time, with the work that it took."""
         times = np.append(self.times[self.times < time], time)

@@ -198,7 +198,7 @@ def _without_truth(call: tuple, why: str) -> tuple[Run, Residuals]:
 
 
 def _sampled(motion: Trajectory) -> Trajectory:
-    """A motion without its dense output, which does not travel between processes."""
+    """A motion at even times and at its transitions: all that runs are judged by, and small to send to each."""
     events = [event.time for event in motion.transitions]
     times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SAMPLES), events)
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
