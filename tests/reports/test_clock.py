@@ -2,7 +2,6 @@
 
 import statistics
 import time
-from collections.abc import Callable
 from functools import partial
 from itertools import cycle, groupby
 from math import isnan
@@ -16,29 +15,10 @@ from reports.running import clock, solvers
 from reports.running.calls import Calls
 from reports.running.clock import Contestant, Entry, Repeat
 
+from .watch import Watch
+
 LINE = cases.load("disc_on_line", mu=0.1)
 LOOP = 1e-3  # s, of an undisturbed calibration
-
-
-class Watch:
-    """A clock that only work moves on: what depends on how long a run takes is the same on every machine."""
-
-    now = 0.0
-
-    def perf_counter(self) -> float:
-        self.now += 1e-7  # reading it takes time, too
-        return self.now
-
-    process_time = perf_counter
-
-    def work(self, seconds: float, done: Callable[[], object] = lambda: None) -> Callable[..., None]:
-        """A function that calls `done` and takes so long."""
-
-        def work(*arguments) -> None:
-            done()
-            self.now += seconds
-
-        return work
 
 
 @pytest.fixture
@@ -75,7 +55,7 @@ SLOW_LOOP, BESIDE_OTHERS, WAITED = (
 
 def test_set_up_and_reading_are_off_the_clock(watch):
     one = entry("slow to build", watch.work(0.04), watch.work(0.004), read=watch.work(0.05))
-    clock.take_turns([one], watch.now + 2.0)
+    clock.take_turns([one], watch.wall + 2.0)
     timing = clock.timing(one, LOOP)
     assert (timing.cpu_s, timing.setup_s, timing.read_s) == pytest.approx((0.004, 0.04, 0.05), rel=1e-3)
     assert len(one.repeats) >= clock.LEAST_REPEATS
@@ -107,7 +87,7 @@ def test_ratio_of_timings_is_the_ratio_of_work():
 def test_contestants_take_turns(watch):
     order: list[str] = []
     entries = [entry(name, run=watch.work(0.005, partial(order.append, name))) for name in "abc"]
-    clock.take_turns(entries, watch.now + 1.0)
+    clock.take_turns(entries, watch.wall + 1.0)
     turns = [name for name, _ in groupby(order)]
     assert turns[:9] == list("abcabcabc")
 
@@ -118,10 +98,10 @@ def test_cheap_contestants_are_seen_beside_all_of_a_dear_one(watch):
 
     def run(name: str, seconds: float, model) -> None:
         order.append(name)
-        watch.now += seconds * next(unlike)
+        watch.spend(seconds * next(unlike))
 
     who = {"cheap": 0.001, "dear": 0.06, "costly": 0.08}
-    clock.take_turns([entry(name, run=partial(run, name, s)) for name, s in who.items()], watch.now + 3.0)
+    clock.take_turns([entry(name, run=partial(run, name, s)) for name, s in who.items()], watch.wall + 3.0)
     turns = [name for name, _ in groupby(order)]
     assert turns.count("cheap") >= turns.count("dear") + turns.count("costly") - 2
     assert turns.count("dear") >= 5 and "dear costly" not in " ".join(turns[2:])
@@ -129,7 +109,7 @@ def test_cheap_contestants_are_seen_beside_all_of_a_dear_one(watch):
 
 def test_imports_are_off_the_budget(watch, monkeypatch):
     def build(case, route, setting):
-        watch.now += 0.0 if built else 0.3
+        watch.spend(0.0 if built else 0.3)
         built.append(setting)
 
     built: list = []
@@ -150,7 +130,7 @@ def test_short_runs_are_warmed_up_and_run_in_a_row_of_models_of_their_own(watch)
         return built[-1]
 
     one = entry("short", build, ran.append)
-    clock.take_turns([one], watch.now + 0.5)
+    clock.take_turns([one], watch.wall + 0.5)
     assert len(ran) == len(built) == len(set(map(id, built)))
     assert len(ran) >= clock._ROW_RUNS * len(one.repeats)
 
@@ -159,7 +139,7 @@ def test_short_runs_are_warmed_up_and_run_in_a_row_of_models_of_their_own(watch)
 def test_long_runs_are_run_once_a_repeat(watch, seconds, thrown_away):
     ran: list[str] = []
     one = entry("long", run=watch.work(seconds, partial(ran.append, "")))
-    clock.take_turns([one], watch.now + 0.5)
+    clock.take_turns([one], watch.wall + 0.5)
     # The very first is thrown away where lazy imports might weigh in it.
     assert len(ran) == len(one.repeats) + thrown_away
 
@@ -169,7 +149,7 @@ def test_what_does_not_fit_in_the_budget_is_left_out(watch):
         Entry(Contestant(LINE, "s", "r", adapters.Setting.of(x=s), s), lambda: None, lambda model: None)
         for s in (100.0, 0.001)
     )
-    clock.take_turns([cheap, dear], watch.now + 0.3)
+    clock.take_turns([cheap, dear], watch.wall + 0.3)
     assert cheap.repeats and not dear.repeats
 
 
@@ -178,7 +158,7 @@ def test_an_engine_that_fails_at_the_clock_loses_its_own_row_only(watch):
         raise RuntimeError("no more")
 
     bad, good = entry("bad", run=fail), entry("good")
-    clock.take_turns([bad, good], watch.now + 0.5)
+    clock.take_turns([bad, good], watch.wall + 0.5)
     assert bad.failure == "RuntimeError: no more" and not bad.repeats
     assert good.repeats and not good.failure
 
@@ -221,7 +201,7 @@ def test_a_short_boost_of_the_clock_disturbs_nobody(watch, monkeypatch):
     loops = iter([0.5 * LOOP if i % 20 == 0 else LOOP for i in range(100_000)])
     monkeypatch.setattr(clock, "calibrate", lambda: next(loops))
     one = entry("x", run=watch.work(1e-3))
-    undisturbed = clock.take_turns([one], watch.now + 0.3)
+    undisturbed = clock.take_turns([one], watch.wall + 0.3)
     assert undisturbed == LOOP
     assert not clock.timing(one, undisturbed).disturbed
 

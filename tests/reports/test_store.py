@@ -42,6 +42,11 @@ def test_records_come_back_to_the_last_bit(kind, record, tmp_path):
     assert identical(Store(tmp_path / "s").get(kind, KEY, type(record)), record)
 
 
+def test_what_comes_back_may_be_changed(tmp_path):
+    Store(tmp_path).put("run", KEY, RUN, Run)
+    Store(tmp_path).get("run", KEY, Run).samples["t"][0] = 1.0
+
+
 def test_nothing_is_taken_under_another_key_or_when_asked_for_fresh(tmp_path):
     Store(tmp_path).put("run", KEY, RUN, Run)
     assert Store(tmp_path).get("run", {**KEY, "case": "d"}, Run) is None
@@ -128,9 +133,10 @@ DAMAGE = {
         path, lambda told: told["record"]["samples"][0][1].__setitem__(2, [10**12])
     ),
     "nested beyond all bounds": lambda path: with_member(path, "record.json", b"[" * 200_000),
-    "a few kilobytes that unfold to 300 MB": lambda path: with_member(path, "record.json", b" " * 300_000_000),
     "of another key": lambda path: with_record(path, lambda told: told["key"].update(case="d")),
     "another record": lambda path: with_record(path, lambda told: told.update(record={"a": 1})),
+    "a field missing": lambda path: with_record(path, lambda told: told["record"].pop("samples")),
+    "a field more": lambda path: with_record(path, lambda told: told["record"].update(more=1)),
     "wrong type": lambda path: with_record(path, lambda told: told["record"].update(outcome=3)),
     "no record": lambda path: with_record(path, lambda told: told.clear()),
     "pickled array": with_object_array,
@@ -149,6 +155,46 @@ def test_a_damaged_file_is_told_in_one_line_and_mended_by_running_it_again(damag
     mended = Store(tmp_path)
     assert identical(mended.get("run", KEY, Run), RUN) and mended.trouble() == []
     assert not (tmp_path / "sprung").exists()
+
+
+def test_a_few_kilobytes_that_unfold_to_more_than_any_record_holds_are_not_unfolded(tmp_path, monkeypatch):
+    Store(tmp_path).put("run", KEY, RUN, Run)
+    with zipfile.ZipFile(kept_file(tmp_path)) as archive:
+        told = archive.read("record.json")
+    with_member(kept_file(tmp_path), "record.json", told + b" " * 10_000_000)
+    assert kept_file(tmp_path).stat().st_size < 50_000 and Store(tmp_path).get("run", KEY, Run) is not None
+    monkeypatch.setattr("reports.running.store._MOST_BYTES", 10_000_000)
+    store = Store(tmp_path)
+    assert store.get("run", KEY, Run) is None
+    assert "it claims to hold more than 10 MB" in store.trouble()[0]
+
+
+def test_kinds_are_kept_apart_and_what_is_taken_is_told(tmp_path):
+    first = Store(tmp_path)
+    first.put("run", KEY, RUN, Run)
+    first.put("truth", KEY, TRUTH, Truth)
+    first.put("run", {"another": 1}, RUN, Run)
+    for path, when in zip(sorted(tmp_path.glob("*-*.npz")), ("2021", "2020", "2022"), strict=True):
+        with_record(path, lambda told, when=when: told.update(when=when))
+    store = Store(tmp_path)
+    assert identical(store.get("truth", KEY, Truth), TRUTH) and identical(store.get("run", KEY, Run), RUN)
+    assert store.get("run", {"another": 1}, Run) is not None and store.get("run", {"a third": 1}, Run) is None
+    assert store.told() == {"taken": {"run": 2, "truth": 1}, "oldest_taken": "2020", "kept": {}, "trouble": []}
+    assert store.taken_words() == "2 runs and 1 truth taken from the store (since 2020), nothing made now"
+    assert first.told()["kept"] == {"run": 2, "truth": 1}
+    assert Store(tmp_path).taken_words() == "nothing was taken from the store"
+
+
+def test_use_saves_a_result_from_being_the_longest_unused(tmp_path):
+    for i in range(3):
+        Store(tmp_path).put("run", {"i": i}, RUN, Run)
+    for place, file in enumerate(tmp_path.glob("run-*")):
+        os.utime(file, (1e9 + place, 1e9 + place))
+    assert Store(tmp_path).get("run", {"i": 1}, Run) is not None
+    other = Store(tmp_path)  # another build, which does not use it
+    other.trim(bound=max(file.stat().st_size for file in tmp_path.glob("run-*")))
+    assert other.get("run", {"i": 1}, Run) is not None
+    assert other.get("run", {"i": 0}, Run) is other.get("run", {"i": 2}, Run) is None
 
 
 def test_a_folder_in_a_file_s_place_is_told_and_left(tmp_path):

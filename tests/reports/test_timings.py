@@ -1,31 +1,36 @@
 """The timed pass: every time belongs to the contestant it was measured of, whatever the order and wherever from."""
 
+from dataclasses import replace
 from functools import partial
+from math import inf
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import cases
-from adapters import Setting
+from adapters import Setting, interface
+from cases import Cost, Mode, Transition
 from reports.running import clock, cold, parts, timings
-from reports.running.calls import Calls
 from reports.running.clock import Contestant
+from reports.running.records import Experiment, Run, Truth
 from reports.running.store import Store
 
-from .watch import Here, Watch
+from .watch import LEFT, CallsHere, Watch
 
-LINE = cases.load("disc_on_line", mu=0.1)
+LINES = tuple(cases.load("disc_on_line", mu=mu) for mu in (0.1, 0.2))
 VERSIONS = {"pymunk": "7.2.0", "exudyn": "1.9.0", "reference": "0.1.0"}
+VERSIONS |= {"pymunk@6.11.1": "6.11.1", "pymunk@7.0.0": "7.0.0"}
 # How many times as long as the cheapest each takes: no two contestants may be confused without a difference.
 COSTS = {"reference": 1, "pymunk": 2, "exudyn": 4}
 WHO = [
     Contestant(case, name, route, Setting.of(cost=cost * (1.0 if route == "native" else 1.25) * (1 + place)), 0.01)
-    for place, case in enumerate((LINE, cases.load("disc_on_line", mu=0.2)))
+    for place, case in enumerate(LINES)
     for name, cost in COSTS.items()
     for route in ("native", "assisted")
 ]
 BUILD, RUN, READ = 0.04, 0.02, 0.01
+SHARES = (LEFT["binding"], LEFT["callback"] - LEFT["binding"], LEFT["notes"] - LEFT["callback"], 1.0 - LEFT["notes"])
 
 
 @pytest.fixture
@@ -40,35 +45,237 @@ def engines(monkeypatch) -> Watch:
         monkeypatch.setattr(module, "calibrate", lambda: 1e-3)
     monkeypatch.setattr(clock, "neighbours", lambda: False)
     monkeypatch.setattr(cold, "_apart", lambda function, argument: function(argument))
+    monkeypatch.setattr(timings, "time", watch)
     return watch
 
 
-def calls(folder) -> Calls:
-    made = Calls(1, store=Store(folder), versions=VERSIONS)
-    made._pool = Here()
-    return made
+def calls(folder=None) -> CallsHere:
+    return CallsHere(1, store=Store(folder), versions=VERSIONS)
 
 
-@pytest.mark.parametrize("measured", ["timings", "cold starts"])
+def fit(result, cost: float) -> bool:
+    """Whether a Timing, Cold or Parts is of a contestant of that cost."""
+    if isinstance(result, parts.Parts):
+        return tuple(result) == pytest.approx(SHARES, rel=1e-3)
+    run = result.cpu_s if isinstance(result, clock.Timing) else result.run_s
+    build = result.setup_s if isinstance(result, clock.Timing) else result.build_s
+    expected = (BUILD * cost, RUN * cost, READ * cost, (BUILD + RUN + READ) * cost)
+    return (build, run, result.read_s, result.call_s) == pytest.approx(expected, rel=1e-3)
+
+
+def timed(who, made) -> dict:
+    found, failed = timings.time_together(who, inf, 10.0, made)
+    assert not failed and [one for one, _ in found] == list(who)
+    return {one.key: timing for one, timing in found}
+
+
+def started_cold(who, made) -> dict:
+    return timings._measured(partial(timings._cold_starts, made), who, 1000.0)
+
+
+@pytest.mark.parametrize("measured", [timed, started_cold])
 def test_each_time_is_its_contestant_s_in_every_order_and_from_the_store(measured, engines, tmp_path):
     """As after `--solver pymunk exudyn reference` on the store of a default build."""
 
     @given(st.permutations(WHO))
     def holds(who):
-        made = calls(tmp_path)
-        if measured == "timings":
-            found, failed = timings.time_together(who, 10.0, 10.0, made)
-            assert not failed and [one for one, _ in found] == list(who)
-            took = {one: (t.setup_s, t.cpu_s, t.read_s) for one, t in found}
-        else:
-            found = timings._measured(partial(timings._cold_starts, made), who, 10.0)
-            took = {one: (c.build_s, c.run_s, c.read_s) for one in who for c in [found[one.key]]}
-        for one, seconds in took.items():
-            cost = one.setting["cost"]
-            assert seconds == pytest.approx((BUILD * cost, RUN * cost, READ * cost), rel=1e-3)
-        pools.append(made._pool)
+        with calls(tmp_path) as made:
+            found = measured(who, made)
+        assert all(fit(found[one.key], one.setting["cost"]) for one in who)
+        times_made.append(len(made.made))
 
-    pools: list[Here] = []
+    times_made: list[int] = []
     holds()
     # The first made them, and the others took them from the store: else their order would prove nothing.
-    assert [len(pool.made) for pool in pools] == [1, *[0] * (len(pools) - 1)] and len(pools) > 10
+    assert times_made == [1, *[0] * (len(times_made) - 1)] and len(times_made) > 10
+
+
+def test_parts_of_a_run_are_their_contestant_s(engines, tmp_path, monkeypatch):
+    by_cost = lambda one, deadline: parts.Parts(one.setting["cost"], 0.0, 0.0, 0.0)  # noqa: E731
+    monkeypatch.setattr(parts, "parts", by_cost)
+    for who in (WHO, WHO[::-1], WHO[3:] + WHO[:3]):
+        with calls(tmp_path) as made:
+            found = timings._measured(partial(timings._parts, made), who, 1000.0)
+        assert {key: value.engine for key, value in found.items()} == {one.key: one.setting["cost"] for one in who}
+
+
+# --- what is kept under which key -------------------------------------------------------------------------------------
+
+AB = [
+    Contestant(LINES[0], "pymunk", "native", Setting.of(cost=1.0), 0.01),
+    Contestant(LINES[1], "exudyn", "native", Setting.of(cost=2.0), 0.01),
+]
+
+
+@pytest.mark.parametrize(
+    "other, new",
+    [
+        (AB, 0),
+        (AB[::-1], 0),
+        ([one._replace(expected_s=9.0) for one in AB], 0),
+        ([AB[0]._replace(setting=Setting.of(cost=1.0 + 1e-15)), AB[1]], 1),
+        ([AB[0]._replace(setting=Setting.of(cost=1)), AB[1]], 1),
+        ([AB[0]._replace(route="assisted"), AB[1]], 1),
+        ([AB[0]._replace(solver="reference"), AB[1]], 1),
+        # The same cases, solvers and settings, but each solver on the other's case.
+        ([AB[0]._replace(case=LINES[1]), AB[1]._replace(case=LINES[0])], 1),
+        ([AB[0]._replace(case=replace(LINES[0], duration=0.5)), AB[1]], 1),
+        (AB[:1], 1),
+    ],
+)
+def test_timings_are_taken_of_the_same_contestants_alone(other, new, engines, tmp_path):
+    for who, made_now in ((AB, 1), (other, new)):
+        with calls(tmp_path) as made:
+            timed(who, made)
+        assert len(made.made) == made_now
+
+
+def test_what_is_left_of_the_time_decides_nothing_and_the_share_of_it_does(engines, tmp_path):
+    for left, share, new in ((5.0, 10.0, 1), (7.0, 10.0, 0), (7.0, 20.0, 1)):
+        with calls(tmp_path) as made:
+            timings.time_together(AB, left, share, made)
+        assert len(made.made) == new
+
+
+@pytest.mark.parametrize("disturbed", [(True, True), (True, False), (False, True)])
+def test_nothing_is_kept_that_was_disturbed_anywhere(disturbed, engines, tmp_path, monkeypatch):
+    timing = replace(clock.UNTIMED, cpu_s=1.0)
+    answers = {one.key: (replace(timing, disturbed=d), "") for one, d in zip(AB, disturbed, strict=True)}
+
+    def time_all(contestants, budget) -> dict[clock.Key, tuple[clock.Timing | None, str]]:
+        return answers
+
+    time_all.__module__ = clock.__name__
+    monkeypatch.setattr(clock, "time_all", time_all)
+    for _ in range(2):
+        with calls(tmp_path) as made:
+            timed(AB, made)
+        assert len(made.made) == 1
+
+
+def test_a_contestant_that_an_answer_does_not_name_is_reported(engines, monkeypatch):
+    def time_all(contestants, budget) -> dict[clock.Key, tuple[clock.Timing | None, str]]:
+        return {}
+
+    monkeypatch.setattr(clock, "time_all", time_all)
+    with calls() as made:
+        found, failed = timings.time_together(AB, 5.0, 10.0, made)
+    assert not found and [one for one, _ in failed] == AB and "does not name it" in failed[0][1]
+
+
+def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(engines):
+    versions = [AB[0]._replace(solver=f"pymunk@{version}") for version in ("6.11.1", "7.0.0")]
+    with calls() as made:
+        found, _ = timings.time_together([*AB, *versions], 8.0, 8.0, made)
+    assert [one for one, _ in found] == [*AB, *versions]
+    assert [(list(who), budget) for who, budget in made.made] == [
+        (AB, 4.0), ([versions[0]], 2.0), ([versions[1]], 2.0),
+    ]  # fmt: skip
+
+
+# --- what is timed ----------------------------------------------------------------------------------------------------
+
+
+def run_of(case, solver="pymunk", cost=1.0, rung=1, outcome="right", route="native") -> Run:
+    took = Cost(wall_s=0.01 * cost, setup_s=0.02 * cost)
+    return Run(case.label, solver, route, Setting.of(cost=cost), rung, outcome, cost=took)
+
+
+def experiment(*given, runs=None, events=None) -> Experiment:
+    """Cases with ladders of six right runs, if nothing else is said; `events` of each."""
+    ladders = [run_of(case, cost=1.0 + rung, rung=rung) for case in given for rung in range(1, 7)]
+    truths = {
+        case.label: Truth(transitions=(Transition(1.0, Mode.SLIDE, Mode.ROLL),) * (events or {}).get(case.label, 1))
+        for case in given
+    }
+    return Experiment(given, truths, tuple(ladders if runs is None else runs), 0.0)
+
+
+def named(count: int, family: str = "") -> list[cases.Case]:
+    """Cases of as many families, or of one."""
+    return [replace(LINES[0], name=family or f"family_{i}", parameters={"mu": i / 100}) for i in range(count)]
+
+
+def test_contestants_are_the_right_runs_of_engines_that_the_clock_can_see(monkeypatch):
+    runs = [
+        run_of(LINES[0], cost=1.0), run_of(LINES[0], cost=2.0, outcome="wrong"), run_of(LINES[0], "outside", 3.0),
+        run_of(LINES[1], cost=4.0), run_of(LINES[0], cost=5.0, outcome="crashed"),
+    ]  # fmt: skip
+    monkeypatch.setattr(timings, "executables", lambda: {"outside": None})
+    (one,) = timings.contestants(experiment(*LINES, runs=runs), LINES[0])
+    assert one.key == (LINES[0].label, "pymunk", "native", Setting.of(cost=1.0))
+    assert one.case == LINES[0] and one.expected_s == pytest.approx(0.03)  # a build and a run
+    assert interface.executables() == {}
+
+
+def test_a_default_report_times_of_each_family_the_variant_with_most_transitions():
+    variants = named(3, "valley")
+    found = experiment(*variants, events={variants[1].label: 3})
+    assert timings.chosen(found, full=False) == [variants[1]]
+    assert timings.chosen(found, full=True) == variants
+
+
+def test_a_default_report_times_no_more_cases_than_it_has_time_for():
+    many = named(timings.MOST_CASES + 3)
+    most = {case.label: 1 + i for i, case in enumerate(many)}
+    assert timings.chosen(experiment(*many, events=most), full=False) == many[:2:-1]
+    assert timings.chosen(experiment(*many, events=most), full=True) == many
+
+
+def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
+    one, two, three = named(3)
+    runs = [run_of(case, rung=r) for case, rungs in ((one, 6), (two, 5), (three, 6)) for r in range(1, rungs + 1)]
+    found = experiment(one, two, three, runs=runs)
+    found.truths[three.label] = Truth(failure="none")
+    assert timings.chosen(found, full=False) == [one]
+    assert timings.chosen(found, full=True) == [one, two]
+
+
+def test_the_pass_times_cheap_cases_first_and_shares_the_time_among_those_left(engines, monkeypatch):
+    cheap, dear = named(2)
+    runs = [run_of(case, cost=cost, rung=1) for case, cost in ((dear, 8.0), (cheap, 1.0))]
+    given_to: list[tuple[str, float, float]] = []
+    together = timings.time_together
+
+    def noted(who, budget, share, alone):
+        given_to.append((who[0].case.label, budget, share))
+        return together(who, budget, share, alone)
+
+    monkeypatch.setattr(timings, "time_together", noted)
+    with calls() as made:
+        began = engines.wall
+        found = timings.measure(experiment(dear, cheap, runs=runs), True, made)
+    assert [label for label, _, _ in given_to] == [cheap.label, dear.label] and given_to[0][1] == 60.0
+    assert set(found.timings) == {(run.case, *("pymunk", "native"), run.setting) for run in runs}
+    assert all(fit(timing, key[3]["cost"]) for key, timing in found.timings.items())
+
+    given_to.clear()
+    monkeypatch.setattr(timings, "LEAST_SETTINGS", 1)
+    with calls() as made:
+        began = engines.wall
+        timings.measure(experiment(dear, cheap, runs=runs), False, made)
+    (_, first, share), (_, second, _) = given_to
+    # Half of the time for the cheap one; what it leaves of that the dear one has as well.
+    assert first == pytest.approx(timings.BUDGET / 2, rel=1e-3) and share == timings.BUDGET / 2
+    assert first < second < timings.BUDGET and began + timings.BUDGET > engines.wall
+
+
+def test_what_could_not_be_timed_is_reported_with_its_reason(engines, monkeypatch):
+    def breaks(model):
+        raise RuntimeError("no more")
+
+    monkeypatch.setattr(clock, "solver", lambda name: engines.engine(BUILD, RUN, READ, run=breaks))
+    with calls() as made:
+        found = timings.measure(experiment(LINES[0], runs=[run_of(LINES[0])]), True, made)
+    assert found.timings == {} and found.cases == (LINES[0],)
+    assert found.failures == {f"{LINES[0].label}, pymunk native cost=1": "RuntimeError: no more"}
+
+
+def test_cold_starts_and_parts_are_measured_of_those_that_are_wanted(engines):
+    runs = [run_of(case, cost=cost) for case in LINES for cost in (1.0, 2.0)]
+    wanted = {(run.case, run.solver, run.route, run.setting) for run in runs[1:3]}
+    with calls() as made:
+        found = timings.beside(experiment(*LINES, runs=runs), wanted, False, made)
+    assert set(found.cold) == set(found.parts) == wanted
+    assert all(isinstance(value, cold.Cold) and fit(value, key[3]["cost"]) for key, value in found.cold.items())
+    assert all(isinstance(value, parts.Parts) and fit(value, 1.0) for value in found.parts.values())

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 
+from reports.running.calls import Calls
 from reports.running.serving import Answer
 
 # Seconds that a look at the clock takes: far below every time that a test measures.
 TICK = 1e-9
+
+# What is left of a run without its notes, without the callback as well, and without the binding as well.
+LEFT = {"notes": 0.8, "callback": 0.5, "binding": 0.375}
 
 
 class Watch:
@@ -44,7 +48,7 @@ class Watch:
 
         return work
 
-    def engine(self, build: float, run: float, read: float, **more) -> SimpleNamespace:
+    def engine(self, build: float, run: float, read: float, /, **more) -> SimpleNamespace:
         """An adapter whose functions take so many CPU seconds; each setting's knob `cost` multiplies all three."""
 
         def built(case, route, setting):
@@ -58,7 +62,11 @@ class Watch:
 
             return work
 
-        return SimpleNamespace(build=built, run=taking(run), read=taking(read), **more)
+        def stripped(case, route, setting, without):
+            return self.work(run * setting["cost"] * LEFT[without])
+
+        functions = dict(build=built, run=taking(run), read=taking(read), stripped=stripped)
+        return SimpleNamespace(**functions | more)
 
 
 class Here:
@@ -75,3 +83,14 @@ class Here:
 
     def close(self) -> None:
         """There is nothing to end."""
+
+
+class CallsHere(Calls):
+    """Calls that are made in this process; `made` are those that were not taken from the store."""
+
+    made: list[tuple]
+
+    def __enter__(self) -> CallsHere:
+        self._pool = Here()
+        self.made = self._pool.made
+        return self

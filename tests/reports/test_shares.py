@@ -1,0 +1,170 @@
+"""The shares of a run's time, by a clock that work alone moves on: which difference is whose, and how often."""
+
+import gc
+from math import inf, isnan, nan
+from types import SimpleNamespace
+
+import pytest
+
+import cases
+from adapters import Setting
+from reports.running import parts
+from reports.running.clock import Contestant
+
+from .watch import LEFT, Watch
+
+LINE = cases.load("disc_on_line", mu=0.1)
+RUN = 0.04
+
+
+@pytest.fixture
+def watch(monkeypatch) -> Watch:
+    watch = Watch()
+    monkeypatch.setattr(parts, "time", watch)
+    return watch
+
+
+def contestant(name: str = "engine", expected: float = 0.01, cost: float = 1.0) -> Contestant:
+    return Contestant(LINE, name, "native", Setting.of(cost=cost), expected)
+
+
+def shares(monkeypatch, adapter, deadline: float = 1000.0) -> parts.Parts | None:
+    monkeypatch.setattr(parts, "solver", lambda name: adapter)
+    return parts.parts(contestant(), deadline)
+
+
+# --- by difference ----------------------------------------------------------------------------------------------------
+
+
+def test_a_part_is_what_a_run_is_cheaper_by_without_it(watch, monkeypatch):
+    """Building is on no clock, and seconds on the wall are not."""
+    whole = watch.work(RUN, wall=9 * RUN)
+    found = shares(monkeypatch, watch.engine(5.0, RUN, 5.0, run=whole))
+    assert found.engine == pytest.approx(LEFT["binding"])
+    assert found.binding == pytest.approx(LEFT["callback"] - LEFT["binding"])
+    assert found.callback == pytest.approx(LEFT["notes"] - LEFT["callback"])
+    assert found.notes == pytest.approx(1.0 - LEFT["notes"])
+
+
+def test_no_part_takes_less_than_nothing(watch, monkeypatch):
+    dearer = lambda case, route, setting, without: watch.work(RUN * (1.1 if without == "notes" else 0.5))  # noqa: E731
+    found = shares(monkeypatch, watch.engine(0.0, RUN, 0.0, stripped=dearer))
+    assert found.notes == 0.0 and found.callback == pytest.approx(0.6) and found.binding == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_first_turn_and_the_odd_one_have_no_part_in_the_medians(watch, monkeypatch):
+    seconds = iter([100 * RUN, RUN, 50 * RUN, RUN])
+    run = lambda model: watch.spend(next(seconds))  # noqa: E731
+    assert shares(monkeypatch, watch.engine(0.0, RUN, 0.0, run=run)).engine == pytest.approx(LEFT["binding"])
+
+
+@pytest.mark.parametrize(
+    "run, deadline, turns",
+    [
+        (1e-6, inf, parts._MOST_TURNS),
+        (1.0, inf, 1 + parts._LEAST_TURNS),  # many short runs say as much as one long one
+        (1e-6, 0.0, 1 + parts._LEAST_TURNS),
+    ],
+)
+def test_turns_end_after_the_most_or_when_enough_time_is_spent(watch, monkeypatch, run, deadline, turns):
+    ran = []
+    shares(monkeypatch, watch.engine(0.0, run, 0.0, run=watch.work(run, lambda: ran.append(1))), deadline)
+    assert len(ran) == turns
+
+
+def test_no_garbage_is_collected_on_the_clock_and_it_is_again_afterwards(watch, monkeypatch):
+    seen = []
+    shares(monkeypatch, watch.engine(0.0, RUN, 0.0, run=watch.work(RUN, lambda: seen.append(gc.isenabled()))))
+    assert seen and not any(seen) and gc.isenabled()
+
+
+# --- by profile -------------------------------------------------------------------------------------------------------
+
+
+class Profiled:
+    """An adapter without stripped runs whose engine is Python's own `list.extend`, and a clock that its length is."""
+
+    NAME, ENGINE = "profiled", "builtins"
+
+    def __init__(self, engine_s: int, ours_s: int, in_callback_s: int = 0):
+        self.seconds: list[int] = []
+        self.looks = 0
+        self.engine_s, self.ours_s, self.in_callback_s = engine_s, ours_s, in_callback_s
+
+    def build(self, case, route, setting) -> str:
+        return "model"
+
+    def run(self, model: str) -> None:
+        if self.engine_s is not None:
+            self.seconds.extend(range(self.engine_s))
+        self.seconds += [0] * self.ours_s
+        if self.in_callback_s:
+            # To the profiler `sorted` is the engine, and calls us back.
+            sorted([0], key=self.called_back)
+
+    def called_back(self, item: int) -> int:
+        self.seconds += [0] * self.in_callback_s
+        return item
+
+    def clock(self, of_processor: float = 1.0) -> SimpleNamespace:
+        """By the thread's clock a look itself takes a second."""
+
+        def thread_time() -> int:
+            self.looks += 1
+            return len(self.seconds) + self.looks
+
+        now = lambda: of_processor * len(self.seconds)  # noqa: E731
+        return SimpleNamespace(process_time=now, thread_time=thread_time, perf_counter=now)
+
+
+def profiled(monkeypatch, adapter: Profiled, of_processor: float = 1.0) -> parts.Parts | None:
+    monkeypatch.setattr(parts, "time", adapter.clock(of_processor))
+    return shares(monkeypatch, adapter, 0.0)
+
+
+def test_an_engine_s_share_is_what_its_compiled_functions_take(monkeypatch):
+    found = profiled(monkeypatch, Profiled(30, 10))
+    assert (found.engine, found.callback) == (0.75, 0.25) and isnan(found.binding) and isnan(found.notes)
+
+
+def test_what_an_engine_calls_back_is_ours(monkeypatch):
+    assert profiled(monkeypatch, Profiled(30, 0, 10)).engine == 0.75
+
+
+def test_no_share_is_above_one(monkeypatch):
+    """By two clocks that differ the engine may take longer than the run."""
+    assert profiled(monkeypatch, Profiled(30, 0), of_processor=0.5)[::2] == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("adapter", [Profiled(0, 10), type("Other", (Profiled,), {"ENGINE": "nowhere"})(30, 10)])
+def test_an_engine_that_takes_no_time_or_is_not_called_has_no_parts(monkeypatch, adapter):
+    assert profiled(monkeypatch, adapter) is None
+
+
+# --- all contestants --------------------------------------------------------------------------------------------------
+
+
+def test_parts_are_found_cheapest_first_and_reported_under_each_one_s_name(watch, monkeypatch):
+    order = []
+
+    def of_one(one, deadline):
+        order.append(one.solver)
+        if one.solver == "fails":
+            raise RuntimeError("no more")
+        watch.spend(1.0)
+        return parts.Parts(one.expected_s, nan, nan, nan)
+
+    monkeypatch.setattr(parts, "parts", of_one)
+    who = [contestant(name, expected) for name, expected in (("dear", 0.5), ("fails", 0.2), ("cheap", 0.1))]
+    found = {key[1]: value for key, value in parts.parts_of_all([*who, contestant("long", 5.0)], 6.0).items()}
+    assert order == ["cheap", "fails", "dear"]
+    assert found["dear"][0].engine == 0.5 and found["cheap"][0].engine == 0.1 and found["dear"][1] == ""
+    assert found["fails"] == (None, "RuntimeError: no more")
+    assert found["long"] == (None, "the time budget did not reach it")
+
+
+def test_each_one_s_deadline_is_its_share_of_what_is_left(watch, monkeypatch):
+    given = []
+    monkeypatch.setattr(parts, "parts", lambda one, deadline: given.append(deadline - watch.wall))
+    parts.parts_of_all([contestant(name, 0.01) for name in "abc"], 6.0)
+    assert given == pytest.approx([2.0, 3.0, 6.0], rel=1e-6)
