@@ -375,7 +375,9 @@ def _features(curve: Curve) -> features.Features:
 
     ends = curve.span if curve.domain is not None or curve.period else None
     centres = features.centres(curve.expression, PARAMETER)
-    return features.Features(bend_and_speed, centres, ends, bool(curve.period))
+    # Bends are known to rounding of the sharpest one; a speed, which may grow without bound, of its own.
+    sizes = features.largest(bend_and_speed, *curve.span, centres) * [1.0, 0.0] if ends is None else 0.0
+    return features.Features(bend_and_speed, centres, ends, bool(curve.period), sizes)
 
 
 @lru_cache(maxsize=512)

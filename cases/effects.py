@@ -99,7 +99,9 @@ class Load:
             rows = np.array([np.broadcast_to(row, t.shape) for row in compiled(t)], dtype=float)
             return rows, rows
 
-        return features.Features(values, features.centres(parts, MOTION[0]))
+        centres = features.centres(parts, MOTION[0])
+        to_come = [centre for centre in centres if centre >= 0.0]
+        return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))
 
 
 @in_one_thread

@@ -48,12 +48,20 @@ Function = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 class Window:
     """A stretch of the parameter in resolved pieces: their `edges`, and the longest `strides` a step may take in each.
 
-    A stride is infinite where nothing changes, and everywhere if the window has only one scale.
+    A stride is infinite where nothing changes, and everywhere if the window has only one scale. Rounding is measured by
+    the function's size in the window, and at least by `sizes` (k,).
     """
 
-    def __init__(self, function: Function, low: float, high: float, centres: Iterable[float] = ()):
+    def __init__(
+        self,
+        function: Function,
+        low: float,
+        high: float,
+        centres: Iterable[float] = (),
+        sizes: np.ndarray | float = 0.0,
+    ):
         with np.errstate(all="ignore"):  # what overflows is not finite, and seen as such
-            edges, changes = _resolved(function, low, high, centres)
+            edges, changes = _resolved(function, low, high, centres, sizes)
         lengths = np.diff(edges)
         varies = changes > 0.0
         alike = not varies.any() or (
@@ -67,7 +75,11 @@ class Window:
 
 class Features:
     """The pieces of a function of one parameter, on (low, high), repeated if periodic; without limits resolved window
-    after window outwards from zero, as far as it is asked about: what is there does not depend on who asks."""
+    after window outwards from zero, as far as it is asked about: what is there does not depend on who asks.
+
+    `sizes` (k,) is what each of its rows is a difference of, at least, wherever that is: the tail of a step that is
+    1 - tanh² at 1e-10 of the step's own height is rounding, and no feature, where a window holds nothing else.
+    """
 
     def __init__(
         self,
@@ -75,12 +87,13 @@ class Features:
         centres: Iterable[float] = (),
         limits: tuple[float, float] | None = None,
         periodic: bool = False,
+        sizes: np.ndarray | float = 0.0,
     ):
-        self._function, self._centres, self._limits = function, tuple(centres), limits
+        self._function, self._centres, self._limits, self._sizes = function, tuple(centres), limits, sizes
         self._period = limits[1] - limits[0] if limits and periodic else None
         self._sides: dict[bool, list[Window]] = {True: [], False: []}
         if limits:
-            self._sides[True].append(Window(function, *limits, self._centres))
+            self._sides[True].append(Window(function, *limits, self._centres, sizes))
 
     @property
     def plain(self) -> bool:
@@ -173,14 +186,27 @@ class Features:
                 near = last.high if forward else last.low
                 length = (last.high - last.low) * (2.0 if len(last.strides) <= CROWDED else 1.0)
             ends = (near, near + length) if forward else (near - length, near)
-            windows.append(Window(self._function, *ends, self._centres))
+            windows.append(Window(self._function, *ends, self._centres, self._sizes))
 
 
-def _resolved(function: Function, low: float, high: float, centres: Iterable[float]) -> tuple[np.ndarray, np.ndarray]:
+def largest(function: Function, low: float, high: float, centres: Iterable[float]) -> np.ndarray:
+    """The sizes (k,) of a function's rows on an interval that holds (low, high) and all its centres."""
+    known = [*centres]
+    with np.errstate(all="ignore"):
+        return _largest(function(_samples(min([low, *known]), max([high, *known]), known))[1])
+
+
+def _largest(sizes: np.ndarray) -> np.ndarray:
+    return np.max(np.where(np.isfinite(sizes), np.abs(sizes), 0.0), axis=1)
+
+
+def _resolved(
+    function: Function, low: float, high: float, centres: Iterable[float], least: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray]:
     """Edges (n + 1,) of the pieces, and how much the function changes in each (n,), in parts of its size; 0: not."""
     s = _samples(low, high, centres)
     rows, sizes = function(s)
-    scale = np.max(np.where(np.isfinite(sizes), np.abs(sizes), 0.0), axis=1)
+    scale = np.maximum(_largest(sizes), least)
     scale[scale == 0.0] = 1.0
     rows = rows / scale[:, None]
     todo, done = np.array([[low], [high]]), []

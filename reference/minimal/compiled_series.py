@@ -51,7 +51,7 @@ def _operation(name: str, turned: bool = False) -> Callable:
 for _name in ("add", "sub", "mul", "truediv", "pow"):
     setattr(Symbol, f"__{_name}__", _operation(_name))
     setattr(Symbol, f"__r{_name}__", _operation(_name, turned=True))
-for _name in ("exp", "log", "sqrt", "sin", "cos", "sinh", "cosh", "asin", "acos", "atan"):
+for _name in ("exp", "log", "sqrt", "sin", "cos", "sinh", "cosh", "tanh", "asin", "acos", "atan"):
     setattr(Symbol, _name, lambda self, name=_name: Symbol(getattr(hy, name)(self.expression)))
 
 

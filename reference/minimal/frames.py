@@ -38,6 +38,11 @@ def frame(structure, parameter: sp.Symbol, prefix: str) -> Frame:
     return Frame(*(quantity.xreplace(rename) for quantity in _frame(x, y)))
 
 
+# Sums of fractions multiply out to tens of thousands of operations, whose factors SymPy looks for without an end in
+# sight; of the catalogue's expressions none has more than ninety.
+FACTORED = 200
+
+
 @lru_cache(maxsize=256)
 def _frame(x: sp.Expr, y: sp.Expr) -> Frame:
     (xp, yp), (xs, ys), (xt, yt) = ((sp.diff(x, PARAMETER, order), sp.diff(y, PARAMETER, order)) for order in (1, 2, 3))
@@ -71,6 +76,8 @@ def short(expression: sp.Expr) -> sp.Expr:
     if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
         return expression
     flat, inside = _multiplied_out(expression)
+    if sp.count_ops(flat) > FACTORED:
+        return expression
     shapes = (expression, flat.xreplace(inside), sp.factor(flat).xreplace(inside))
     return min((_sign_inside(e) for e in shapes), key=sp.count_ops)
 

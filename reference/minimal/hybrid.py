@@ -347,6 +347,8 @@ def _flown(
         segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
         if landing or segment.event.guard or segment.event.time >= case.duration:
             return segments, landing
+        if sum(flown.steps for flown in segments) >= MOST_STEPS:
+            return [*segments[:-1], segment.ended_by(EXHAUSTED)], None
         t, y, lasts = segment.event.time, segment.event.state, 2.0 * lasts
 
 
@@ -376,7 +378,8 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     """What the impact makes of a landing."""
     last = segments[-1]
     if landing is None and last.event.guard == EXHAUSTED:
-        return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time, last.steps))
+        steps = sum(segment.steps for segment in segments)
+        return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time, steps))
     if landing is None and last.event.guard == LOST_SIGHT:
         return Step(tuple(segments), last.event.time, ending=_lost_sight(last.event.time))
     if landing is None:

@@ -24,6 +24,11 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
 
+from .decision import Undecidable
+
+# Slip and spin each end, and may begin again the other way, once in compression and once in restitution: an impact of
+# numbers has no more than ten pieces.
+MOST_PIECES = 100
 # Of Moreau's law one end agrees exactly; where two of them meet, rounding may leave each a little beyond its bound.
 ROUNDING = 1e-9
 
@@ -92,9 +97,12 @@ def energy(law: Law, touch: Touch) -> float:
 
 
 def _advance(law: Law, now: Touch, left: Callable[[float, Touch, _Rates], float]) -> tuple[Touch, float]:
-    """Piece after piece until `left(spent, velocities, rates)`, the impulse still to come, is used up."""
+    """Piece after piece until `left(spent, velocities, rates)`, the impulse still to come, is used up.
+
+    Raises Undecidable where the velocities are not finite numbers, so that no piece ends it.
+    """
     spent = 0.0
-    while True:
+    for _ in range(MOST_PIECES):
         rates = _rates(law, now)
         rest = max(left(spent, now, rates), 0.0)
         slip_ends = _until(now.slip, rates.slip, 0.0)
@@ -108,6 +116,7 @@ def _advance(law: Law, now: Touch, left: Callable[[float, Touch, _Rates], float]
         spent += step
         if step == rest:
             return now, spent
+    raise Undecidable(f"the impact does not end at {now} under {law}")
 
 
 def _until(value: float, rate: float, goal: float) -> float:
@@ -126,7 +135,7 @@ def _rates(law: Law, now: Touch) -> _Rates:
         if sticks and held:
             return rates
     # The matrix from (friction, couple) to the rates of (slip, ω) is positive definite, so one of them agrees.
-    raise ArithmeticError(f"no piece of the impact agrees with its laws at {now} under {law}")
+    raise Undecidable(f"no piece of the impact agrees with its laws at {now} under {law}")
 
 
 def _piece(law: Law, slip: float, turn: float) -> _Rates:
@@ -153,7 +162,7 @@ def _at_once(law: Law, before: Touch) -> Touch:
     ends = [_ending(law, before, slip, turn) for slip, turn in product(slips, turns)]
     excess, after = min(ends, key=lambda end: end[0])
     if not excess <= ROUNDING:
-        raise ArithmeticError(f"no end of the impact agrees with its laws at {before} under {law}")
+        raise Undecidable(f"no end of the impact agrees with its laws at {before} under {law}")
     return after._replace(lift=goal)
 
 

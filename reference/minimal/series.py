@@ -227,7 +227,8 @@ def tan(x):
 
 
 def tanh(x):
-    return sinh(x) / cosh(x)
+    # Not the quotient of sinh and cosh, which overflow where it is 1.
+    return _solve(x, tanh(x.c[0]), lambda y: 1.0 - y * y) if isinstance(x, Series) else _of_number("tanh", x)
 
 
 def sqrt(x):

@@ -47,9 +47,8 @@ def sliding_disc_in_circle(R, r, mu, g, digits: int = 20) -> FirstZero:
             return L * mp.sqrt(u(xi)) + r * spin(xi)
 
         # v rises from zero at the start and is negative where the disc turns back (u = 0, spinning): one zero between.
-        turn = mp.mpf("0.1")
-        while u(turn + mp.mpf("0.01")) > 0:
-            turn += mp.mpf("0.01")
+        # Without friction u = A sin ξ vanishes at π, with friction before that.
+        turn = next(xi for k in range(10, 315) if u((xi := mp.mpf(k) / 100) + mp.mpf("0.01")) <= 0)
         turn = mp.findroot(u, (turn, turn + mp.mpf("0.01")), solver="anderson") * (1 - mp.mpf(10) ** -digits)
         xi = mp.findroot(slip, (mp.mpf("0.1"), turn), solver="anderson", tol=mp.mpf(10) ** (-2 * digits))
         time = per_root(lambda _: mp.mpf(1))(xi)

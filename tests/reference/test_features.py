@@ -223,6 +223,15 @@ def test_features_are_where_the_bump_is():
         assert found.clear(4.0 + 20 * width, 3.0) > 4.0 + 3 * width
 
 
+def test_the_tail_of_a_step_is_no_feature():
+    """Where tanh is 1 but for rounding, so are its derivatives, 1 - tanh² among them: a road's tail in a window of its
+    own was resolved to the last bit of that rounding, by a step every 20 µm, and so was a load's."""
+    for curve in (Curve(lambda s: (s, 0.5 * tanh(4.9 * (s - 1.3)))), Curve(lambda s: (s, 0.5 * tanh(4.9 * (s - 99))))):
+        assert curve.features.finest(-16.0, 0.0) > 1e-2
+    load = Load(fx="1 - tanh((t - 2)/2)**2")
+    assert load.features.finest(16.0, 64.0) > 0.1
+
+
 def test_features_do_not_depend_on_who_asks_first():
     """Far out, and then near; near, and then far out: the same to the last bit."""
     one, other = (Curve(lambda s: (s, 0.01 * tanh(30 * (s - 700)) + 0.1 * cos(s))) for _ in range(2))

@@ -17,7 +17,7 @@ from scipy.optimize import brentq, minimize_scalar
 from ..ahead import INSIDE, PARTS, clear_part, defect
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
-from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, Event, Segment, blocks
+from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_TRIED, Event, Segment, blocks
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
@@ -43,6 +43,10 @@ _TO_FINE = _interpolation()
 # The defect of a step's dense output, which is of order seven where the step is of order eight, in tolerances to the
 # power 7/8: steps that saw what lay in them stayed below 40 (bumps, steps and notches at 1e-4 … 1e-13).
 DEFECT = 300.0
+
+# A phase is cut short where a guard's formula has no value inside a step, and integrated again up to there; where that
+# happens so often one inside the other, the phase ends at the step's start.
+MOST_CUTS = 4
 
 # So many steps that together cover no more than this part of the phase so far do not go on: towards a singularity the
 # tolerance asks for digits that rounding has taken, long before a step is as short as a rounding of the time.
@@ -84,6 +88,11 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     The absolute tolerance is rtol times the state's natural sizes in the phase; rtol below 1e-13 is taken as
     1e-13, where DOP853 meets rounding.
     """
+    return _integrated(phase, t, y, end, rtol, MOST_CUTS)
+
+
+def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -> Segment:
+    """The same; `cuts`: how often the phase may still be cut where a guard has no value."""
     rates, parameters = phase.system.rates_of_numbers, phase.parameters
 
     def rhs(time, state):
@@ -98,8 +107,9 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
+    tries = 0
     while True:
-        _step(solver, phase, rtol)
+        tries += _step(solver, phase, rtol)
         if solver.status == "failed":
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
             return _ended(phase, times, pieces, event, solver.nfev)
@@ -108,7 +118,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
         if phase.system.guards:
             at_nodes = _guards_at_nodes(phase, piece)
             if not np.isfinite(at_nodes).all():
-                return _without_value(phase, times, pieces, piece, at_nodes, rtol, solver.nfev)
+                return _without_value(phase, times, pieces, piece, at_nodes, rtol, solver.nfev, cuts)
             found = _first_zero(phase, piece, at_nodes, first=not pieces)
         if found:
             guard, when = found
@@ -121,7 +131,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
         if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
             return _ended(phase, times, pieces, event, solver.nfev)
-        if len(pieces) >= MOST_LOOKED_AT and solver.status != "finished":
+        if (len(pieces) >= MOST_LOOKED_AT or tries >= MOST_TRIED) and solver.status != "finished":
             event = Event(EXHAUSTED, float(solver.t), tuple(solver.y.tolist()))
             return _ended(phase, times, pieces, event, solver.nfev)
         if solver.status == "finished":
@@ -134,20 +144,23 @@ def _ended(phase: Phase, times: list[float], pieces, event: Event, evaluations: 
     return Segment.of(phase, np.array(times), states, event, evaluations)
 
 
-def _step(solver: DOP853, phase: Phase, rtol: float) -> None:
-    """One step; again from its start, and shorter, where it passes a feature or does not satisfy the equations."""
-    start, before, slope = solver.t, solver.y, solver.f
+def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
+    """One step; again from its start, and shorter, where it passes a feature or does not satisfy the equations. How
+    many times it was tried."""
+    start, before, slope, tries = solver.t, solver.y, solver.f, 1
     solver.step()
     while phase.features and solver.status != "failed":
         piece = solver.dense_output()
         part = _good_part(phase, piece, rtol)
         length = part * (solver.t - start)
         if part == 1.0 or length <= 10 * np.spacing(abs(start)):  # the shortest step of SciPy's method
-            return
+            break
         solver.t, solver.y, solver.f, solver.status = start, before, slope, "running"
         solver.max_step = length
         solver.step()
         solver.max_step = np.inf
+        tries += 1
+    return tries
 
 
 def _good_part(phase: Phase, piece, rtol: float) -> float:
@@ -167,7 +180,7 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
     return np.array([*phase.lengths, *(size * often for size in phase.lengths)][: len(y)])
 
 
-def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int) -> Segment:
+def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int, cuts: int) -> Segment:
     """The segment up to where a guard's formula loses its value in the last step, or up to a guard's zero before."""
     after = int(np.argmin(np.isfinite(at_nodes).all(axis=0)))
     low, high = float(_NODES[max(after - 1, 0)]), float(_NODES[after])
@@ -177,9 +190,9 @@ def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, ev
         values = phase.system.guards_of_numbers(piece.t_old + piece.h * middle, state.tolist(), phase.parameters)
         low, high = (middle, high) if np.isfinite(values).all() else (low, middle)
     until = piece.t_old + piece.h * low
-    if until <= piece.t_old:
+    if until <= piece.t_old or not cuts:
         return _ended(phase, times, pieces, Event(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
-    rest = integrate(phase, piece.t_old, piece.y_old, until, rtol)
+    rest = _integrated(phase, piece.t_old, piece.y_old, until, rtol, cuts - 1)
     event = rest.event if rest.event.guard else rest.event._replace(guard=BREAKDOWN)
     states = _Joined(times, [*pieces, rest.states])
     return Segment.of(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
@@ -263,10 +276,14 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
     if whole <= 0.0 or when <= start:
         return piece, Event(guard, start, tuple(piece.y_old.tolist()))
     again = DOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
-    pieces = []
-    while again.status == "running":
+    pieces: list[DenseOutput] = []
+    while again.status == "running" and len(pieces) < MOST_LOOKED_AT:
         again.step()
-        pieces.append(again.dense_output())
+        if again.status != "failed":
+            pieces.append(again.dense_output())
+    if again.status != "finished":
+        reached = Event(EXHAUSTED if again.status == "running" else BREAKDOWN, float(again.t), tuple(again.y.tolist()))
+        return _Joined([p.t_old for p in pieces], pieces) if pieces else piece, reached
     index = list(phase.system.guards).index(guard)
     part = (when - start) / whole
     inner = max(part - 1e-4, 0.0)

@@ -20,7 +20,7 @@ LOST_SIGHT = "lost sight"
 MOST_STEPS = 400_000
 # The same where each step is looked at by itself (a third of a millisecond: half a minute).
 MOST_LOOKED_AT = 100_000
-# A step that does not stand is taken again, shorter, up to fifty times beside a pole: so many times all told.
+# A step that is not accepted is repeated with a shorter length, up to fifty times near a pole: so many tries a phase.
 MOST_TRIED = 2 * MOST_LOOKED_AT
 
 
