@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+import reference
 from reports.studies.published.bouncing import thrown_stick
 from reports.studies.published.readings import impact_times
-from tests.authorities.published import COLUMNS, PUBLICATIONS, impacts, motion_of, rows
+from tests.authorities.published import COLUMNS, PUBLICATIONS, impacts, rows
 
 BY_NAME = {publication.name: publication for publication in PUBLICATIONS}
 
@@ -64,8 +65,9 @@ def test_a_number_that_is_wrong_is_found():
         ("ball thrown up from 5 m", 8, (5.0, 20.0, 0.9, 9.8)),
     ],
 )
-def test_where_a_publisher_and_we_differ_the_closed_form_sides_with_us(name, count, ball):
-    motion = motion_of(BY_NAME[name])
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_where_a_publisher_and_we_differ_the_closed_form_sides_with_us(name, count, ball, method):
+    motion = reference.simulate(BY_NAME[name].case(), rtol=1e-13, method=method)
     assert impact_times(motion)[:count] == pytest.approx(impacts(count, *ball), abs=ROUNDING)
 
 
