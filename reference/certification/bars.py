@@ -17,7 +17,7 @@ import numpy as np
 from cases import Case
 from cases.contact import velocity
 
-from .witnesses import EPS, QUANTITIES, Witness, components, moved
+from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, moved
 
 # A state is worked out in a handful of operations, each of which rounds by half a unit in the last place.
 ULPS = 4
@@ -75,9 +75,28 @@ def shares(case: Case, times: np.ndarray, method: str) -> Shares:
                 sums = [a + ULPS / steps * b for a, b in zip(sums, changes, strict=True)]
                 break
         else:
-            ill = f"moving a component of its state by {steps:g} roundings gives {other.answer}"
+            ill = _changes(steps, other)
     at, places, end, *samples = sums
     return Shares(at, places, float(end), dict(zip(plain.states(times), samples, strict=True)), ill)
+
+
+def unresolved(case: Case, method: str) -> str:
+    """Which move of a component of the state by the method's own tolerance changes what happens, "" if none does.
+
+    A method whose tolerance is far above rounding (DOP853) gives the same wrong answer for all states that differ by
+    roundings only.
+    """
+    plain, most = moved(case, 0, 0.0, method), FINEST[method] / EPS
+    for component in range(components(case)):
+        for by in (most, -most):
+            other = moved(case, component, by, method)
+            if other.events != plain.events:
+                return _changes(by, other)
+    return ""
+
+
+def _changes(by: float, other: Witness) -> str:
+    return f"moving a component of its state by {by:.3g} roundings gives {other.answer}"
 
 
 def _differences(plain: Witness, other: Witness, times: np.ndarray, period: float | None) -> list[np.ndarray]:

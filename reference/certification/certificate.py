@@ -18,7 +18,7 @@ import numpy as np
 
 from cases import Case, CaseError, Mode
 
-from .bars import ULPS, Bar, Shares, bar, roundings, shares
+from .bars import ULPS, Bar, Shares, bar, roundings, shares, unresolved
 from .witnesses import EPS, QUANTITIES, Witness, witnesses
 
 TRUTH = Path(__file__).with_name("truth.json")
@@ -72,8 +72,9 @@ def certify(case: Case) -> Certificate:
         raise NotCertified(f"{case.label}: one way of solving alone certifies nothing; {'; '.join(missing)}")
     # The samples stop short of the earliest end, so that every witness has a state there.
     times = np.linspace(0.0, min(witness.end for witness in able), SAMPLES)
-    moves = shares(case, times, "taylor" if "taylor 1e-14" in [witness.name for witness in able] else "dop853")
-    _same_events(case, able, moves)
+    method = "taylor" if "taylor 1e-14" in [witness.name for witness in able] else "dop853"
+    moves = shares(case, times, method)
+    _same_events(case, able, moves, method)
     certificate = _certificate(case, able, missing, times, moves)
     _of_use(case, certificate, able, moves)
     return certificate
@@ -112,13 +113,14 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
 # --- witnesses that contradict each other -----------------------------------------------------------------------------
 
 
-def _same_events(case: Case, able: list[Witness], moves: Shares) -> None:
+def _same_events(case: Case, able: list[Witness], moves: Shares, method: str) -> None:
     """Raises NotCertified where two witnesses differ in what happens, or in when by more than `WIDEST`, or where a few
     roundings of the state change what happens."""
     centre = able[0]
     for other in able[1:]:
         if other.events != centre.events:
-            raise NotCertified(f"{case.label}: {_contradiction(centre, other)}; {_whose_fault(moves)}")
+            fault = _whose_fault(moves if moves.ill else moves._replace(ill=unresolved(case, method)))
+            raise NotCertified(f"{case.label}: {_contradiction(centre, other)}; {fault}")
     for other in able[1:]:
         for one, same in zip(centre.transitions, other.transitions, strict=True):
             if abs(one.time - same.time) > WIDEST:

@@ -22,12 +22,14 @@ from tests.scenes.hard import shifted_ellipse
 # its equations, a few.
 PATIENCE = 60
 
-# The Taylor method's tolerance is one for all of the state; a flat plate's parameters differ by thousands. DOP853 meets
-# rounding below 1e-11 where forces grow without bound.
-FINEST = {"taylor": 1e-14, "dop853": 1e-11}
+# The Taylor method's tolerance is one for all of the state; a flat plate's parameters differ by thousands. DOP853's is
+# its own finest, where it meets rounding.
+FINEST = {"taylor": 1e-14, "dop853": 1e-13}
 
 # Where one unit in the last place decides what happens: nothing can be right there, and nothing is asked.
 CHAOTIC = ("touching_slip[above=0]", "balanced_on_its_tip[duration=6]")
+# DOP853's own error in the lowest slip is 6e-15 m/s, 30 units in the last place of the inputs: all neighbours share it.
+FLAGGED = {"taylor": CHAOTIC, "dop853": CHAOTIC[1:]}
 
 # What the second formulation cannot say, and why. It looks at its steps' ends, so a dip below zero inside a step, which
 # these scenes are about, passes unseen; and it has no floor under Painlevé's number.
@@ -145,7 +147,7 @@ def test_methods_and_formulations_agree_on_what_happens(case):
 def test_only_scenes_that_hang_on_the_last_bit_are_flagged(case):
     spread = last_bit(case.label)
     flagged = bool(spread.sequence) or spread.centre > 1e-6
-    assert flagged == (case.label in CHAOTIC), spread
+    assert flagged == (case.label in FLAGGED[reference.METHODS[0]]), spread
 
 
 # --- what is known exactly --------------------------------------------------------------------------------------------
@@ -283,11 +285,17 @@ def test_a_track_of_fifth_power_can_be_started_at_its_inflection():
     assert motion.x[-1] == pytest.approx(exact.x[-1], abs=1e-10)
 
 
+# Where a swing turns round its angle depends on its energy alone, which DOP853 keeps to the 1e-12 above: with
+# E = 1 − cos A that is an angle of (1 − cos A)/sin A = 0.55 times as much. The Taylor method keeps the last digits.
+TURNED = {"taylor": 1e-13, "dop853": 5.5e-13}
+
+
 @pytest.mark.parametrize("mu", [0.0, 1.0])
 def test_swings_end_where_they_began(mu):
     case = cases.load("many_swings", mu=mu, periods=10.0)
-    motion = motion_of(case.label)
-    assert motion.xi1[-1] == pytest.approx(case.start.xi1, abs=1e-13)
+    for method, tolerance in TURNED.items():
+        if method in reference.METHODS:
+            assert motion_of(case.label, method).xi1[-1] == pytest.approx(case.start.xi1, abs=tolerance), method
 
 
 @pytest.mark.slow

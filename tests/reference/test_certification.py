@@ -47,6 +47,10 @@ def test_a_motion_that_no_way_gets_through_certifies_nothing_and_is_not_tried_by
 
 def test_a_way_that_does_not_get_to_the_end_is_told_and_the_truth_rests_on_the_others(monkeypatch):
     monkeypatch.setattr(steps, "MOST_WORK", 10)
+    if not taylor.AVAILABLE:  # DOP853 and the second formulation are all there is
+        with pytest.raises(NotCertified, match="one way of solving alone .*; contact frame 1e-13 took as many steps"):
+            certify(BOWLED)
+        return
     certificate = certify(BOWLED)
     assert certificate.status == "completed"
     assert not any("contact frame" in name for name in certificate.witnesses)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from inspect import getfile
 from itertools import chain, islice
 from pathlib import Path
 
@@ -25,7 +26,7 @@ SMALL = 500
 @lru_cache(maxsize=1)
 def build() -> tuple[int, int]:
     """Which build of heyoka this is: the same version may come with another LLVM."""
-    found = Path(hy._core.__file__).stat()
+    found = Path(getfile(hy.expression)).stat()  # the compiled module, whose name differs between versions
     return found.st_size, found.st_mtime_ns
 
 
