@@ -3,10 +3,14 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
+# Versions that were tried together; CONSTRAINTS=/dev/null takes the newest there are.
+CONSTRAINTS ?= constraints/current.txt
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS)
+
 # What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
-.PHONY: report quick test test-all smoke check docs browser clean
+.PHONY: report quick test test-all smoke check docs browser matrix clean
 
 # Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
 EXTRAS ?=
@@ -18,21 +22,22 @@ report: $(VENV)/installed $(WANTED)
 quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
-test: $(VENV)/installed check
+test: $(VENV)/installed
 	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile
 
-# What is timed is timed alone, at the end.
-test-all: $(VENV)/installed check
-	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile -m "slow or not slow" --ignore=tests/reports/test_clock.py
-	$(KEPT) $(BIN)/python -m pytest -m "slow or not slow" tests/reports/test_clock.py
+# Tests that measure times run alone, at the end.
+test-all: $(VENV)/installed
+	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile -m "not timed"
+	$(KEPT) $(BIN)/python -m pytest -m timed
 
 # What is over in seconds and says that nothing is broken outright: rooms, their arrows, exact values.
 SMOKE := tests/test_architecture.py tests/test_import_layers.py tests/reference/test_reference_exact.py
 
-smoke: $(VENV)/installed check
+smoke: $(VENV)/installed
 	$(KEPT) $(BIN)/python -m pytest -q $(SMOKE)
 
-check: $(VENV)/installed
+# Style and types, for contributors.
+check: $(VENV)/checkers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -43,23 +48,29 @@ docs: $(VENV)/documented
 	@echo site/index.html
 
 $(VENV)/documented: $(VENV)/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	$(PIP) -e ".[docs]"
 	touch $@
 
 # What drives a browser in the tests of the page; the browser itself is the system's: apt-get install chromium.
 browser: $(VENV)/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[browser]"
+	$(PIP) -e ".[browser]"
 
 # heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
-$(VENV)/installed: pyproject.toml
+$(VENV)/installed: pyproject.toml constraints/current.txt
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[taylor,test]" \
-		|| $(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[test]"
+	$(PIP) -e ".[taylor,test]" || { \
+		echo "heyoka cannot be installed here; trying without it: DOP853 does its work"; \
+		$(PIP) -e ".[test]"; } || { \
+		echo "these versions cannot be installed here; try the newest: make CONSTRAINTS=/dev/null"; exit 1; }
+	touch $@
+
+$(VENV)/checkers: $(VENV)/installed
+	$(PIP) -e ".[check]"
 	touch $@
 
 $(VENV)/extra-%: $(VENV)/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[$*]"
+	$(PIP) -e ".[$*]"
 	touch $@
 
 clean:
