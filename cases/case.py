@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import sin
-from numbers import Real
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,7 @@ from . import effects
 from .bounds import check_sizes
 from .curves import Curve
 from .effects import E, Effect, Gravity
-from .errors import BadValue, positive
+from .errors import BadValue, parameter, positive, real
 from .plate import Plate
 from .start import Start
 
@@ -136,9 +135,9 @@ def _checked_parameters(parameters: object) -> Mapping[str, float]:
     if not isinstance(parameters, Mapping):
         raise BadValue(f"the parameters of a case are {parameters!r}; give a dict of numbers")
     for key, value in parameters.items():
-        if not isinstance(key, str) or not isinstance(value, Real):
+        if not isinstance(key, str) or real(value) is None and not isinstance(value, bool):
             raise BadValue(f"parameter {key!r} of a case is {value!r}; give numbers by name")
-    return MappingProxyType(dict(parameters))
+    return MappingProxyType({key: parameter(f"parameter {key}", value) for key, value in parameters.items()})
 
 
 def _unchecked(values: dict[str, Any]) -> Case:

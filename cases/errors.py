@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from math import isfinite
-from numbers import Real
+from math import inf, isfinite
+from numbers import Integral
+
+from .derivation import LOCK
 
 # A sentence longer than this is cut in its middle, where a long input was quoted.
 LONGEST = 500
@@ -69,16 +71,30 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownName:
     return UnknownName(f"there is no {kind} {name!r}; choose from {shown}")
 
 
+def real(value: object) -> float | None:
+    """A real number of any type as a float (Python's own, Fraction, Decimal, NumPy's, SymPy's), infinite if it is too
+    large for one; None for anything else: text, a truth value, a complex number, an array, a formula."""
+    if isinstance(value, bool | str | bytes | bytearray) or not hasattr(value, "__float__"):
+        return None
+    # Of NumPy's types integers and floats alone; times and truth values have a float, too.
+    if getattr(getattr(value, "dtype", None), "kind", "f") not in "iuf" or getattr(value, "ndim", 0) != 0:
+        return None
+    try:
+        with LOCK:  # a number of SymPy's is worked out for it
+            return float(value)
+    except OverflowError:
+        return inf
+    except (TypeError, ValueError):
+        return None
+
+
 def finite(what: str, value: object) -> float:
     """`value` as a float; raises BadValue unless it is a finite real number."""
     if type(value) is float and isfinite(value):
         return value  # at a quarter of the price: scenes are made again and again
-    if isinstance(value, bool) or not isinstance(value, Real):
+    number = real(value)
+    if number is None:
         raise BadValue(f"{what} is {value!r}; give a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = float("inf")
     if not isfinite(number):
         raise BadValue(f"{what} is {number}; give a finite number")
     return number
@@ -98,6 +114,23 @@ def whole(what: str, value: object, least: int, most: int) -> int:
     if number != int(number) or not least <= number <= most:
         raise BadValue(f"{what} is {number:g}; give a whole number from {least} to {most}")
     return int(number)
+
+
+def between(what: str, value: object, least: float, most: float) -> float:
+    """`value` as a float; raises BadValue unless it is a number from `least` to `most`."""
+    number = real(value)
+    if number is None or not least <= number <= most:
+        raise BadValue(f"{what} is {value!r}; give a number between {least:g} and {most:g}")
+    return number
+
+
+def parameter(what: str, value: object) -> float:
+    """A case's parameter as it is kept and written: a whole number as an int, any other as a float; raises BadValue
+    unless it is a finite real number, or a truth value, which counts as 1 or 0."""
+    if isinstance(value, bool):
+        return value
+    number = finite(what, value)
+    return int(value) if isinstance(value, Integral) else number
 
 
 def not_negative(what: str, value: object) -> float:

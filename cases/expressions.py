@@ -6,10 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from decimal import Decimal
-from numbers import Real
+from numbers import Rational
 
 import sympy as sp
 from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+
+from .errors import real
 
 # Of every curve.
 PARAMETER = sp.Symbol("s", real=True)
@@ -60,10 +62,13 @@ def admitted(value: object, variables: Iterable[sp.Symbol], what: str, error: ty
 
 def as_expression(value: object) -> sp.Expr | None:
     """A number or an expression as one of SymPy's, None for anything else: SymPy's own conversion evaluates text, also
-    inside lists and dicts."""
-    if isinstance(value, Real | Decimal) and not isinstance(value, bool):
-        value = sp.sympify(value)
-    return value if isinstance(value, sp.Expr) else None
+    inside lists and dicts, and keeps the few digits of NumPy's short floats in all that is worked out with them."""
+    if isinstance(value, sp.Expr):
+        return value
+    number = real(value)
+    if number is None:
+        return None
+    return sp.sympify(value) if isinstance(value, Rational | Decimal) else sp.Float(number)  # the former exactly
 
 
 def _checked(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: type[Exception]) -> bool:

@@ -63,7 +63,11 @@ def kept(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
     folder = place()
     if folder is None:
         return make()
-    said = "\n".join((kind, _as_text(decided_by), _surroundings(), _code(code), _code(Path(__file__).parent)))
+    try:
+        said = "\n".join((kind, _as_text(decided_by), _surroundings(), _code(code), _code(Path(__file__).parent)))
+    except OSError as error:  # modules that cannot be read as files cannot be told from others
+        _log().warning("nothing is kept: %s", error)
+        return make()
     file = folder / (hashlib.sha256(said.encode()).hexdigest() + _SUFFIX)
     found = _read(file)
     if found is not None:
@@ -97,7 +101,7 @@ def place() -> Path | None:
     text = os.environ.get(VARIABLE)
     if text is None:
         above = os.environ.get("XDG_CACHE_HOME", "")
-        text = str((Path(above) if os.path.isabs(above) else Path("~/.cache").expanduser()) / "slip-to-roll")
+        text = str(Path(above if os.path.isabs(above) else "~/.cache") / "slip-to-roll")
     return None if text in (OFF, "") else _checked(text)
 
 
@@ -117,13 +121,14 @@ def off() -> Iterator[None]:
 @lru_cache(maxsize=8)
 def _checked(text: str) -> Path | None:
     """The folder if it is safe to read from; else the log says once what is wrong."""
-    folder = Path(text).expanduser().absolute()
+    folder = Path(text)
     try:
+        folder = folder.expanduser().absolute()
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
         # Not what a link leads to: who may change the link could lead it elsewhere.
         problem = _not_ours(folder.lstat(), stat.S_ISDIR, "a folder", 0o077)
-    except OSError as error:
+    except (OSError, RuntimeError) as error:  # of RuntimeError: a user without a home directory
         problem = str(error)
     if not problem:
         return folder

@@ -12,14 +12,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.metadata import entry_points
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
 from . import files
 from .case import Case
 from .derivation import LOCK, in_one_thread
-from .errors import BadValue, CaseError, described, unknown
+from .errors import BadValue, CaseError, described, parameter, unknown
 from .measured import paths_count_from
 
 
@@ -127,8 +126,7 @@ def load(name: str, **parameters) -> Case:
     for key, value in parameters.items():
         if key not in found.parameters:
             raise unknown(f"parameter of {bare}", key, found.parameters)
-        if not isinstance(value, Real):
-            raise BadValue(f"{key} of {bare} is {value!r}; give a number")
+        parameters[key] = parameter(f"{key} of {bare}", value)
     try:
         with LOCK, paths_count_from(found.folder):
             made = found.function(**parameters)

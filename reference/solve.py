@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import BadValue, Case, Cost, Flight, State, Trajectory
 from cases.contact import pose
-from cases.errors import unknown
+from cases.errors import between, unknown
 
 from . import literal
 from .minimal.decision import Undecidable, decide
@@ -50,6 +50,8 @@ INTEGRATORS = {
 }
 
 _FREE = Cost()
+# Of `rtol`: below, rounding is larger than what is asked for; above, an integrator's estimates mean nothing.
+TOLERANCES = 1e-14, 1e-2
 
 
 def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
@@ -62,8 +64,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     """
     if not isinstance(case, Case):
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
-    if not isinstance(rtol, float | int) or not 1e-14 <= rtol <= 1e-2:
-        raise BadValue(f"rtol is {rtol!r}; give a number between 1e-14 and 1e-2")
+    rtol = between("rtol", rtol, *TOLERANCES)
     # Not as a decorator: NumPy 1 would keep what is to come back afterwards for all threads in one place.
     with np.errstate(all="ignore"):  # what is not finite ends the motion with a reason
         return _simulated(case, rtol, _known(method))

@@ -10,15 +10,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import prod
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
 import cases
 from cases import BadValue, Case
-from cases.errors import finite, unknown, whole
+from cases.errors import between, finite, real, unknown, whole
 from cases.registry import parse
+
+from ..solve import TOLERANCES
 
 # How parameters vary: every combination, or as many points in all of their ranges together.
 SAMPLES = ("grid", "random", "sobol")
@@ -71,7 +72,7 @@ class Axis:
             return given
         if isinstance(given, str):
             return _from_text(name, given)
-        if isinstance(given, Real):
+        if real(given) is not None:
             return cls(name, values=(finite(name, given),))
         try:
             values = [finite(name, value) for value in (given.tolist() if isinstance(given, np.ndarray) else given)]
@@ -152,12 +153,11 @@ class Plan:
         for name in names:
             if names.count(name) > 1 or name in self.fixed:
                 raise BadValue(f"{name} is given twice; give each parameter once")
-            if isinstance(known[name], str | bool) or not isinstance(known[name], Real):
+            if real(known[name]) is None:
                 raise BadValue(f"{name} of {self.name} is {known[name]!r}, no number; only numbers can vary")
         if not names:
             raise BadValue(f"nothing varies; give at least one parameter of {self.name}: {', '.join(known)}")
-        if not isinstance(self.rtol, float | int) or not 1e-14 <= self.rtol <= 1e-2:
-            raise BadValue(f"rtol is {self.rtol!r}; give a number between 1e-14 and 1e-2")
+        object.__setattr__(self, "rtol", between("rtol", self.rtol, *TOLERANCES))
         self._check_sample()
 
     def _check_sample(self) -> None:

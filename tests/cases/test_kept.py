@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from cases import kept
+from cases import Curve, kept
 
 X, Y = sp.symbols("x y")
 FORMULA = X**2 + sp.sin(Y) / 3
@@ -142,6 +142,36 @@ def test_without_the_variable_it_is_the_users_own_folder(folder, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")
     monkeypatch.setenv("HOME", str(folder))
     assert kept.place() == folder / ".cache" / "slip-to-roll"
+
+
+@pytest.mark.parametrize("text", [None, "~/kept", "~nobody-of-that-name/kept"])
+def test_without_a_home_directory_nothing_is_kept_and_everything_is_made(folder, monkeypatch, caplog, text):
+    if text is None:
+        monkeypatch.delenv(kept.VARIABLE)
+    else:
+        monkeypatch.setenv(kept.VARIABLE, text)
+    for name in ("HOME", "XDG_CACHE_HOME", "USERPROFILE"):
+        monkeypatch.delenv(name, raising=False)
+
+    def nobody(_):
+        raise KeyError("no entry for this user")
+
+    monkeypatch.setattr("pwd.getpwuid", nobody)
+    monkeypatch.setattr("pwd.getpwnam", nobody)
+    assert kept.place() is None
+    assert f"give {kept.VARIABLE} a folder of your own" in caplog.text
+    assert asked(folder) == ("made", True)
+    curve = Curve(lambda s: (s, 0.7123 * s**2), (-1, 1))  # of sizes that nothing else has: it is derived here
+    assert curve.point(1.0)[1] == 0.7123
+
+
+def test_modules_that_cannot_be_read_stop_nothing(folder, monkeypatch, caplog):
+    def unreadable(_):
+        raise PermissionError("no access")
+
+    monkeypatch.setattr(kept, "_code", unreadable)
+    assert asked(folder) == ("made", True)
+    assert "nothing is kept: no access" in caplog.text
 
 
 def test_a_folder_that_cannot_be_written_to_stops_nothing(folder, monkeypatch, caplog):
