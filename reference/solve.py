@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Cost, Flight, State, Trajectory
+from cases import BadValue, Case, Cost, Flight, Mode, State, Trajectory
 from cases.contact import pose
 from cases.errors import between, unknown
 
 from . import literal
 from .minimal.decision import Undecidable, decide
-from .minimal.hybrid import LOCATED, run, undecidable
+from .minimal.hybrid import LIFT_OFF, LOCATED, run, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, kinds, phase, senses, start_state, state_in
@@ -159,7 +159,7 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)
         start = _observe(case, now, nothing, np.array(state_in(now, start_state(case)))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
-        return Trajectory(t=np.zeros(1), **start._asdict(), **told)
+        return Trajectory(t=np.zeros(1), **start._asdict(), **told, first_mode=at_once(status))
 
     def samples() -> tuple[np.ndarray, State]:
         with np.errstate(all="ignore"):
@@ -198,6 +198,11 @@ class _Dense:
 
     def __setstate__(self, state: tuple[Case, bytes]) -> None:
         (self._case, self._packed), self._known = state, []
+
+
+def at_once(status: str) -> Mode | None:
+    """The mode of a motion that ends where it begins: flight where the plate leaves its track, else none."""
+    return Mode.FLIGHT if status == LIFT_OFF[0] else None
 
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:

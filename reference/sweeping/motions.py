@@ -14,7 +14,7 @@ from cases.mechanics import energy
 from ..minimal.decision import Undecidable
 from ..minimal.hybrid import CAUSES, slip_and_spin, undecidable
 from ..minimal.modes import FLIGHT, Phase, full_state, start_state
-from ..solve import INTEGRATORS, METHODS, first_regime, prepare, solved
+from ..solve import INTEGRATORS, METHODS, at_once, first_regime, prepare, solved
 from .scenes import Scenes
 
 MODES = tuple(Mode)
@@ -98,7 +98,8 @@ def _simulated(case: Case, rtol: float, moved: Motions, i: int) -> list[Transiti
         segments, transitions, ending = [], [], undecidable(0.0)
     moved.status[i], moved.reason[i] = ending
     moved.alone[i], moved.steps[i] = True, sum(segment.steps for segment in segments)
-    moved.first[i] = NUMBER[segments[0].phase.regime.mode] if segments else -1
+    first = segments[0].phase.regime.mode if segments else at_once(ending[0])
+    moved.first[i] = -1 if first is None else NUMBER[first]
     moved.energy_start[i] = moved.energy_end[i] = energy(case, start_motion(case))
     moved.end[i] = 0.0
     if segments:

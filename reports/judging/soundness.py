@@ -24,20 +24,27 @@ LONG_STEPS, SHORT_PART = 10.0, 0.02
 # be off by its impacts), or by a tenth of the plate (a contact that pushes the plate out of its track).
 FASTER, PUSHED = 3.0, 0.1
 
+# What a run gave that is not `sound`.
+UNSOUND = "numbers that are not finite or beyond all sizes, times that do not grow, or one sample only"
+
 
 def sound(motion: Trajectory) -> bool:
-    """Whether it is a motion: finite numbers of ordinary size, times that do not go back, transitions in order."""
+    """Whether it is a motion: finite numbers of ordinary size, times that do not go back, transitions in order, and
+    more than one sample unless it ends where it begins."""
     names = ("t", "x", "y", "theta", "vx", "vy", "omega")
     finite = all(bool(np.all(np.abs(getattr(motion, name)) <= LARGEST)) for name in names)  # NaN is not
     # In flight there is no slip, and then no place of contact either.
     finite = finite and bool(np.all((np.abs(motion.slip) <= LARGEST) | (np.isnan(motion.slip) & np.isnan(motion.xi1))))
     when = [event.time for event in motion.transitions]
     finite = finite and all(map(isfinite, when)) and all(a <= b for a, b in pairwise(when))
-    return finite and len(motion.t) > 1 and bool(np.all(np.diff(motion.t) >= 0))
+    enough = len(motion.t) > (motion.status == Trajectory.status)
+    return finite and enough and bool(np.all(np.diff(motion.t) >= 0))
 
 
 def untold(motion: Trajectory, begin: float, end: float | None) -> list[str]:
     """Phrases for what it leaves out of the time from `begin` to `end` (None: it may end when it likes), s."""
+    if len(motion.t) == 1:
+        return []  # it ends where it begins, and says so
     steps = np.diff(motion.t)
     step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     if motion.dense is not None:  # it is known between its steps, however long

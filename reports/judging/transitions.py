@@ -85,6 +85,8 @@ def read_motion(case: Case, trajectory: Trajectory) -> Reading:
     Error on exact samples of the catalogue's bounces, and which of them so many samples resolve:
     tests/reports/test_transitions.py.
     """
+    if len(trajectory.t) == 1 and trajectory.status == "lift_off":  # it leaves at once: no contact comes before
+        return Reading(Mode.FLIGHT, (), ())
     return _Motion(case, trajectory).reading()
 
 

@@ -161,7 +161,7 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
         return replace(
             row,
             outcome="crashed",
-            reason="it gave numbers that are not finite or beyond all sizes, or times that do not grow",
+            reason=f"it gave {soundness.UNSOUND}",
         )
     return verdict(row, motion)
 
@@ -195,7 +195,7 @@ def judge(
     """Compare a sound trajectory with the truth: ledger, distances, right or wrong. `laws`: what the solver says it
     models by another law than the case's; such a run is wrong, and its row tells by which law and by how much."""
     told = reading_of(case, trajectory)
-    gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t)))
+    gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
     matched = ledger.match(truth.transitions, told.transitions, gap)
     off = distances.differences(trajectory, motion, case)
     away = distances.distance(off)
@@ -234,7 +234,9 @@ def _faults(
 ) -> list[str]:
     """Why a run is wrong, in phrases; an empty list means right."""
     faults = []
-    if told.first_mode != truth.first_mode:
+    if (
+        truth.first_mode is not None and told.first_mode != truth.first_mode
+    ):  # none where no force is consistent at once
         faults.append(f"begins with {told.first_mode}, not {truth.first_mode}")
     for verdict in ("missed", "spurious"):
         kinds = [f"{row.before} to {row.after}" for row in matched if row.verdict == verdict]

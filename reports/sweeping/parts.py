@@ -138,7 +138,7 @@ def _engine_run(work: Work, parameters: dict[str, float], known: dict) -> dict:
     except Exception as problem:
         return row | {"outcome": "crashed", "reason": tasks.sentence(problem)}
     if not soundness.sound(motion):
-        return row | {"outcome": "crashed", "reason": "it gave numbers that are not finite, or times that do not grow"}
+        return row | {"outcome": "crashed", "reason": f"it gave {soundness.UNSOUND}"}
     told = tasks.reading_of(case, motion)
     first = told.transitions[0] if told.transitions else None
     row |= {"outcome": "done", "first_mode": str(told.first_mode), "cpu_s": motion.cost.cpu_s}

@@ -108,7 +108,7 @@ def errors(case: Case, name: str, route: str, setting: Setting, truth: Truth) ->
 def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.ndarray]:
     """Errors of the energy lost and of the centre at the end of the common time; NaN for a motion that ends early."""
     end = min(float(motion.t[-1]), float(truth.t[-1]))
-    if end < truth.t[-1] - _LAST_STEPS * float(np.max(np.diff(motion.t))) and truth.status != "lift_off":
+    if end < truth.t[-1] - _LAST_STEPS * float(np.max(np.diff(motion.t), initial=0.0)) and truth.status != "lift_off":
         return {"energy_lost": np.array([nan]), "final_centre": np.array([nan, nan])}
     lost = []
     for each in (motion, truth):
