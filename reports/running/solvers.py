@@ -54,20 +54,20 @@ def missing_words(versions: Mapping[str, str]) -> list[str]:
     """A line for each solver that is not there, and the command that adds those that are extras of this suite."""
     missing = {name: said.partition(": ")[2] for name, said in versions.items() if is_missing(said)}
     lines = [f"{name}: {NOT_INSTALLED} (it needs {needs})" for name, needs in missing.items()]
-    extras = sorted({extra for needs in missing.values() if (extra := _extra(needs))})
-    if extras:
-        lines.append(f'make report EXTRAS="{" ".join(extras)}" adds {"them" if len(extras) > 1 else "it"}')
+    packages = sorted({package for needs in missing.values() if (package := _package(needs))})
+    if packages:
+        lines.append(f"pip install {' '.join(packages)} adds {'them' if len(packages) > 1 else 'it'}")
     return lines
 
 
-def _extra(module: str) -> str:
-    """The extra of this suite that brings a module, "" if none does."""
+def _package(module: str) -> str:
+    """The package of an extra of this suite that brings a module, "" if none does."""
     try:
         needs = requires("slip-to-roll") or []
     except PackageNotFoundError:
         return ""
-    found = [re.fullmatch(r"([\w-]+).*;.*extra\s*==\s*['\"](\w+)['\"].*", need) for need in needs]
-    own = {match[1].replace("-", "_"): match[2] for match in found if match}
+    found = [re.fullmatch(r"([\w-]+).*;.*extra\s*==.*", need) for need in needs]
+    own = {match[1].replace("-", "_"): match[1] for match in found if match}
     return own.get(module.partition(".")[0], "")
 
 

@@ -1,0 +1,1 @@
+"""What is installed, and every command of the pages with it."""

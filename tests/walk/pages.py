@@ -1,0 +1,287 @@
+"""What each page tells a reader to type, and what is printed then.
+
+A `Step` is a command that is run as it stands there; a `Left` one is not, and says why. Commands with a word in
+capitals for what a reader has to put in (CASE, FILE, NAME) are forms, and are not listed here.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .installed import ROOT
+
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+_COMMANDS = re.compile(r"```sh\n(?P<block>.*?)```|`(?P<inline>(?:python -m|slip-to-roll) [^`]*)`", flags=re.S)
+_FORM = re.compile(r"\b(NAME|CASE|FILE|ENGINE|COMMAND|DIR|YOUR_\w+|A B)\b")
+
+
+def commands(page: Path) -> list[str]:
+    """The commands of a page in their order, each once, without comments; not those that are forms."""
+    found: list[str] = []
+    for match in _COMMANDS.finditer(page.read_text(encoding="utf-8")):
+        lines = (match["block"] or " ".join(match["inline"].split())).splitlines()
+        found += [line.partition(" #")[0].strip() for line in lines]
+    return list(dict.fromkeys(line for line in found if line and not _FORM.search(line)))
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command; `prints` are patterns that are found in what it prints, in this order; `writes` are patterns of files
+    that are new after it. `clone`: it is run where the sources are. `needs`: a program without which it is skipped.
+    `before`: what a reader does by hand before it, as a line of the shell."""
+
+    command: str
+    prints: tuple[str, ...] = ()
+    writes: tuple[str, ...] = ()
+    clone: bool = False
+    needs: str = ""
+    before: str = ""
+
+
+@dataclass(frozen=True)
+class Left:
+    """A command that the walk does not run, and why."""
+
+    command: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Page:
+    """The commands of a page; `files` are what a reader has made before the first of them, by name: the page and the
+    language of the block that has the text."""
+
+    steps: tuple[Step | Left, ...]
+    files: dict[str, tuple[str, str]] = field(default_factory=dict)
+
+
+CLONE = "it needs a clone; .ci/run makes it there, with --quick or as `make test`"
+NODES = "it needs machines that answer to these names; tests/reports/test_sweep_cluster.py has them on loopback"
+WHOLE = "a whole default report takes minutes; --quick goes the same way"
+OF_A_RELEASE = "it changes the sources, at a release"
+
+NEW = Step(
+    "python -m cases new my_valley",
+    (r"^written: my_valley\.py; edit its curve, then python -m cases check my_valley\.py$",),
+    ("my_valley.py",),
+)
+CHECK = Step(
+    "python -m cases check my_valley.py",
+    (r"^my_valley: fits; slides forward for 0\.87 s, then rolls for 0\.022 s, then slides backward to the end of 2 s",),
+)
+ACCEPTED = Step("pytest --case-file=my_valley.py", (r"my_valley", r"verdict: all \d+ checks are within"), clone=True)
+REPORT = ("report/index.html", "report/manifest.json", "report/tables/transitions.csv")
+BUILT = (r"^1 case, \d+ runs in \d+ s: \d+ right", r"/report/index\.html$")
+RIGHT = r"^ *pymunk assisted +1 +0 +0 +0 .*"
+EXPORTED = Step(
+    "python -m cases export disc_in_circle mu=0.2",
+    (r"^written: disc_in_circle/scene\.json$", r"^written: disc_in_circle/motion\.csv$"),
+    ("disc_in_circle/scene.json", "disc_in_circle/motion.csv"),
+)
+COMPARED = Step(
+    'python -m reports.compare "disc_in_circle[mu=0.2]" disc_in_circle/motion.csv',
+    (
+        r"^motion\.csv on disc_in_circle\[mu=0\.2\]: right$",
+        r"slip_forward\s+roll\s+0\.630053",
+        r"^Laws broken\nnone$",
+    ),
+)
+SWEPT = (r"map\.svg$", r"^40000 scenarios of disc_in_circle, 40000 of them made now; rows: ")
+MAP = ("sweep/sweep.json", "sweep/map.svg")
+
+MY_ENGINE = {"my_engine": ("process_protocol.md", "js")}
+
+WALK = {
+    "README.md": Page(
+        (
+            Left("python -m reports.publish", OF_A_RELEASE),
+            Left("make report", CLONE),
+            Left("make test", CLONE),
+            Step(
+                "python -m reports.sweep disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
+                (*SWEPT, r"5,990  slips forward, then slips backward$"),
+                MAP,
+            ),
+            Left(". .venv/bin/activate", "the environment of the walk is active"),
+            Step("python -m cases", (r"^disc_in_circle +", r"^tumbling_ellipse_moreau +")),
+            NEW,
+            CHECK,
+            ACCEPTED,
+            Step("python -m reports.build --quick --case-file my_valley.py", (RIGHT, *BUILT), REPORT),
+            Step(
+                "python -m reports.animate disc_in_circle mu=0.2",
+                (r"^2\.5 s of film, 1 × real time, \d+ kB: disc_in_circle.*\.gif$",),
+                ("disc_in_circle*.gif",),
+            ),
+            EXPORTED,
+            Step(
+                "python -m reports.build --quick --engine ./my_engine",
+                (
+                    r"^ *my_engine process +1 +0 +2 +0 ",
+                    r"^3 cases, \d+ runs in \d+ s: \d+ right",
+                    r"/report/index\.html$",
+                ),
+                REPORT,
+                needs="node",
+            ),
+            COMPARED,
+        ),
+        MY_ENGINE,
+    ),
+    "add_a_case.md": Page(
+        (
+            NEW,
+            CHECK,
+            Step(
+                "python -m cases show my_valley mu=0.3",
+                (r"^my_valley\[mu=0\.3\]$", r"begins: slip_forward", r"reference: runs it", r"picture: my_valley\.png"),
+                ("my_valley.png",),
+            ),
+            Step("python -m reports.animate my_valley", (r"s of film.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
+            ACCEPTED,
+            Step("python -m reports.build --case-file my_valley.py", (RIGHT, r"trust pymunk assisted", *BUILT), REPORT),
+            Step(
+                "python -m reports.study effect_costs",
+                (r"^written: .*effect_costs/effect_costs\.csv$",),
+                ("effect_costs/effect_costs.csv",),
+            ),
+        )
+    ),
+    "add_an_engine.md": Page(
+        (
+            EXPORTED,
+            COMPARED,
+            Step(
+                'python -m reports.build --case "disc_in_circle[mu=0.2]" --trajectory mine=disc_in_circle/motion.csv',
+                (RIGHT, r"^ *mine file +1 +0 +0 +0 .*", *BUILT),
+                REPORT,
+            ),
+            Step(
+                "python -m reports.study error_parts",
+                (r"^written: .*error_parts/error_parts\.csv$",),
+                ("error_parts/error_parts.csv",),
+            ),
+        )
+    ),
+    "architecture.md": Page(
+        (Step('python -m reports.build --case "disc_in_circle[mu=0.2]"', (RIGHT, *BUILT), REPORT),)
+    ),
+    "cluster.md": Page(
+        (
+            Step(
+                "python -m reports.sweep disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200 --jobs 2",
+                SWEPT,
+                MAP,
+            ),
+            Step(
+                "python -m reports.sweep disc_in_circle --vary mu=1e-3:10:log --vary xi1=0:1.5 --sample sobol "
+                "--number 65536 --out drawn",
+                (r"^65536 scenarios of disc_in_circle, 65536 of them made now",),
+                ("drawn/sweep.json", "drawn/map.svg"),
+            ),
+            Step(
+                "python -m reports.sweep disc_in_circle --vary mu=0.01:0.19:4 --vary xi1=0:1.4:8 --refine 1e-10 "
+                "--out edges",
+                (r"^32 scenarios of disc_in_circle, 32 of them made now", r"^boundaries: .*\(\d+ points, \d+ more"),
+                ("edges/sweep.json", "edges/map.svg"),
+            ),
+            Step(
+                "python -m reports.sweep disc_in_circle --vary mu=0.01:0.4:31 --vary xi1=0:1.5:25 "
+                "--solver exudyn pymunk --out engines",
+                (r"exudyn", r"pymunk", r"^775 scenarios of disc_in_circle, 775 of them made now"),
+                ("engines/sweep.json", "engines/map.svg"),
+            ),
+            Left("node0$ dask scheduler --host node0", NODES),
+            Left("node1$ dask worker tcp://node0:8786 --nworkers 16 --nthreads 1", NODES),
+            Left("node2$ dask worker tcp://node0:8786 --nworkers 16 --nthreads 1", NODES),
+            Left(
+                "node0$ python -m reports.sweep disc_in_circle --vary mu=0.01:0.5:30000 --vary xi1=0:1.5:30000 "
+                "--dask tcp://node0:8786",
+                NODES,
+            ),
+            Left("python -m reports.build --dask tcp://node0:8786", NODES),
+        )
+    ),
+    "engine_parameters.md": Page((Left("python -m reports.studies.meanings", OF_A_RELEASE),)),
+    "index.md": Page((Left("make report", CLONE), Left("make test", CLONE))),
+    "install.md": Page(
+        (
+            Left('pipx install ".[taylor]"', "the walk installs the wheel in an environment of its own"),
+            Step("slip-to-roll report --quick", (r"^3 cases, \d+ runs in \d+ s: \d+ right",), REPORT),
+            Step("slip-to-roll completion bash", (r"^complete -o default -F _slip_to_roll slip-to-roll$",)),
+            Left("python -m reports.build", WHOLE),
+        )
+    ),
+    "page.md": Page(
+        (
+            Left("python -m reports.page.vendor", OF_A_RELEASE),
+            Left("apt-get install chromium", "it changes the system; .ci/run does where it may"),
+            Left("make browser", CLONE),
+            Left(".venv/bin/python -m pytest tests/browser", CLONE),
+        )
+    ),
+    "process_protocol.md": Page(
+        (
+            Step(
+                'python -m reports.build --engine ./my_engine --case "disc_on_line[mu=0.1]"',
+                (r"^ *my_engine process +1 +0 +0 +0 .*", *BUILT),
+                REPORT,
+                needs="node",
+            ),
+            Step("python -m adapters.laws ./my_engine", (r"^my_engine: .*\d+ kept",), needs="node"),
+            Step(
+                "python -m cases export disc_on_line mu=0.1",
+                (r"^written: disc_on_line/motion\.csv$",),
+                ("disc_on_line/scene.json", "disc_on_line/motion.csv"),
+            ),
+        ),
+        MY_ENGINE,
+    ),
+    "published.md": Page(
+        (Left("python -m reports.build", WHOLE), Left("python -m reports.publish report", OF_A_RELEASE))
+    ),
+    "report.md": Page(
+        (
+            Left("python -m reports.build", WHOLE),
+            Left(
+                "python -m reports.build --solver pymunk@6.11.1 pymunk@7.3.1",
+                "a whole default report; tests/reports/test_versions.py makes a small one",
+            ),
+            Left(
+                "python -m reports.compare_builds report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
+                "it reads the report above",
+            ),
+            Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs in \d+ s: \d+ right",), REPORT),
+            Step(
+                "python -m reports.study stability --paper",
+                (r"stability/stability\.csv",),
+                ("stability/stability.csv",),
+            ),
+            Step(
+                "python -m reports.animate disc_in_circle mu=0.2 --out disc.gif",
+                (r"^2\.5 s of film, 1 × real time, \d+ kB: disc\.gif$",),
+                ("disc.gif",),
+            ),
+        )
+    ),
+    "submit.md": Page(
+        (
+            Step("python -m cases", (r"^disc_in_circle +",)),
+            Step('python -m cases export "disc_in_circle[mu=0.2]"', EXPORTED.prints, EXPORTED.writes),
+            Step(
+                "python -m reports.submit submissions/my_engine/2.1.0",
+                (r"^my_engine 2\.1\.0, by Ada Example", r"disc_in_circle\[mu=0\.2\] +right +4 +0 +0"),
+                before='cp disc_in_circle/motion.csv "submissions/my_engine/2.1.0/disc_in_circle[mu=0.2].csv"',
+            ),
+            Step(
+                'python -m reports.build --case "disc_in_circle[mu=0.2]" --submissions submissions',
+                (RIGHT, r"^ *my_engine 2\.1\.0 .*", *BUILT),
+                REPORT,
+            ),
+        ),
+        {"submissions/my_engine/2.1.0/submission.toml": ("submit.md", "toml")},
+    ),
+    "truth.md": Page((Left("python -m reference", OF_A_RELEASE),)),
+}
