@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(CON
 # What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
-.PHONY: report quick test test-all smoke check docs browser matrix clean
+.PHONY: report quick test test-all smoke walk check docs browser matrix clean
 
 # Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
 EXTRAS ?=
@@ -35,6 +35,10 @@ SMOKE := tests/test_architecture.py tests/test_import_layers.py tests/reference/
 
 smoke: $(VENV)/installed
 	$(KEPT) $(BIN)/python -m pytest -q $(SMOKE)
+
+# README as a reader follows it: the wheel in an empty environment, every command in an empty folder. Some 80 s of CPU.
+walk: $(VENV)/installed
+	$(KEPT) $(BIN)/python -m pytest -q -m "slow or not slow" tests/walk -k "readme or wheel"
 
 # Style and types, for contributors.
 check: $(VENV)/checkers

@@ -13,6 +13,8 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 ROOT = Path(__file__).parents[2]
+# Versions that were tried together: what is tested here is the wheel, not what was published since.
+CONSTRAINTS = ROOT / "constraints" / "current.txt"
 ROOMS = ("cases", "reference", "adapters", "reports")
 # Of a command of the pages; the dearest, a study, takes some minutes.
 MOST_SECONDS = 1800.0
@@ -39,7 +41,7 @@ class Environment:
     def __init__(self, folder: Path, extras: str = "taylor"):
         self.folder = folder
         venv.create(folder, with_pip=True)
-        words = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"]
+        words = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile", "-c", CONSTRAINTS]
         subprocess.run([folder / "bin" / "python", *words, f"{wheel()}[{extras}]"], check=True, env=self.variables())
 
     def variables(self, **more: str) -> dict[str, str]:
