@@ -24,6 +24,7 @@ from .options import Plan
 if TYPE_CHECKING:
     from .analysis.work_precision import Measured
     from .running.calls import Calls
+    from .running.per_solver import LeftOut
     from .running.records import Experiment
     from .studies import Result
 
@@ -126,7 +127,7 @@ def _build(plan: Plan) -> int:
             studied = _studied(plan, calls)
             shown = external.joined(ran, plan.trajectories)
             with folder.written_whole(plan.out) as place, for_print(plan.paper):
-                answers = _write(plan, shown, ran, measured, studied, calls, place)
+                answers, left_out = _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except cluster.Nobody as problem:
@@ -134,7 +135,7 @@ def _build(plan: Plan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, answers, studied, calls))
+    print(_summary(plan, shown, answers, studied, left_out, calls))
     lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
@@ -175,7 +176,7 @@ def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     """The timed pass, after everything else has ended; a quick report goes without."""
     from .analysis import baselines, time_to_accuracy, which_engine, work_precision
     from .analysis.work_precision import Measured
-    from .running import timings
+    from .running import per_solver, timings
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
@@ -184,7 +185,10 @@ def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
     timed = timings.measure(ran, full, calls)
     labels = tuple(case.label for case in timed.cases)
     measured = Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
-    told = time_to_accuracy.rows(work_precision.work_precision_rows(ran, measured))
+    points = work_precision.work_precision_rows
+    told, _ = per_solver.made(
+        lambda *some: time_to_accuracy.rows(points(*some)), (ran, measured), per_solver.solvers_of(ran)
+    )
     beside = timings.beside(ran, which_engine.wanted(told), full, calls)
     return measured._replace(cold=beside.cold, parts=beside.parts)
 
@@ -228,17 +232,13 @@ def _write(
     studied: Sequence[Result],
     calls: Calls,
     place: Path,
-) -> list[dict[str, Any]]:
-    """Tables, figures, page and manifest into a folder; returns the rows of the answer table. `ran`: what was run here,
-    without what is external."""
-    import pandas as pd
-
-    from .analysis import advice, cost_tables, tables
-    from .analysis.columns import described, with_version
+) -> tuple[list[dict[str, Any]], list[LeftOut]]:
+    """Tables, figures, page and manifest into a folder; returns the rows of the answer table, and what was made without
+    a solver's results since with them it fails. `ran`: what was run here, without what is external."""
     from .drawing.files import embed_command
-    from .page import dictionary, folder, html, pictures, text
+    from .page import folder, html, motions, pictures, tables
     from .page.manifest import manifest
-    from .running import external, spent
+    from .running import external, per_solver, spent
     from .running.solvers import missing_words
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
@@ -256,20 +256,8 @@ def _write(
     }
     told["not installed"] = "; ".join(missing_words(ran.versions))
     told["solvers"] |= external.sources(plan.trajectories)
-    frames = cost_tables.frames(ran, measured) | tables.frames(shown)
-    frames = {name: with_version(frame, ran.versions) for name, frame in frames.items()}
-    holds = cost_tables.HOLDS | tables.HOLDS
-    words = {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
-    text.write(frames, words, place / "tables", command, plan.paper)
-    for result in studied:
-        text.write(result.frames, result.words, place / "tables", result.command, plan.paper)
-        frames, words = frames | result.frames, words | result.words
-    rows = advice.rows(shown, frames)
-    answers = with_version(pd.DataFrame(rows), ran.versions)
-    words = {"answers": described(advice.HOLDS, map(str, answers.columns))} | words
-    frames = {"answers": answers} | frames
-    text.write({"answers": answers}, words, place / "tables", command, plan.paper)
-    dictionary.write(frames, words, place / "tables", command)
+    made = tables.Tables(place / "tables", command, ran.versions, plan.paper)
+    rows = tables.write(made, shown, ran, measured, studied)
     calls.spent.book("tables")
     figures = place / "figures"
     drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
@@ -278,12 +266,25 @@ def _write(
     for result in studied:
         for figure in of_studies[result.name]:
             embed_command(figures, figure, result.command)
-    page = html.render(shown, measured, frames, words, drawn, studied, of_studies, figures, told)
+    moving, unmoved = motions.motions(shown)
+    made.note([*unmoved, *(one for some in (drawn, *of_studies.values()) for each in some for one in each.left_out)])
+
+    def rendered(shown: Experiment, measured: Measured, frames: dict[str, Any], studied: Sequence[Result]) -> str:
+        frames |= {tables.LEFT_OUT: made.frames[tables.LEFT_OUT]} if made.left_out else {}
+        return html.render(shown, measured, frames, made.words, drawn, studied, of_studies, moving, figures, told)
+
+    records = (shown, measured, dict(made.frames), tuple(studied))
+    page, left = per_solver.made(rendered, records, per_solver.solvers_of(shown), "the page")
+    if left:
+        made.note(left)
+        page = rendered(*(per_solver.without(each, {one.solver for one in left}) for each in records))
+    tables.describe(made)
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     calls.spent.book("page")
     told["phases"] = spent.told(calls.spent.phases)
+    told["left_out"] = [one._asdict() for one in made.left_out]
     folder.sign(place, told)
-    return rows
+    return rows, made.left_out
 
 
 def _options(plan: Plan) -> str:
@@ -297,7 +298,12 @@ def _options(plan: Plan) -> str:
 
 
 def _summary(
-    plan: Plan, shown: Experiment, answers: Sequence[dict[str, Any]], studied: Sequence[Result], calls: Calls
+    plan: Plan,
+    shown: Experiment,
+    answers: Sequence[dict[str, Any]],
+    studied: Sequence[Result],
+    left_out: Sequence[LeftOut],
+    calls: Calls,
 ) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
     from .analysis import advice, tables
@@ -313,6 +319,7 @@ def _summary(
     lines += [f"{many} case{'s' * (many != 1)}, {len(shown.runs):,} runs in {shown.seconds:.0f} s: {count}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
+    lines += [f"{one.item} made without {one.solver}: {one.reason}" for one in left_out]
     lines += missing_words(shown.versions)
     store = calls.store
     lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.place() or 'off'}; {kept.words()}"]

@@ -44,6 +44,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "unit": ("the unit of the quantity's errors and accuracies", ""),
     "lead": ("whether the case is led by this quantity, which chance cannot meet: all transitions where there are "
              "several, else the final pose", ""),
+    "item": ("the table or figure that was made without the solver's results", ""),
     # what came of it
     "outcome": ("right, wrong, refused, crashed or timed_out", ""),
     "reason": ("why it is not right, or why there is no answer", ""),

@@ -5,6 +5,8 @@ Every figure is made from an `Experiment` alone. Times in s, lengths in m, angle
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from math import isfinite, nan
 
 import matplotlib
@@ -18,6 +20,7 @@ from cases.pictures import plots
 from cases.pictures import scene as scenes
 from cases.pictures.layout import Instant, instants
 
+from ..running import per_solver
 from ..running.records import REFERENCE, Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
 from .files import Picture, file_name, picture
 from .style import FAINT, POINTS, STYLE, TRUTH, Looks, logarithmic
@@ -45,15 +48,30 @@ _QUANTITIES = (
 
 
 def draw_case(case: Case, part: Experiment, looks: Looks, main: bool) -> list[Picture]:
-    """The figures of one case: scene, motion, error, and the headline if it is the main one."""
-    name, made = file_name(case.label), []
+    """The figures of one case: scene, motion, error, and the headline if it is the main one. A figure that fails with
+    the results of a solver is drawn without them."""
+    name = file_name(case.label)
+    figures: list[tuple[Callable[[Experiment], Figure], str, tuple[str, str]]] = [
+        (lambda part: scene(part, case), f"scene_{name}", _SCENE_WORDS),
+        (lambda part: motion(part, case, looks), f"motion_{name}", _MOTION_WORDS),
+        (lambda part: errors(part, case, looks), f"errors_{name}", _ERRORS_WORDS),
+    ]
+    if main:
+        figures.insert(0, (lambda part: headline(part, case, looks), "headline", _HEADLINE_WORDS))
+    solvers = [run.solver for run in part.runs]
+    made = []
     with matplotlib.rc_context(STYLE):
-        if main:
-            figure = headline(part, case, looks)
-            made.append(picture(figure, "headline", case.label, *_HEADLINE_WORDS, png=True))
-        made.append(picture(scene(part, case), f"scene_{name}", case.label, *_SCENE_WORDS))
-        made.append(picture(motion(part, case, looks), f"motion_{name}", case.label, *_MOTION_WORDS))
-        made.append(picture(errors(part, case, looks), f"errors_{name}", case.label, *_ERRORS_WORDS))
+        for figure, file, words in figures:
+
+            def drawn(part: Experiment, figure=figure, file=file, words=words) -> Picture:
+                try:
+                    title, caption = words
+                    return picture(figure(part), file, case.label, title, caption, png=file == "headline")
+                finally:
+                    plt.close("all")  # of a figure that failed, too
+
+            picture_, left = per_solver.made(drawn, (part,), solvers, f"figure {file}")
+            made.append(replace(picture_, drawn=replace(picture_.drawn, left_out=tuple(left))))
     return made
 
 

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..running.per_solver import LeftOut
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Bbox
@@ -35,12 +37,13 @@ _NAME_BYTES = 160
 @dataclass(frozen=True)
 class Drawn:
     """A figure that was written: its file's name without ending ("" if it failed), the case's label ("" for all), title
-    and caption."""
+    and caption, and the solvers without whose results it was drawn, since with them it fails."""
 
     name: str
     case: str
     title: str
     caption: str
+    left_out: tuple[LeftOut, ...] = ()
 
 
 def file_name(label: str) -> str:

@@ -142,6 +142,13 @@ def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
     return found
 
 
+def left_out(frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
+    """Tables and figures that were made without a solver's results; none if there are none."""
+    rows = frames.get("left_out")
+    title = "Tables and figures without the results of a solver"
+    return [] if rows is None else [{"title": title, **table(rows, {c: c for c in ("item", "solver", "reason")})}]
+
+
 def made(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
     """How the report was made, in rows."""
     rows = [("command", manifest["command"]), ("when", manifest["made_at"]), ("took", f"{manifest['seconds']:.0f} s")]

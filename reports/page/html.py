@@ -14,7 +14,7 @@ from ..analysis.work_precision import Measured
 from ..drawing.colours import colours
 from ..drawing.files import Drawn
 from ..running.records import REFERENCE, TRUTH_RTOL, Experiment
-from . import chapters, cost, first, motions, vendor
+from . import chapters, cost, first, vendor
 from .pieces import command_of as command_of
 from .pieces import environment, picture, records, table
 
@@ -46,13 +46,13 @@ def render(
     drawn: Sequence[Drawn],
     studied: Sequence[Result],
     of_studies: Mapping[str, Sequence[Drawn]],
+    moving: Sequence[dict[str, Any]],
     figures: Path,
     manifest: dict[str, Any],
 ) -> str:
-    """The page as text. `words` are said of each table, `of_studies` are the studies' pictures by name; `figures` is
-    the folder with the drawn SVG files; `manifest` as written beside the page."""
+    """The page as text. `words` are said of each table, `of_studies` are the studies' pictures by name, `moving` the
+    motions for the player; `figures` is the folder with the drawn SVG files; `manifest` as written beside the page."""
     command = manifest["command"]
-    moving = [told for case in experiment.cases if (told := motions.motion(experiment, case))]
     solvers = _solvers(experiment)
     shown_by_studies = {name for result in studied for name in result.frames}
     parts = {
@@ -68,7 +68,7 @@ def render(
         "cost": cost.section(measured, frames, drawn, figures),
         "precision_points": _points(frames.get("work_precision"), manifest),
         "studies": [_study(result, of_studies[result.name], figures) for result in studied],
-        "failures": chapters.failures(frames["trajectories"]),
+        "failures": chapters.failures(frames["trajectories"]) + chapters.left_out(frames),
         "tables": [
             {"name": n, "holds": words[n].holds, "count": len(f)}
             | ({"rows": []} if n in shown_by_studies else table(f.head(_SHOWN_ROWS), _named(f), words[n].columns))

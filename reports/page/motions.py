@@ -7,6 +7,7 @@ import inspect
 import zlib
 from base64 import b64encode
 from collections.abc import Mapping
+from functools import partial
 from math import isfinite
 from typing import Any
 
@@ -16,6 +17,8 @@ import cases
 from cases import Case
 from cases.pictures.layout import visible
 
+from ..running import per_solver
+from ..running.per_solver import LeftOut
 from ..running.records import REFERENCE, Experiment, Run, Truth, finest, routes
 
 # Samples of a motion, transitions among them: a player 800 points wide shows no more.
@@ -25,6 +28,19 @@ _EXACT = 120
 TRUE = ("x", "y", "theta", "slip", "xi1", "xi2", "lambda", "normal_force", "friction_force")
 # Solver minus truth, by names of `distances.differences`; the force of friction as the solver tells it.
 OFF = ("x", "y", "angle", "slip", "xi1", "xi2", "lambda")
+
+
+def motions(experiment: Experiment) -> tuple[list[dict[str, Any]], list[LeftOut]]:
+    """What the player of each case shows, and the solvers without whose motion it shows a case, since with it it
+    fails."""
+    found, left = [], []
+    for case in experiment.cases:
+        solvers = [run.solver for run in experiment.runs if run.case == case.label]
+        make = partial(lambda case, some: motion(some, case), case)
+        told, without = per_solver.made(make, (experiment,), solvers, f"player of {case.label}")
+        found += [told] if told else []
+        left += without
+    return found, left
 
 
 def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from ..running.calls import Calls
 from ..running.records import Experiment
 from ..running.serving import settle
 from ..studies import Result, study
+from ..studies import draw as written
 
 # Wall seconds for the pictures of one study or of all timings: the latter take some six, and longer on a busy machine.
 _PATIENCE = 300.0
@@ -40,17 +41,15 @@ def draw(
 
 def drawn_of(name: str, paper: bool, *made_from: Any) -> list[Picture]:
     """In a worker, whose folder is empty: the pictures of a study from what it found, or of the timings;
-    `paper`: also as PDF."""
+    `paper`: also as PDF. Where they fail with the results of a solver, they are drawn without them."""
     folder = Path.cwd()
-    drawn: Iterator[Drawn]
     if name == _TIMINGS:
         from ..drawing import work_precision
 
         settle(__name__)
-        drawn = work_precision.draw(made_from[0], made_from[1], folder)
+        draw: Callable[..., Iterable[Drawn]] = work_precision.draw
     else:
-        made = study(name)
+        draw = study(name).draw
         settle(name)
-        drawn = made.draw(*made_from, folder)
     with for_print(paper):
-        return [Picture.read(one, folder) for one in drawn]
+        return [Picture.read(one, folder) for one in written(name or "timings", draw, made_from, folder)]

@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from ..analysis import tables
 from ..drawing.files import Drawn
+from ..running import per_solver
 from ..running.records import REFERENCE
 from .text import shorten
 
@@ -47,7 +48,8 @@ def command_of(label: str, manifest: dict[str, Any]) -> str:
 
 def picture(drawn: Drawn, folder: Path, inside: bool = True) -> dict[str, Any]:
     """A figure as its template takes it: the picture itself is its address, or its file beside the page."""
-    told = {"name": drawn.name, "title": drawn.title, "caption": drawn.caption, "failure": not drawn.name}
+    caption = " ".join(filter(None, (drawn.caption, per_solver.words(drawn.left_out))))
+    told = {"name": drawn.name, "title": drawn.title, "caption": caption, "failure": not drawn.name}
     if drawn.name:
         told["alt"] = f"{drawn.title}: {drawn.case}" if drawn.case else drawn.title
         file = folder / f"{drawn.name}.svg"

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from adapters.interface import executables
 from cases import Case
 
-from . import clock, cold, parts
+from . import clock, cold, parts, per_solver
 from .calls import Calls, Keep
 from .clock import Contestant, Key, Timing
 from .cold import Cold
@@ -86,13 +86,10 @@ def contestants(experiment: Experiment, case: Case) -> list[Contestant]:
 
 def measure(experiment: Experiment, full: bool, calls: Calls) -> Timed:
     """Time the chosen cases one after the other, each in one process with nothing beside it, or take what is kept."""
-    cases = chosen(experiment, full)
+    solvers = [run.solver for run in experiment.runs]
+    (cases, in_turn), left_out = per_solver.made(partial(_in_turn, full), (experiment,), solvers)
     timings: dict[Key, Timing] = {}
-    failures: dict[str, str] = {}
-    # What the cheap cases leave of the budget the dear ones have.
-    in_turn = sorted(
-        (contestants(experiment, case) for case in cases), key=lambda who: sum(one.expected_s for one in who)
-    )
+    failures = {f"all cases, {one.solver}": one.reason for one in left_out}
     deadline = time.perf_counter() + BUDGET
     share = FULL_BUDGET_A_CASE if full else BUDGET / max(len(cases), 1)
 
@@ -110,26 +107,39 @@ def measure(experiment: Experiment, full: bool, calls: Calls) -> Timed:
     return Timed(tuple(cases), timings, failures)
 
 
+def _in_turn(full: bool, experiment: Experiment) -> tuple[list[Case], list[list[Contestant]]]:
+    """The cases to time, and the contestants of each, cheap cases first: what they leave of the budget the dear ones
+    have."""
+    cases = chosen(experiment, full)
+    who = (contestants(experiment, case) for case in cases)
+    return cases, sorted(who, key=lambda some: sum(one.expected_s for one in some))
+
+
 def beside(experiment: Experiment, wanted: Collection[Key], full: bool, calls: Calls) -> Beside:
     """Calls from cold, and the parts of runs, of the settings that are wanted."""
     colds: dict[Key, Cold] = {}
     shares: dict[Key, Parts] = {}
+    by_case, _ = per_solver.made(partial(_those, wanted), (experiment,), [key[1] for key in wanted])
     cold_budget, parts_budget = (FULL_BUDGET_A_CASE,) * 2 if full else (COLD_BUDGET, PARTS_BUDGET)
 
     def one_by_one(cold_alone: Calls, parts_alone: Calls) -> Iterator[None]:
-        for case in experiment.cases:
-            who = [one for one in contestants(experiment, case) if one.key in wanted]
-            if who:
-                colds.update(_measured(partial(_cold_starts, cold_alone), who, cold_budget))
-                shares.update(_measured(partial(_parts, parts_alone), who, parts_budget))
-                yield
+        for who in by_case:
+            colds.update(_measured(partial(_cold_starts, cold_alone), who, cold_budget))
+            shares.update(_measured(partial(_parts, parts_alone), who, parts_budget))
+            yield
 
     # Nothing may have been compiled in a process that is to begin cold: it splits off others, which make the calls.
     with calls.alone() as cold_alone, calls.alone() as parts_alone:
         steps = one_by_one(cold_alone, parts_alone)
-        for _ in calls.progress(_BESIDE, len({key[0] for key in wanted}), steps):
+        for _ in calls.progress(_BESIDE, len(by_case), steps):
             pass
     return Beside(colds, shares)
+
+
+def _those(wanted: Collection[Key], experiment: Experiment) -> list[list[Contestant]]:
+    """The contestants that are wanted, by case."""
+    by_case = ([one for one in contestants(experiment, case) if one.key in wanted] for case in experiment.cases)
+    return [who for who in by_case if who]
 
 
 def _cold_starts(alone: Calls, who: Sequence[Contestant], share: float) -> list[Answer]:

@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -25,6 +26,8 @@ import cases
 from cases import Case
 from cases.errors import unknown
 
+from ..running import per_solver
+from ..running.per_solver import LeftOut
 from ..running.records import REFERENCE
 
 if TYPE_CHECKING:
@@ -55,7 +58,7 @@ class Request(NamedTuple):
 
 class Result(NamedTuple):
     """What came of a study: its module, the command that makes it alone, its tables, what it found; or why it failed,
-    in a sentence."""
+    in a sentence. `left_out`: the solvers without whose results its tables were made, since with them they fail."""
 
     name: str
     study: ModuleType
@@ -63,6 +66,7 @@ class Result(NamedTuple):
     frames: dict[str, pd.DataFrame] = {}
     found: Any = None
     failure: str = ""
+    left_out: tuple[LeftOut, ...] = ()
 
     @property
     def words(self) -> dict[str, Table]:
@@ -79,9 +83,17 @@ class Result(NamedTuple):
             return []
         folder.mkdir(parents=True, exist_ok=True)
         try:
-            return list(self.study.draw(self.found, folder))
+            return draw(self.name, self.study.draw, (self.found,), folder)
         except Exception as problem:  # the numbers are there, whatever happens to a picture
             return [Drawn("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
+
+
+def draw(name: str, function: Callable[..., Iterable[Drawn]], records: tuple, folder: Path) -> list[Drawn]:
+    """The pictures that `function(*records, folder)` writes; where they fail with the results of a solver, without
+    them."""
+    solvers = per_solver.solvers_of(records)
+    drawn, left = per_solver.made(lambda *some: list(function(*some, folder)), records, solvers, f"figures of {name}")
+    return [replace(one, left_out=tuple(left)) for one in drawn]
 
 
 def names() -> tuple[str, ...]:
@@ -99,20 +111,30 @@ def study(name: str) -> ModuleType:
 
 def run(name: str, request: Request, calls: Calls, command: str) -> Result:
     """Make a study. What fails is said in its result; it takes nothing else with it."""
-    import pandas as pd
-
-    from ..analysis.columns import infinite, with_version
-
     made = study(name)
     try:
         # One that is not installed has no part in it.
         present = calls.present(request.solvers) if request.solvers else ()
-        found = made.run(request._replace(solvers=present), calls)
-        rows = made.rows(found)
-        frames = {table: with_version(pd.DataFrame(rows[table]), calls.versions) for table in rows}
-        for table, frame in frames.items():
-            if infinite(frame):
-                raise ValueError(f"the table {table} has an infinite result in {', '.join(infinite(frame))}")
-        return Result(name, made, command, frames, found)
+        # Where it fails with a solver's results it is made again without them, from what the store has.
+        found, failed = per_solver.made(
+            lambda some: made.run(request._replace(solvers=some), calls), (present,), present, f"study {name}"
+        )
+        solvers = per_solver.solvers_of(found)
+        frames, left = per_solver.made(lambda some: _frames(made.rows(some), calls), (found,), solvers, f"study {name}")
+        found = per_solver.without(found, {one.solver for one in left})
+        return Result(name, made, command, frames, found, left_out=(*failed, *left))
     except Exception as problem:  # whatever it is, the report goes on without this study and says so
         return Result(name, made, command, failure=f"{type(problem).__name__}: {problem}")
+
+
+def _frames(rows: Mapping[str, Any], calls: Calls) -> dict[str, pd.DataFrame]:
+    """The rows of each table as a table; raises ValueError for an infinite result."""
+    import pandas as pd
+
+    from ..analysis.columns import infinite, with_version
+
+    frames = {table: with_version(pd.DataFrame(rows[table]), calls.versions) for table in rows}
+    for table, frame in frames.items():
+        if infinite(frame):
+            raise ValueError(f"the table {table} has an infinite result in {', '.join(infinite(frame))}")
+    return frames
