@@ -18,22 +18,21 @@ from typing import Any, TypeVar
 import numpy as np
 import sympy as sp
 
-from . import expressions, features, formulas, measured
+from . import curve_tables as tables
+from . import expressions, features, formulas, measured, parametrisation
 from .derivation import derived, in_one_thread
 from .errors import BadCurve, BadValue, finite
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 from .kept import kept
-from .regular import SAMPLES, check_regular, check_simple
+from .parametrisation import MOST_ROUNDS
+from .regular import check_regular, check_simple
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
 T = TypeVar("T")
 
-# So many times at most a curve without a domain may repeat itself within 2π.
-MOST_ROUNDS = 24
-
-# The range looked at when a curve without a domain has no period: a hundred units of its parameter either way would
-# already overflow a cosh; ten are what a drawing shows.
+# The range looked at when a curve without a domain has no period, in units in which it changes: a hundred of them
+# either way would already overflow a cosh; ten are what a drawing shows.
 UNBOUNDED_SPAN = (-10.0, 10.0)
 
 # Letters of a formula that a curve shows of itself.
@@ -180,6 +179,20 @@ class Curve:
         _, _, xp, yp, xs, ys, _, _ = self.jet(s) if _is_number(s) else self.jets(s)
         return (xp * ys - yp * xs) / np.hypot(xp, yp) ** 3
 
+    def length(self, low: float, high: float) -> float:
+        """The length of the curve between two parameters, m, to a part in a thousand or so: what samples need."""
+        return float(tables.lengths(self, low, high)[1][-1])
+
+    def even(self, low: float, high: float, count: int) -> np.ndarray:
+        """So many parameters from `low` to `high` at nearly even distances along the curve."""
+        grid, lengths = tables.lengths(self, low, high)
+        return np.interp(np.linspace(0.0, lengths[-1], count), lengths, grid)
+
+    @derived
+    def sizes(self) -> tuple[float, float]:
+        """The largest distance from the origin, and that or the smallest radius of curvature if it is smaller, m."""
+        return tables.sizes(self)
+
     # --- the curve as a whole ---------------------------------------------------------------------------------------
 
     @derived
@@ -187,36 +200,58 @@ class Curve:
         """The parameter's period of a closed curve, else None.
 
         A curve with a domain is closed if position and three derivatives agree at both ends; one without a domain if
-        they repeat after 2π, or after a whole part of it: then that is its period (looked at in a few places, to
-        rounding).
+        its formulas have a common period: the shortest part of that after which it repeats itself (looked at in a few
+        places, to rounding).
         """
         if self.domain is not None:
             start, length = self.domain[0], self.domain[1] - self.domain[0]
             probes = np.array([start])
         else:
-            length = 2 * np.pi
-            probes = np.array([0.1, 1.3, 2.9])
+            common = parametrisation.period(self.expression)
+            if common is None:
+                return None
+            length, probes = common, common / (2 * np.pi) * np.array([0.1, 1.3, 2.9])
+
+        def jets(s: np.ndarray) -> np.ndarray:
+            return parametrisation.scaled(self.jets(s), length / (2 * np.pi))
+
         with np.errstate(all="ignore"):
-            here, there = self.jets(probes), self.jets(probes + length)
+            here, there = jets(probes), jets(probes + length)
         # A closed curve's ends agree to the rounding of its own sizes; 1e-9 of them is far above that and far below
         # any gap a person would author.
         near = 1e-9 * np.max(np.abs(here))
         if not np.all(np.abs(here - there) <= near):
             return None
         if self.domain is None:  # (cos 3s, sin 3s) is a circle, and not one run round three times
-            parts = 2 * np.pi / np.arange(MOST_ROUNDS, 1, -1)
-            again = self.jets((probes[:, None] + parts).ravel()).reshape(8, len(probes), len(parts))
+            parts = length / np.arange(MOST_ROUNDS, 1, -1)
+            again = jets((probes[:, None] + parts).ravel()).reshape(8, len(probes), len(parts))
             repeats = np.all(np.abs(again - here[:, :, None]) <= near, axis=(0, 1))
             if repeats.any():
                 return float(parts[np.argmax(repeats)])
         return float(length)
 
     @derived
+    def unit(self) -> float:
+        """How much of the parameter makes the curve change: what windows and samples of a curve without ends count in.
+
+        A period over 2π for a closed curve.
+        """
+        if self.domain is not None or self.period:
+            low, high = self.span
+            return (high - low) / (2 * np.pi)
+        places = parametrisation.places(features.centres(self.expression, PARAMETER))
+        with np.errstate(all="ignore"):
+            return parametrisation.unit(places, self.jets(places))
+
+    @derived
     def span(self) -> tuple[float, float]:
         """A range of the parameter that shows the whole curve (one turn of a closed one)."""
         if self.domain is not None:
             return self.domain
-        return (0.0, self.period) if self.period else UNBOUNDED_SPAN
+        if self.period:
+            return 0.0, self.period
+        low, high = UNBOUNDED_SPAN
+        return low * self.unit, high * self.unit
 
     @derived
     def features(self) -> features.Features | None:
@@ -261,26 +296,19 @@ class Curve:
         if self.period:
             start = self.span[0]
             turns = np.floor((s - start) / self.period)
-            grid, angles = self._angle_table(self.span)
+            grid, angles = self.angle_table(self.span)
             return np.interp(s - turns * self.period, grid, angles) + turns * (angles[-1] - angles[0])
         low, high = self.span
         if self.domain is None and s.size:
             while s.min() < low or s.max() > high:
                 low, high = 2 * low, 2 * high
-        grid, angles = self._angle_table((low, high))
+        grid, angles = self.angle_table((low, high))
         return np.interp(s, grid, angles)
 
     @lru_cache(maxsize=64)  # noqa: B019 - curves are few, small and live as long as their case
-    def _angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-        # 32 samples to a unit of the parameter keep the change between two samples below half a turn for every curve
-        # whose radius of curvature is not below a hundredth of its speed; np.unwrap needs no more.
-        count = min(200_000, max(4 * SAMPLES, int(32 * (span[1] - span[0])))) + 1
-        grid = np.linspace(*span, count)
-        d = self.jets(grid)[2:4]
-        angles = np.unwrap(np.arctan2(d[1], d[0]))
-        # The branch is fixed where the span begins, so that wider tables agree with narrower ones.
-        anchor = np.interp(self.span[0], grid, angles)
-        return grid, angles - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
+    def angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters on that range, and the tangent's continuous angle there: what `tangent_angle` counts turns by."""
+        return tables.angles(self, span)
 
 
 def _is_number(s) -> bool:
@@ -377,7 +405,8 @@ def _features(curve: Curve) -> features.Features:
     centres = features.centres(curve.expression, PARAMETER)
     # Bends are known to rounding of the sharpest one; a speed, which may grow without bound, of its own.
     sizes = features.largest(bend_and_speed, *curve.span, centres) * [1.0, 0.0] if ends is None else 0.0
-    return features.Features(bend_and_speed, centres, ends, bool(curve.period), sizes)
+    window = features.WINDOW * curve.unit
+    return features.Features(bend_and_speed, centres, ends, bool(curve.period), sizes, window)
 
 
 @lru_cache(maxsize=512)

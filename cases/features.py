@@ -88,8 +88,10 @@ class Features:
         limits: tuple[float, float] | None = None,
         periodic: bool = False,
         sizes: np.ndarray | float = 0.0,
+        window: float = WINDOW,
     ):
-        self._function, self._centres, self._limits, self._sizes = function, tuple(centres), limits, sizes
+        self._function, self._centres, self._limits = function, tuple(centres), limits
+        self._sizes, self._first = sizes, window
         self._period = limits[1] - limits[0] if limits and periodic else None
         self._sides: dict[bool, list[Window]] = {True: [], False: []}
         if limits:
@@ -180,7 +182,7 @@ class Features:
     def _resolve(self, windows: list[Window], forward: bool, k: int) -> None:
         """Append windows up to the k-th."""
         while len(windows) <= k:
-            near, length = 0.0, WINDOW
+            near, length = 0.0, self._first
             if windows:
                 last = windows[-1]
                 near = last.high if forward else last.low

@@ -6,7 +6,7 @@ Nothing here knows a case or a solver; `cases.contact` asks the same of a case. 
 
 from __future__ import annotations
 
-from math import cos, hypot, inf, isfinite, nan, pi, sin
+from math import cos, hypot, inf, nan, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,18 @@ from .curves import Curve
 from .errors import DoesNotFit
 
 EPS = float(np.finfo(float).eps)
+
+# Newton's method in `find` takes so many steps at most. A step turns neither tangent by more than LONGEST (rad), and
+# is no longer than that part of the plate, or than STRAIGHTER times as much along a track that is straight there.
+MOST_STEPS, LONGEST, STRAIGHTER = 100, 0.5, 16.0
+# A place that is known to so many parts of its distance from the origin and of the plate's size, and a parameter to so
+# many of itself, is known to rounding: some twenty roundings lie in the formulas of pose and curve.
+ROUNDINGS = 4e-15
+# Steps of fewer such roundings are compared with them: the last one or two of a search.
+CLOSE = 1e6
+# What is left of the two conditions of a contact, in the same parts and in radians, where Newton's steps do not come
+# to rest. The gap is then off by the square of it.
+SETTLED = 1e-12
 
 
 class Contact(NamedTuple):
@@ -141,42 +153,68 @@ def _level(outline: Curve, angle: float, low: float, high: float) -> float:
 def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
     """The pair of points where outline and track come closest, starting from the pair `near`.
 
-    Newton's method on: the tangents are parallel (6), and the gap vector is normal to the track. Raises DoesNotFit
-    if it does not converge, which a plate far from its track may cause.
+    Newton's method on: the tangents are parallel (6), and the gap vector is normal to the track. Steps are measured
+    in metres along the curves, so that the unit of a parameter changes nothing. Raises DoesNotFit if it does not
+    converge, which a plate far from its track may cause.
     """
     xi1, xi2 = near
     c, s = cos(theta), sin(theta)
     # An engine's run asks this a hundred thousand times: what does not change is looked up before the loop.
     track_jet, track_sizes, outline_jet, outline_sizes = track._jet, track.constants, outline._jet, outline.constants
-    for _ in range(50):
+    reach, tightest = outline.sizes
+    rounding = ROUNDINGS * (abs(x) + abs(y) + reach)
+    close, far = (CLOSE * rounding) ** 2, (LONGEST * tightest) ** 2
+    for _ in range(MOST_STEPS):
         X, Y, Xp, Yp, Xs, Ys, _, _ = track_jet(xi1, track_sizes)
         u, v, up, vp, us, vs, _, _ = outline_jet(xi2, outline_sizes)
         dx, dy = x + c * u - s * v - X, y + s * u + c * v - Y
         rpx, rpy = c * up - s * vp, s * up + c * vp
         rsx, rsy = c * us - s * vs, s * us + c * vs
+        pace1, pace2 = Xp * Xp + Yp * Yp, rpx * rpx + rpy * rpy
         f, g = dx * Xp + dy * Yp, Xp * rpy - Yp * rpx
-        f1, f2 = dx * Xs + dy * Ys - Xp * Xp - Yp * Yp, rpx * Xp + rpy * Yp
+        f1, f2 = dx * Xs + dy * Ys - pace1, rpx * Xp + rpy * Yp
         g1, g2 = Xs * rpy - Ys * rpx, Xp * rsy - Yp * rsx
         det = f1 * g2 - f2 * g1
-        if det == 0.0 or not isfinite(det):
+        if not (det > 0.0 or det < 0.0):  # zero, or not a number
             raise _lost(x, y, near)
         step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
-        size1, size2 = abs(step1), abs(step2)
-        if not (size1 <= 0.5 and size2 <= 0.5):
-            # It leaves the neighbourhood Newton's method is good for, and is shortened.
-            shorten = min(1.0, 0.5 / max(size1, size2, 1e-300))
+        moved = step1 * step1 * pace1 + step2 * step2 * pace2
+        if moved > far:
+            shorten = _shortened((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach)
             step1, step2 = shorten * step1, shorten * step2
         xi1, xi2 = xi1 - step1, xi2 - step2
-        # Converged where a step moves both points by no more than a few roundings of the parameters.
-        if size1 <= 4e-15 * (1 + abs(xi1)) and size2 <= 4e-15 * (1 + abs(xi2)):
+        # Converged where a step moves both points by no more than a few roundings of places and parameters.
+        if (
+            moved <= close
+            and sqrt(pace1) * (abs(step1) - ROUNDINGS * abs(xi1)) <= rounding
+            and sqrt(pace2) * (abs(step2) - ROUNDINGS * abs(xi2)) <= rounding
+        ):
             break
     else:
-        # Rounding may keep the steps just above the bound for ever; points that agree to 1e-9 are the contact.
-        if not (size1 <= 1e-9 * (1 + abs(xi1)) and size2 <= 1e-9 * (1 + abs(xi2))):
+        # Where the curves nearly coincide a rounding moves the pair by more than that: it is the contact if it misses
+        # both conditions by rounding alone.
+        P, p = sqrt(pace1), sqrt(pace2)
+        off = abs(f) / P <= SETTLED * (abs(x) + abs(y) + reach + P * abs(xi1) + p * abs(xi2))
+        if not (off and abs(g) <= SETTLED * P * p):
             raise _lost(x, y, near)
-    X, Y, Xp, Yp, _, _, _, _ = track_jet(xi1, track_sizes)
-    u, v, _, _, _, _, _, _ = outline_jet(xi2, outline_sizes)
-    return Contact(xi1, xi2, ((y + s * u + c * v - Y) * Xp - (x + c * u - s * v - X) * Yp) / hypot(Xp, Yp))
+    # The last step changes the gap by its square.
+    return Contact(xi1, xi2, (dy * Xp - dx * Yp) / sqrt(pace1))
+
+
+def _shortened(along_track: tuple[float, ...], along_outline: tuple[float, ...], reach: float) -> float:
+    """The part of a step of Newton's method that stays where that converges; `reach` (m) of the outline.
+
+    Of track and outline: the step in the parameter, the first and the second derivative, in one frame.
+    """
+    (way1, radius1), (way2, radius2) = _way(*along_track), _way(*along_outline)
+    longest1, longest2 = min(max(radius1, reach), STRAIGHTER * reach), min(radius2, reach)
+    return min(1.0, LONGEST * longest1 / way1 if way1 else 1.0, LONGEST * longest2 / way2 if way2 else 1.0)
+
+
+def _way(step: float, xp: float, yp: float, xs: float, ys: float) -> tuple[float, float]:
+    """The length of a step of a curve's parameter, and the radius of curvature where it begins, m."""
+    speed, turn = hypot(xp, yp), abs(xp * ys - yp * xs)
+    return abs(step) * speed, speed**3 / turn if turn else inf
 
 
 def _lost(x: float, y: float, near: tuple[float, float]) -> DoesNotFit:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import cos, hypot, inf, sin
+from math import ceil, copysign, cos, hypot, inf, log2, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,14 @@ from .errors import DoesNotFit
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
+# A track without ends is looked at for at least so many sizes of the plate to either side of the start; while the plate
+# is nearest to an end of that, for twice as many, so often at most.
+AROUND, DOUBLINGS = 16.0, 40
+# Newton's method has found the pair that the samples show if it is no more of their distances away from them.
+NEIGHBOURS = 4.0
+# Else the pair is looked for among samples as far to either side as this, in their distances, ever closer by this
+# factor, so often at most; until they are so close, in parts of the plate's size: gaps are level there to rounding.
+WINDOW, CLOSER, ROUNDS, LEVEL = 1.5, 8.0, 100, 1e-9
 # Where no track is any more, m: squares of distances overflow there.
 FARTHEST = 1e150
 # From so many times a closed track's size away it is a point: which of its points is the nearest drowns in rounding.
@@ -46,15 +54,19 @@ class _Stretches(NamedTuple):
         centres = stretches.mean(axis=1)
         return cls(stretches, centres, np.sqrt(_squares(stretches, centres[:, None]).max(axis=1)))
 
-    def nearest(self, there: np.ndarray) -> np.ndarray:
-        """Which sample is the nearest to each of the points (m, 2), the first of equal ones.
+    def nearest(self, there: np.ndarray, ball: tuple[float, float, float] | None = None) -> np.ndarray:
+        """Which sample is the nearest to each of the points (m, 2), the first of equal ones; `ball`: the middle and the
+        radius of a circle around the points, where they are known.
 
         Stretches are looked into unless they begin farther away than another ends, whichever of the points one asks.
         """
-        middle = there.mean(axis=0)
-        spread = 2.0 * float(np.sqrt(_squares(there, middle).max()))
-        away = np.sqrt(_squares(middle, self.centres))
-        some = np.flatnonzero(away - self.radii <= ((away + self.radii).min() + spread) * (1.0 + ROUNDING))
+        if ball is None:
+            middle = there.mean(axis=0)
+            ball = (*middle.tolist(), float(np.sqrt(_squares(there, middle).max())))
+        x, y, radius = ball
+        away = np.hypot(self.centres[:, 0] - x, self.centres[:, 1] - y)
+        most = (float((away + self.radii).min()) + 2.0 * radius) * (1.0 + ROUNDING)
+        some = (away - self.radii <= most).nonzero()[0]
         found = _squares(self.points[some].reshape(-1, 2), there[:, None]).argmin(axis=1)
         length = self.points.shape[1]
         return some[found // length] * length + found % length
@@ -66,28 +78,78 @@ def _squares(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return x * x + y * y
 
 
-class _Track(NamedTuple):
-    """Samples of a track: parameters, points (n, 2), left normals (n, 2), the same in stretches to look points up in,
-    and which of them show features."""
+class _Samples(NamedTuple):
+    """Samples of a curve: parameters, how far from each the next ones are, the same in m, points (n, 2), left normals
+    (n, 2), curvatures, the points in stretches to look them up in, and which samples show features."""
 
     parameters: np.ndarray
+    widths: np.ndarray
+    spacings: np.ndarray
     points: np.ndarray
     normals: np.ndarray
+    bends: np.ndarray
     stretches: _Stretches
     fine: np.ndarray
 
+    @classmethod
+    def of(cls, curve: Curve, low: float, high: float, count: int) -> _Samples:
+        """So many samples at even distances along the curve, and what shows its features besides."""
+        parameters, fine = curve.even(low, high, count), np.zeros(0)
+        if curve.features:
+            # All but the two ends that it begins with.
+            fine = curve.features.places(low, high)[1:-1]
+            parameters = np.union1d(parameters, fine)
+        parameters = parameters[np.isfinite(curve.point(parameters)).all(axis=0)]
+        gaps = np.diff(parameters)
+        widths = np.maximum(np.append(gaps, gaps[-1]), np.insert(gaps, 0, gaps[0]))
+        if curve.period:  # the two ends are one point
+            parameters, widths = parameters[:-1], widths[:-1]
+        points, normals, bends, speeds = _course(curve, parameters)
+        shown = np.searchsorted(parameters, fine)
+        return cls(parameters, widths, widths * speeds, points, normals, bends, _Stretches.of(points), shown)
+
+    def off(self, there: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """How far (m, positive on the left) the points (m, 2) are off the curve near those samples."""
+        return _off(there - self.points[places], self.normals[places], self.bends[places])
+
+
+def _course(curve: Curve, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 2), left normals (n, 2), curvatures (n,) and speeds (n,) of a curve."""
+    _, _, xp, yp, xs, ys, _, _ = jets = curve.jets(parameters)
+    speed = np.hypot(xp, yp)
+    return jets[:2].T, np.column_stack([-yp, xp]) / speed[:, None], (xp * ys - yp * xs) / speed**3, speed
+
+
+def _off(from_point: np.ndarray, normals: np.ndarray, bends: np.ndarray) -> np.ndarray:
+    """The distances of places, seen from points of a curve (m, 2), from the circles that osculate it there, m, positive
+    on its left.
+
+    A sample may be half a sample's distance beside the nearest point: along its normal a place far away would seem
+    nearer than it is by that turned by the normal's angle.
+    """
+    (nx, ny), (dx, dy) = normals.T, from_point.T
+    twice = 2.0 * (dx * nx + dy * ny) - bends * (dx * dx + dy * dy)
+    return twice / (1.0 + np.sqrt(np.maximum(1.0 - bends * twice, 0.0)))
+
 
 class _Guess(NamedTuple):
-    """A pair of samples of track and outline and how far they are apart along the track's normal, m."""
+    """A pair of samples of track and outline, how far they are apart along the track's normal (m), and how far the next
+    samples are: in the two parameters, and both together in m."""
 
     xi1: float
     xi2: float
     apart: float
+    width1: float
+    width2: float
+    spacing: float
 
 
 def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
-    track are ends of it or lie on ends of an open outline, or if it is out of sight: there is nothing to land on."""
+    track are ends of it or lie on ends of an open outline, or if it is out of sight: there is nothing to land on.
+
+    Raises DoesNotFit if there is such a pair and it is not found.
+    """
     if max(abs(x), abs(y)) > FARTHEST or _out_of_sight(case, x, y):
         return None
     track, guess = _of_disc(case, x, y, theta) if case.plate.radius is not None else (None, None)
@@ -98,17 +160,65 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
         guess = poking
     if guess is None:
         return None
+    for _ in range(ROUNDS):
+        contact = _found(case, x, y, theta, guess)
+        if contact is not None:
+            return None if _at_an_end(case, contact) else contact
+        if _at_an_end(case, guess):
+            return None
+        if guess.spacing <= LEVEL * _size(case.plate.outline):
+            return Contact(*guess[:3])
+        guess = _closer(case, x, y, theta, guess)
+    raise DoesNotFit(f"the point of the track nearest to the pose ({x:.6g}, {y:.6g}), theta = {theta:.6g} is not found")
+
+
+def _found(case: Case, x: float, y: float, theta: float, guess: _Guess) -> Contact | None:
+    """What Newton's method finds from a pair of samples; None if it does not, or finds another pair than they show."""
     try:
         contact = find(case, x, y, theta, guess[:2])
     except DoesNotFit:
-        return Contact(*guess)
-    if _outside(case.track, contact.xi1) or _outside(case.plate.outline, contact.xi2):
         return None
-    # Newton's method may run to another pair, farther away; then the samples know better. Beside features it may also
-    # run to one that is no nearest pair at all.
-    off = contact.gap - guess.apart
-    wrong = (abs(off) if len(track.fine) else off) > _size(case.plate.outline) / POINTS_A_SIZE
-    return Contact(*guess) if wrong else contact
+    near = abs(contact.xi1 - guess.xi1) <= NEIGHBOURS * guess.width1
+    near = near and abs(contact.xi2 - guess.xi2) <= NEIGHBOURS * guess.width2
+    # A gap that differs by more than the samples are apart is another pair's, or that of no nearest pair at all.
+    return contact if near and abs(contact.gap - guess.apart) <= guess.spacing else None
+
+
+def _closer(case: Case, x: float, y: float, theta: float, guess: _Guess) -> _Guess:
+    """The nearest pair among closer samples around a pair; as far apart as before where it lies at their edge."""
+    track, outline = case.track, case.plate.outline
+    xi1, xi2 = _window(track, guess.xi1, guess.width1), _window(outline, guess.xi2, guess.width2)
+    c, s = cos(theta), sin(theta)
+    u, v = outline.point(xi2)
+    there = np.column_stack([x + c * u - s * v, y + s * u + c * v])
+    points, normals, bends, _ = _course(track, xi1)
+    feet = _squares(there[:, None], points[None]).argmin(axis=1)
+    apart = _off(there - points[feet], normals[feet], bends[feet])
+    best = int(np.argmin(apart))
+    foot = int(feet[best])
+    inside = 0 < best < len(xi2) - 1 and 0 < foot < len(xi1) - 1
+    inside = inside or bool(apart[best] >= guess.apart - ROUNDING * (abs(x) + abs(y) + _size(outline)))
+    widths = (width / CLOSER if inside else width for width in guess[3:])
+    return _Guess(float(xi1[foot]), float(xi2[best]), float(apart[best]), *widths)
+
+
+def _window(curve: Curve, middle: float, width: float) -> np.ndarray:
+    """Parameters around one, as far as the curve goes."""
+    count = int(2 * WINDOW * CLOSER) + 1
+    low, high = middle - WINDOW * width, middle + WINDOW * width
+    if curve.domain is not None and not curve.period:
+        low, high = max(low, curve.domain[0]), min(high, curve.domain[1])
+    return np.linspace(low, high, count)
+
+
+def _at_an_end(case: Case, pair: Contact | _Guess) -> bool:
+    """Whether it lies at or beyond an end of track or outline."""
+    return _ends(case.track, pair.xi1) or _ends(case.plate.outline, pair.xi2)
+
+
+def _ends(curve: Curve, parameter: float) -> bool:
+    domain = curve.domain
+    return domain is not None and not curve.period and not domain[0] < parameter < domain[1]
 
 
 def _out_of_sight(case: Case, x: float, y: float) -> bool:
@@ -119,81 +229,104 @@ def _out_of_sight(case: Case, x: float, y: float) -> bool:
     return hypot(x - px, y - py) > SEEN * (_size(case.track) + _size(case.plate.outline))
 
 
-def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_Track, _Guess | None]:
+def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_Samples, _Guess | None]:
     """Samples of the track and the nearest pair with any outline; no pair if those of the track are ends of it."""
-    parameters, points, _, _ = _outline(case.plate.outline)
+    outline = _outline(case.plate.outline)
     c, s = cos(theta), sin(theta)
-    there = np.column_stack([x + c * points[0] - s * points[1], y + s * points[0] + c * points[1]])
-    track, places, ends = _below(case, there)
-    apart = np.einsum("ij,ij->i", there - track.points[places], track.normals[places])
+    (u, v), (mu, mv, radius) = outline.points.T, _ball(case.plate.outline)
+    there = np.column_stack([x + c * u - s * v, y + s * u + c * v])
+    track, places, ends = _below(case, there, (x + c * mu - s * mv, y + s * mu + c * mv, radius))
+    apart = track.off(there, places)
     # Past an end of the track, the gap along its normal means nothing.
     best = int(np.argmin(np.where(ends, inf, apart)))
-    if ends[best]:
-        return track, None
-    return track, _Guess(float(track.parameters[places[best]]), float(parameters[best]), float(apart[best]))
+    return track, None if ends[best] else _pair(track, int(places[best]), outline, best, float(apart[best]))
 
 
-def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[_Track, _Guess | None]:
+def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[_Samples, _Guess | None]:
     """The same of a disc, which is as far from its track as its centre less its radius: one point is looked up and not
     all of its outline."""
     radius = case.plate.radius
     assert radius is not None
-    track, places, ends = _below(case, np.array([[x, y]]))
+    track, places, ends = _below(case, np.array([[x, y]]), (x, y, 0.0))
     if ends[0]:
         return track, None
-    (px, py), (nx, ny) = track.points[places[0]].tolist(), track.normals[places[0]].tolist()
-    parameters, points, _, _ = _outline(case.plate.outline)
-    c, s = cos(theta), sin(theta)
-    against = int(np.argmin((c * nx + s * ny) * points[0] + (c * ny - s * nx) * points[1]))
-    apart = (x - px) * nx + (y - py) * ny - radius
-    return track, _Guess(float(track.parameters[places[0]]), float(parameters[against]), apart)
+    place, outline = int(places[0]), _outline(case.plate.outline)
+    (px, py), (nx, ny) = track.points[place].tolist(), track.normals[place].tolist()
+    (u, v), c, s = outline.points.T, cos(theta), sin(theta)
+    against = int(np.argmin((c * nx + s * ny) * u + (c * ny - s * nx) * v))
+    dx, dy = x - px, y - py
+    apart = copysign(hypot(dx, dy), dx * nx + dy * ny) - radius
+    return track, _pair(track, place, outline, against, apart)
 
 
-def _below(case: Case, there: np.ndarray) -> tuple[_Track, np.ndarray, np.ndarray]:
-    """Samples of the track, which of them are nearest to the points `there`, and whether these are its ends."""
-    low, high = case.track.span
-    while True:
-        track = _track(case.track, low, high, _size(case.plate.outline))
-        places = track.stretches.nearest(there)
-        ends = np.zeros(len(places), dtype=bool)
-        if not case.track.period:
-            ends = (places == 0) | (places == len(track.parameters) - 1)
-        if not ends.any() or case.track.domain is not None or high - low > 1e6:
-            return track, places, ends
-        low, high = 2 * low, 2 * high  # a track without ends is looked at as far as the plate has come
+def _pair(track: _Samples, place: int, outline: _Samples, on_outline: int, apart: float) -> _Guess:
+    return _Guess(
+        float(track.parameters[place]),
+        float(outline.parameters[on_outline]),
+        apart,
+        float(track.widths[place]),
+        float(outline.widths[on_outline]),
+        float(track.spacings[place] + outline.spacings[on_outline]),
+    )
 
 
-def _poking(case: Case, track: _Track, x: float, y: float, theta: float) -> _Guess | None:
+def _below(case: Case, there: np.ndarray, ball: tuple[float, float, float]) -> tuple[_Samples, np.ndarray, np.ndarray]:
+    """Samples of the track, which of them are nearest to the points `there` (within that circle), and whether these
+    are its ends."""
+    curve, size = case.track, _size(case.plate.outline)
+    endless = curve.domain is None and not curve.period
+    low, high = _around(case, ball, size) if endless else curve.span
+    for _ in range(DOUBLINGS):
+        track = _track(curve, low, high, size)
+        places = track.stretches.nearest(there, ball)
+        last = len(track.parameters) - 1
+        ends = np.zeros(len(places), dtype=bool) if curve.period else (places == 0) | (places == last)
+        whole = not endless or (track.parameters[0] > low and track.parameters[-1] < high)
+        if whole or not ends.any():
+            break
+        low, high = low - 0.5 * (high - low), high + 0.5 * (high - low)
+    return track, places, ends
+
+
+def _around(case: Case, ball: tuple[float, float, float], size: float) -> tuple[float, float]:
+    """The stretch of a track without ends that is looked at first: some sizes of the plate to either side of the start,
+    as many times doubled as the plate is farther away."""
+    xi1, (x, y, _) = case.start.xi1, ball
+    X, Y, Xp, Yp = case.track.jet(xi1)[:4]
+    away = hypot(x - X, y - Y) / (AROUND * size)
+    margin = AROUND * size / hypot(Xp, Yp) * 2.0 ** ceil(log2(max(2.0 * away, 1.0)))
+    return xi1 - margin, xi1 + margin
+
+
+def _poking(case: Case, track: _Samples, x: float, y: float, theta: float) -> _Guess | None:
     """The pair with the smallest gap among the points of the track's features, which may lie between two points of the
     outline; None if no feature is near."""
     if not len(track.fine) or not case.plate.outline.period:
         return None
-    parameters, points, normals, stretches = _outline(case.plate.outline)
+    outline = _outline(case.plate.outline)
     c, s = cos(theta), sin(theta)
     u, v = track.points[track.fine, 0] - x, track.points[track.fine, 1] - y
     seen = np.column_stack([c * u + s * v, c * v - s * u])
-    near = np.flatnonzero(np.hypot(*seen.T) <= 1.5 * float(np.hypot(*points).max()))
+    near = np.flatnonzero(np.hypot(*seen.T) <= 1.5 * case.plate.outline.sizes[0])
     if not near.size:
         return None
-    places = stretches.nearest(seen[near])
-    apart = np.einsum("ij,ij->i", points.T[places] - seen[near], normals[places])
+    places = outline.stretches.nearest(seen[near])
+    apart = -outline.off(seen[near], places)
     best = int(np.argmin(apart))
-    return _Guess(float(track.parameters[track.fine[near[best]]]), float(parameters[places[best]]), float(apart[best]))
-
-
-def _outside(curve: Curve, parameter: float) -> bool:
-    return curve.period is None and curve.domain is not None and not curve.domain[0] <= parameter <= curve.domain[1]
+    return _pair(track, int(track.fine[near[best]]), outline, int(places[best]), float(apart[best]))
 
 
 @lru_cache(maxsize=64)
-def _outline(outline: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray, _Stretches]:
-    """Samples of an outline: parameters (n,), points (2, n), left normals (n, 2), and the same in stretches."""
-    parameters = np.linspace(*outline.span, OUTLINE_POINTS + 1)
-    if outline.features:
-        parameters = np.union1d(parameters, outline.features.places(*outline.span))
-    parameters = parameters[:-1] if outline.period else parameters
-    points = outline.point(parameters)
-    return parameters, points, outline.normal(parameters).T, _Stretches.of(points.T)
+def _outline(outline: Curve) -> _Samples:
+    return _Samples.of(outline, *outline.span, OUTLINE_POINTS + 1)
+
+
+@lru_cache(maxsize=64)
+def _ball(outline: Curve) -> tuple[float, float, float]:
+    """The middle and the radius of a circle around the outline, m."""
+    points = _outline(outline).points
+    middle = points.mean(axis=0)
+    return (*middle.tolist(), float(np.sqrt(_squares(points, middle).max())))
 
 
 @lru_cache(maxsize=64)
@@ -203,15 +336,7 @@ def _size(outline: Curve) -> float:
 
 
 @lru_cache(maxsize=64)
-def _track(track: Curve, low: float, high: float, size: float) -> _Track:
-    length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
+def _track(track: Curve, low: float, high: float, size: float) -> _Samples:
+    length = track.length(low, high)
     # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
-    parameters = np.linspace(low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))
-    fine = np.zeros(0)
-    if track.features:
-        # All but the two ends that it begins with.
-        fine = track.features.places(low, high)[1:-1]
-        parameters = np.union1d(parameters, fine)
-    points = track.point(parameters).T
-    shown = np.searchsorted(parameters, fine)
-    return _Track(parameters, points, track.normal(parameters).T, _Stretches.of(points), shown)
+    return _Samples.of(track, low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))

@@ -11,13 +11,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import sympy as sp
 
-from . import features
+from . import curve_tables, features
+from .curve_tables import SAMPLES, corners, total_turning
 from .errors import BadCurve
 from .expressions import PARAMETER
 
-# Enough samples to see a cusp or a hole of any curve a person would write; a finer feature is found where it matters,
-# by the solver that meets it.
-SAMPLES = 720
 # Beside a place that the formula names, in spans: a jump shows as a step there, whatever is smooth does not.
 BESIDE = 1e-9
 # A chord so many times as long as the speeds at both ends make it is looked at closely: a smooth curve's is below two.
@@ -36,7 +34,7 @@ AROUND = 0.25
 TOGETHER = 1e-9
 
 
-class Curve(Protocol):
+class Curve(curve_tables.Curve, Protocol):
     """What is asked of a curve here: `cases.curves.Curve`, which asks for these checks."""
 
     @property
@@ -45,17 +43,12 @@ class Curve(Protocol):
     def domain(self) -> tuple[float, float] | None: ...
     @property
     def period(self) -> float | None: ...
-    @property
-    def span(self) -> tuple[float, float]: ...
-    def jets(self, s) -> np.ndarray: ...
-    def point(self, s) -> np.ndarray: ...
-    def speed(self, s): ...
     def tangent_angle(self, s): ...
 
 
 def check_regular(curve: Curve) -> None:
     """Raises BadCurve where the curve or a derivative is not finite, jumps, or stands still."""
-    low, high = curve.domain if curve.domain is not None else (0.0, 2 * np.pi)
+    low, high = curve.domain or (0.0, curve.period or 2 * np.pi * curve.unit)
     try:
         places = _places(curve, low, high)
         jets = curve.jets(places)
@@ -130,8 +123,7 @@ def check_simple(curve: Curve) -> None:
     A closed curve that does neither turns once (Hopf's theorem of turning tangents: known to us, not looked up). A
     curve without ends is looked at where `Curve.span` shows it, if it is finite there.
     """
-    turns = np.abs(np.diff(curve.tangent_angle(np.linspace(*curve.span, FEWEST_SIDES + 1))))
-    turning = float(turns.sum())
+    turning = total_turning(curve)
     if not np.isfinite(turning):
         return
     low, high = curve.span
@@ -147,9 +139,8 @@ def check_simple(curve: Curve) -> None:
     if turning < (2 * np.pi + 0.1 if curve.period else np.pi):
         return
     sides = int(min(MOST_SIDES, max(FEWEST_SIDES, SIDES_A_RADIAN * turning)))
-    grid = np.linspace(low, high, sides + 1)
-    if curve.period:
-        grid += 0.37 * (grid[1] - grid[0])  # so that symmetric curves do not cross exactly at two corners
+    # So that symmetric curves do not cross exactly at two corners.
+    grid = corners(curve, sides, offset=0.37 if curve.period else 0.0)
     met = _meeting(curve, grid)
     if met:
         raise BadCurve(f"the curve {met[0]} between s = {met[1]:.4g} and s = {met[2]:.4g}; give a shorter domain")

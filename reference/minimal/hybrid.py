@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
+from cases import Case, DoesNotFit, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
 from cases.contact import pose
 
 from .bouncing import Bounces
@@ -140,6 +140,8 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
                 step = _moved_on(case, regime, step)
         except Undecidable:
             return segments, transitions, undecidable(t)
+        except DoesNotFit as problem:  # no nearest point of the track, or no speed of the contact where it lands
+            return segments, transitions, (BREAKDOWN, f"After t = {t:.9g} s {problem}.")
         segments.extend(step.segments)
         steps += sum(segment.steps for segment in step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode

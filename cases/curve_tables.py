@@ -1,0 +1,101 @@
+"""Samples of a curve that are worked out once: lengths along it, its sizes, the direction of its tangent.
+
+However its parameter runs: where samples of the parameter would be too far apart, there are more.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from .features import Features
+
+# Samples enough for any curve a person would draw, where nothing says that more are needed.
+SAMPLES = 720
+# A table of a tangent's angles has so many to the parameter's `Curve.unit`, and more where it turns by more than this
+# (rad) from one to the next: half a turn would be miscounted. It has no more in all, and halves no stretch more often.
+ANGLES, TURN, MOST_ANGLES, HALVINGS = 32, 1.0, 200_000, 40
+
+
+class Curve(Protocol):
+    """What is asked of a curve here: `cases.curves.Curve`."""
+
+    @property
+    def span(self) -> tuple[float, float]: ...
+    @property
+    def unit(self) -> float: ...
+    @property
+    def features(self) -> Features | None: ...
+    def jets(self, s) -> np.ndarray: ...
+    def point(self, s) -> np.ndarray: ...
+    def speed(self, s): ...
+    def curvature(self, s): ...
+    def angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]: ...
+
+
+def _with_features(curve: Curve, grid: np.ndarray) -> np.ndarray:
+    """The parameters, and those between them that show the curve's features."""
+    return np.union1d(grid, curve.features.places(grid[0], grid[-1])) if curve.features else grid
+
+
+def lengths(curve: Curve, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters from `low` to `high`, and how far along the curve each is from the first, m; without those at the ends
+    where the curve is too large for a double."""
+    grid = _with_features(curve, np.linspace(low, high, 4 * SAMPLES + 1))
+    with np.errstate(all="ignore"):
+        speed = curve.speed(grid)
+    grid, speed = grid[np.isfinite(speed)], speed[np.isfinite(speed)]
+    return grid, np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(grid))])
+
+
+def sizes(curve: Curve) -> tuple[float, float]:
+    """The largest distance from the origin, and that or the smallest radius of curvature if it is smaller, m."""
+    places = _with_features(curve, np.linspace(*curve.span, SAMPLES + 1))
+    with np.errstate(all="ignore"):
+        reach = float(np.nanmax(np.hypot(*curve.point(places))))
+        bend = float(np.nanmax(np.abs(curve.curvature(places))))
+    return reach, min(reach, 1.0 / bend) if bend > 0.0 else reach
+
+
+def total_turning(curve: Curve) -> float:
+    """By how much the tangent turns along the whole curve, to either side, rad."""
+    return float(np.abs(np.diff(curve.angle_table(curve.span)[1])).sum())
+
+
+def corners(curve: Curve, count: int, offset: float = 0.0) -> np.ndarray:
+    """Parameters of the corners of a polygon of so many sides along the whole curve, closer together where it bends;
+    those of a closed curve begin with a part of a side, `offset`."""
+    grid, angle = curve.angle_table(curve.span)
+    steps = np.hypot(*np.diff(curve.point(grid), axis=1))
+    turns = np.abs(np.diff(angle))
+    # Half of the sides are shared out by length, half by turning.
+    parts = np.insert(np.cumsum(steps / steps.sum() + turns / max(float(turns.sum()), 1e-300)), 0, 0.0)
+    found = np.interp((np.arange(count + 1) + offset) / count * parts[-1], parts, grid)
+    if offset:
+        found[-1] = found[0] + (grid[-1] - grid[0])
+    return found
+
+
+def angles(curve: Curve, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters on that range, and there the tangent's continuous angle, which lies within half a turn of zero where
+    `Curve.span` begins."""
+    count = min(MOST_ANGLES, max(4 * SAMPLES, int(ANGLES * (span[1] - span[0]) / curve.unit))) + 1
+    grid = _with_features(curve, np.linspace(*span, count))
+    for _ in range(HALVINGS):
+        found, rate = _turning(curve, grid)
+        coarse = np.diff(grid) * np.maximum(rate[1:], rate[:-1]) > TURN
+        if not coarse.any() or len(grid) > MOST_ANGLES:
+            break
+        grid = np.sort(np.append(grid, 0.5 * (grid[:-1] + grid[1:])[coarse]))
+    # The branch is fixed where the span begins, so that wider tables agree with narrower ones.
+    anchor = np.interp(curve.span[0], grid, found)
+    return grid, found - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
+
+
+def _turning(curve: Curve, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The tangent's angles (rad), and how fast it turns (rad to the parameter's unit), 0 where that is not finite."""
+    _, _, xp, yp, xs, ys, _, _ = curve.jets(s)
+    with np.errstate(all="ignore"):
+        rate = np.abs(xp * ys - yp * xs) / (xp * xp + yp * yp)
+    return np.unwrap(np.arctan2(yp, xp)), np.where(np.isfinite(rate), rate, 0.0)
