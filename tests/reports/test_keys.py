@@ -1,5 +1,6 @@
 """What decides a run: the key under which it is kept."""
 
+import dataclasses
 import os
 from copy import deepcopy
 from functools import partial
@@ -11,7 +12,7 @@ import pytest
 import cases
 from adapters import Setting
 from cases import Mode, Transition, kept
-from reports.running import code, experiment, fingerprint, tasks
+from reports.running import calls, code, experiment, fingerprint, tasks
 from reports.running.calls import Calls
 from reports.running.records import Truth
 
@@ -108,6 +109,8 @@ def test_a_key_tells_solver_route_setting_versions_and_truth():
     "name, value",
     [
         ("machine", lambda: "another"),
+        ("processor", lambda: "another"),
+        ("os", type("S", (), {"cpu_count": lambda: 1000})),
         *(("installed", partial(_without, package)) for package in ("numpy", "scipy", "sympy", "mpmath", "heyoka")),
         ("sys", type("S", (), {"version": "3.99.0 (main)"})),
     ],
@@ -132,6 +135,10 @@ def test_a_key_tells_machine_packages_and_python(name, value, monkeypatch):
         (Truth(samples={"t": np.zeros(3)}), Truth(samples={"x": np.zeros(3)})),
         (np.float64(1.0), np.float32(1.0)),
         (1, 1.0),
+        ({"a": 1}, {"a": 2}),
+        ((0.5, 1.0), (0.5, 2.0)),
+        (cases.Start(0.5), cases.Gravity(0.5)),
+        (cases.Curve(("s", "0"), (0.0, 1.0)), cases.Curve(("s", "0"), (0.0, 2.0))),
         ("x" * 5000, "x" * 5001),
     ],
 )
@@ -144,6 +151,41 @@ def test_what_cannot_be_compared_has_no_key_and_is_not_kept():
     call = (cases.load("disc_on_line"), "pymunk", "native", Setting.of(h=0.1), 1, lambda: None)
     assert Calls(versions=VERSIONS).key(tasks.perform, call, experiment._KEEP_RUN) is None
     assert fingerprint.of_argument(np.array([print], dtype=object)) is None
+
+
+def test_a_record_s_class_is_part_of_it():
+    """Two effects of the same fields and numbers."""
+    fields = [("x", float)]
+    one, other = (dataclasses.make_dataclass(name, fields)(1.0) for name in ("Friction", "Rolling"))
+    assert fingerprint.of_argument(one) != fingerprint.of_argument(other)
+
+
+def test_a_key_tells_adapters_code_function_and_truths(monkeypatch, tmp_path):
+    """Each by what changes it; code that is apart changes nothing."""
+    case = cases.load("disc_on_line")
+    before = run_key(case)
+    for name, changed in (("adapter_sources", "adapters"), ("sources", "code")):
+        with monkeypatch.context() as patch:
+            found = getattr(calls if name == "sources" else fingerprint, name)
+            patch.setattr(calls if name == "sources" else fingerprint, name, lambda *given, f=found: f"{f(*given)}+")
+            after = run_key(case)
+        assert before != after and {k for k in before if before[k] != after[k]} == {changed}
+    call = (case, "pymunk", "native", Setting.of(h=0.1), 1, TRUTH)
+    made = Calls(versions=VERSIONS)
+    one, other = (made.key(function, call, experiment._KEEP_RUN) for function in (tasks.perform, tasks.timed))
+    assert {name for name in one if one[name] != other[name]} == {"function"}
+    apart, whole = fingerprint.sources(tasks, experiment.TRUTHS_OWN), fingerprint.sources(tasks)
+    assert apart != whole and run_key(case)["code"] == apart
+
+    file = tmp_path / "truth.json"
+    digests = []
+    for text in ("{}", "{ }"):
+        file.write_text(text)
+        monkeypatch.setattr(fingerprint.certification, "TRUTH", file)
+        fingerprint.kept_truth.cache_clear()
+        digests.append(fingerprint.kept_truth())
+    fingerprint.kept_truth.cache_clear()
+    assert digests[0] != digests[1]
 
 
 def test_where_a_version_is_not_known_nothing_is_kept():
