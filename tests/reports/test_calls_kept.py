@@ -1,0 +1,166 @@
+"""Which answers are kept, of which calls, and where calls are made: by a pool whose answers a test gives."""
+
+from dataclasses import replace
+
+import pytest
+
+import cases
+from reports.running import calls
+from reports.running.calls import Calls, Keep
+from reports.running.serving import Answer
+from reports.running.spent import Seconds, Spent
+from reports.running.store import Store
+
+LINE = cases.load("disc_on_line")
+KEEP = Keep()
+
+
+def work(case: cases.Case, solver: str, how: str) -> str:
+    """Stands for what is called: the pool answers in its place."""
+    return how
+
+
+class Pool:
+    """Answers as they are given by the last argument of a call; `made` are the calls, the last one answered first."""
+
+    def __init__(self, answers):
+        self.answers, self.made, self.limits = answers, [], []
+
+    def run(self, function, arguments, limit, skip, groups, brief):
+        self.limits.append(limit)
+        self.groups = groups
+        for i in reversed(range(len(arguments))):
+            given = skip(i)
+            if given is None:
+                self.made.append(arguments[i][-1])
+                given = self.answers.get(arguments[i][-1]) or Answer("done", value=arguments[i][-1])
+            yield i, given
+
+
+ANSWERS = {
+    "late": Answer("timed_out", reason="late"),
+    "dies": Answer("died", reason="of itself"),
+    "ended": Answer("died", reason="from outside", lasting=False),
+    "raises": Answer("raised", reason="an error"),
+}
+
+
+@pytest.fixture
+def made(tmp_path):
+    """made(hows, …) -> answers and pool, by the same store each time."""
+
+    def make(*hows, keep: Keep | None = KEEP, limit=None, **how):
+        pool = Pool(ANSWERS)
+        asked = Calls(1, 60.0, store=Store(tmp_path), versions={"reference": "1"})
+        asked._pool = pool
+        found = asked.all("work", work, [(LINE, "reference", h) for h in hows], keep=keep, limit=limit, **how)
+        return found, pool, asked
+
+    return make
+
+
+def test_answers_stand_in_the_order_of_the_calls_whichever_ends_first_and_wherever_from(made):
+    for hows in (("a", "b"), ("c", "a", "d", "b")):
+        found, _, _ = made(*hows)
+        assert [answer.value for answer in found] == list(hows)
+    found, pool, _ = made("d", "c", "b", "a")
+    assert [answer.value for answer in found] == ["d", "c", "b", "a"] and pool.made == []
+
+
+@pytest.mark.parametrize(
+    "how, keep, again",
+    [
+        ("a", Keep(), False),
+        ("late", Keep(), False),
+        ("dies", Keep(), False),
+        ("ended", Keep(), True),  # it comes out otherwise another time
+        ("raises", Keep(), True),
+        ("late", Keep(failures=False), True),
+        ("dies", Keep(failures=False), True),
+        ("a", Keep(worth=lambda value: value != "a"), True),
+        ("a", None, True),
+    ],
+)
+def test_what_is_made_again(how, keep, again, made):
+    first, _, _ = made(how, keep=keep)
+    second, pool, _ = made(how, keep=keep)
+    assert pool.made == [how] * again
+    assert (second[0].outcome, second[0].reason) == (first[0].outcome, first[0].reason)
+    assert not keep or first[0].when.startswith("20")
+
+
+def test_a_failure_stands_for_its_own_limit_and_an_answer_for_all(made):
+    for limit, again in ((1.0, ["a", "late"]), (1.0, []), (2.0, ["late"]), (None, ["late"]), (60.0, [])):
+        _, pool, _ = made("late", "a", limit=limit)
+        assert sorted(pool.made) == again and (not again or pool.limits == [60.0 if limit is None else limit])
+
+
+def test_calls_that_ran_out_of_time_before_are_told_to_who_skips(made):
+    slow_seen = []
+
+    def skip(call, slow):
+        slow_seen.append([other[-1] for other in slow])
+        return None
+
+    made("late")
+    made("late", "a", skip=skip)
+    assert slow_seen == [["late"]]
+
+
+def test_what_ended_from_outside_is_reported(made):
+    _, _, asked = made("ended", "dies")
+    assert len(asked.lost) == 1 and asked.lost[0].endswith("reference ended: from outside")
+
+
+def test_code_function_and_arguments_decide(made, monkeypatch):
+    made("a")
+    assert made("a")[1].made == []
+    with monkeypatch.context() as patch:
+        patch.setattr(calls, "sources", lambda module, apart: "other code")
+        assert made("a")[1].made == ["a"]
+    with monkeypatch.context() as patch:
+        patch.setattr(work, "__qualname__", "other_work")
+        assert made("a")[1].made == ["a"]
+    assert made("b")[1].made == ["b"]
+
+
+def test_solvers_are_found_within_lists_and_tuples():
+    known = {"a", "b", "c"}.__contains__
+    assert calls._solvers(("a", ["b", ("c", 1)], "other", 2), known) == {"a", "b", "c"}
+
+
+def test_versions_of_an_engine_have_workers_of_their_own():
+    engines = ("pymunk", "exudyn")
+    groups = [calls._group(call, engines) for call in [("pymunk@6.11.1",), ("pymunk",), ("reference",), (LINE,)]]
+    assert groups[0] == "pymunk@6.11.1" and len(set(groups)) >= 3 and groups[2] == groups[3] == ""
+
+
+class Cluster:
+    def __init__(self):
+        self.pool = Pool({})
+        self.run = self.pool.run
+
+
+@pytest.mark.parametrize(
+    "kind, there", [("truth", True), ("run", True), ("trial", True), ("timing", False), ("", False)]
+)
+def test_a_cluster_makes_what_does_not_depend_on_the_machine(kind, there):
+    asked = Calls(2, versions={"reference": "1"}, cluster=Cluster())
+    asked._pool = Pool({})
+    asked.all("work", work, [(LINE, "reference", "a")], keep=Keep(kind) if kind else None)
+    assert (asked.cluster.pool.made == ["a"]) == there and (asked._pool.made == ["a"]) == (not there)
+
+
+def test_what_is_timed_is_timed_here_one_at_a_time_and_shows_nothing():
+    asked = replace(Calls(3, cluster=Cluster(), progress=None), limit=7.0)
+    alone = asked.alone()
+    assert (alone.jobs, alone.cluster, alone.limit) == (1, None, 7.0) and alone.progress is calls.silent
+
+
+def test_every_step_is_booked_though_all_of_it_was_kept(tmp_path):
+    now = iter(Seconds(float(i), float(i)) for i in range(100))
+    for store in (Store(None), Store(tmp_path), Store(tmp_path)):
+        asked = Calls(1, store=store, versions={"reference": "1"}, spent=Spent(lambda: next(now)))
+        asked._pool = Pool({})
+        asked.all("work", work, [(LINE, "reference", "a")], keep=Keep())
+        assert list(asked.spent.phases) == ["work"]
