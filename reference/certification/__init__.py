@@ -1,5 +1,19 @@
 """Truth with error bars: witnesses that solve a case in independent ways, and what they agree on."""
 
-from .certificate import TRUTH, Bar, Certificate, NotCertified, certify, kept_or_new, read, write
+from .agreement import contradiction
+from .bars import Bar
+from .certificate import Certificate, NotCertified, certify
+from .truth_file import TRUTH, DamagedTruth, kept_or_new, read, write
 
-__all__ = ["TRUTH", "Bar", "Certificate", "NotCertified", "certify", "kept_or_new", "read", "write"]
+__all__ = [
+    "TRUTH",
+    "Bar",
+    "Certificate",
+    "DamagedTruth",
+    "NotCertified",
+    "certify",
+    "contradiction",
+    "kept_or_new",
+    "read",
+    "write",
+]

@@ -8,11 +8,7 @@ others, and the certificate says so.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 
@@ -21,7 +17,6 @@ from cases import Case, CaseError, Mode
 from .bars import ULPS, Bar, Shares, bar, roundings, shares, unresolved
 from .witnesses import EPS, QUANTITIES, Witness, witnesses
 
-TRUTH = Path(__file__).with_name("truth.json")
 SAMPLES = 11
 
 # Witnesses whose transition times lie further apart than this (s) contradict each other, and an end with a wider bar is
@@ -165,35 +160,3 @@ def _of_use(case: Case, certificate: Certificate, able: list[Witness], moves: Sh
             told = f"{able[0].name} finds {values[0]:.9g}, {able[far].name} {values[far]:.9g}"
             fault = _whose_fault(moves, bool(moves.samples[quantity][i] > 0.1 * limit))
             raise NotCertified(f"{case.label}: {known}, a thousandth of the plate ({told}); {fault}")
-
-
-# --- kept truth -------------------------------------------------------------------------------------------------------
-
-
-def kept_or_new(case: Case, kept: bool = True) -> Certificate:
-    """The kept certificate of a catalogue's case, else a new one (always, if not `kept`)."""
-    return (read().get(case.label) if kept else None) or certify(case)
-
-
-def write(certificates: Sequence[Certificate], path: Path = TRUTH) -> None:
-    """Keep certificates as data."""
-    rows = [certificate.__dict__ for certificate in certificates]
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(rows, indent=1) + "\n")
-    partial.replace(path)  # whole or not at all: a rebuild may be stopped at any time
-
-
-@lru_cache(maxsize=1)
-def read(path: Path = TRUTH) -> dict[str, Certificate]:
-    """The kept certificates by the case's label; an empty dictionary if none are kept."""
-    if not path.exists():
-        return {}
-    kept = {}
-    for row in json.loads(path.read_text()):
-        row["end"] = Bar(*row["end"])
-        row["transitions"] = tuple((Mode(b), Mode(a), Bar(*t), Bar(*x)) for b, a, t, x in row["transitions"])
-        row["times"] = tuple(row["times"])
-        row["samples"] = {q: tuple(Bar(*bar) for bar in bars) for q, bars in row["samples"].items()}
-        row["witnesses"], row["missing"] = tuple(row["witnesses"]), tuple(row.get("missing", ()))
-        kept[row["case"]] = Certificate(**row)
-    return kept

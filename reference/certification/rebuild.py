@@ -19,7 +19,8 @@ from cases import BadValue, CaseError
 from cases.errors import whole
 from cases.words import Parser
 
-from .certificate import TRUTH, Certificate, NotCertified, certify, read, write
+from .certificate import Certificate, NotCertified, certify
+from .truth_file import TRUTH, DamagedTruth, damage, read, sound, write
 
 
 def parser() -> Parser:
@@ -47,11 +48,12 @@ def main(argv: Sequence[str] | None = None, path: Path = TRUTH) -> int:
         options = parser().parse_args(sys.argv[1:] if argv is None else argv)
         labels = _labels(options.only)
         jobs = _jobs(options.jobs)
+        kept = _rows_that_stay(labels, path, whole_catalogue=options.only is None)
     except CaseError as problem:
         print(f"reference: {problem}", file=sys.stderr)
         return 2
     try:
-        return _rebuild(labels, jobs, path, whole_catalogue=options.only is None)
+        return _rebuild(labels, jobs, path, kept)
     except KeyboardInterrupt:
         print("\nreference: stopped; what was finished is kept", file=sys.stderr)
         return 130
@@ -70,9 +72,22 @@ def _labels(names: Sequence[str] | None) -> list[str]:
     return list(dict.fromkeys(case.label for name in names or cases.names() for case in cases.select(name)))
 
 
-def _rebuild(labels: list[str], jobs: int, path: Path, whole_catalogue: bool) -> int:
+def _rows_that_stay(labels: list[str], path: Path, whole_catalogue: bool) -> dict[str, Certificate]:
+    """The rows of a file that are kept until they are made again, or for good; a damaged one only if it is made again.
+    Raises DamagedTruth."""
+    try:
+        kept, damaged = sound(path)
+    except DamagedTruth:
+        if whole_catalogue:
+            return {}
+        raise
+    if set(damaged) - {*labels} and not whole_catalogue:
+        raise damage(path, damaged)
+    return {label: row for label, row in kept.items() if not whole_catalogue or label in labels}
+
+
+def _rebuild(labels: list[str], jobs: int, path: Path, kept: dict[str, Certificate]) -> int:
     """Certify and keep; returns the exit status."""
-    kept = {label: row for label, row in read(path).items() if not whole_catalogue or label in labels}
     order, failed = cases.names(), 0
     for n, (label, outcome) in enumerate(_outcomes(labels, jobs), start=1):
         if isinstance(outcome, Certificate):

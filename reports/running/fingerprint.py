@@ -154,7 +154,8 @@ def adapter_sources(solver: str) -> str:
 
 @lru_cache(maxsize=1)
 def kept_truth() -> str:
-    """Digest of the truths kept with the suite."""
+    """Digest of the truths kept with the suite. Raises DamagedTruth, before anything is judged by them."""
+    certification.read()
     return hashlib.sha256(certification.TRUTH.read_bytes()).hexdigest()
 
 

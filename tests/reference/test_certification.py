@@ -14,7 +14,7 @@ from cases.effects import MOTION
 from cases.library import line
 from reference import contact_frame, simulate
 from reference.certification import certificate as certification
-from reference.certification import rebuild, witnesses
+from reference.certification import rebuild, truth_file, witnesses
 from reference.certification.certificate import Certificate, NotCertified, certify
 from reference.contact_frame import steps
 from reference.minimal import hybrid
@@ -221,11 +221,11 @@ def kept(tmp_path, bowled, monkeypatch):
     rows = [
         replace(bowled, case=label, status="as it was") for label in ("disc_on_line[mu=0.1]", "disc_on_line[mu=0.3]")
     ]
-    certification.write(rows, path)
+    truth_file.write(rows, path)
     monkeypatch.setattr(rebuild, "certify", lambda case: replace(bowled, case=case.label))
-    certification.read.cache_clear()
+    truth_file.read.cache_clear()
     yield path
-    certification.read.cache_clear()
+    truth_file.read.cache_clear()
 
 
 def statuses(path) -> dict[str, str]:
@@ -265,7 +265,7 @@ def test_help_and_mistakes_rebuild_nothing(kept, monkeypatch, capsys):
 @pytest.mark.slow
 def test_two_processes_rebuild_what_one_does(tmp_path, bowled):
     path = tmp_path / "truth.json"
-    certification.read.cache_clear()
+    truth_file.read.cache_clear()
     assert rebuild.main(["--only", "thrown_with_spin", "--jobs", "2"], path) == 0
     assert len(statuses(path)) == len(cases.select("thrown_with_spin"))
-    certification.read.cache_clear()
+    truth_file.read.cache_clear()

@@ -5,7 +5,7 @@ import pytest
 import cases
 from cases import Impact
 from reference import certify
-from reference.certification.certificate import read
+from reference.certification import read
 from tests.authorities.paper_application import FIRST_TRANSITION
 
 KEPT = read()

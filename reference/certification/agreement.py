@@ -1,0 +1,90 @@
+"""A motion held to the certificate of its case: what the two say has to be the same, as far as both are known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Trajectory
+
+from .bars import ULPS, Bar
+from .certificate import Certificate
+from .witnesses import EPS
+
+
+class _Stated(NamedTuple):
+    """A value of some kind that certificate and motion both state, and `coarser`, the same motion at a larger
+    tolerance; `what` names it."""
+
+    kind: str
+    what: str
+    unit: str
+    certified: Bar
+    motion: float
+    coarser: float
+
+
+def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> str:
+    """What the motion states and the certificate denies, in a phrase; "" if nothing.
+
+    Modes and status have to be the same. A time, a place or a sample may be off by the certificate's bar and the
+    motion's own error. That is estimated by `coarser`, the same motion at ten times the tolerance: by the largest
+    difference between the two in values of that kind, and by the rounding of the largest of these.
+    """
+    events, certified = _events(motion), (certificate.status, [row[:2] for row in certificate.transitions])
+    if events != certified:
+        return f"the certificate has {_in_words(*certified)}, the motion {_in_words(*events)}"
+    if _events(coarser) != events:
+        return ""  # what happens depends on the tolerance: nothing is known of this motion's error
+    stated = list(_stated(case, certificate, motion, coarser))
+    for kind in dict.fromkeys(each.kind for each in stated):
+        same = [each for each in stated if each.kind == kind]
+        error = max(abs(each.motion - each.coarser) for each in same)
+        error += ULPS * EPS * max(abs(each.motion) for each in same)
+        for each in same:
+            value, bar = each.certified
+            if abs(each.motion - value) > bar + error:
+                return (
+                    f"{each.what} is {value:.15g} ± {bar:.1e}{each.unit} by the certificate, "
+                    f"{each.motion:.15g} ± {error:.1e}{each.unit} by the motion"
+                )
+    return ""
+
+
+def _events(motion: Trajectory) -> tuple[str, list]:
+    return motion.status, [(event.before, event.after) for event in motion.transitions]
+
+
+def _in_words(status: str, changes: list) -> str:
+    count = len(changes)
+    return f"{count} transition{'' if count == 1 else 's'} and the status {status}"
+
+
+def _stated(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> Iterator[_Stated]:
+    """All values that both state. In flight there are no slip and no contact, and then no value."""
+    for each in _all(case, certificate, motion, coarser):
+        if all(map(isfinite, (each.certified.value, each.motion, each.coarser))):
+            yield each
+
+
+def _all(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> Iterator[_Stated]:
+    period = case.track.period
+
+    def near(value: float, centre: float) -> float:
+        """A place on a closed track, counted on to the turn of another."""
+        return value - period * np.round((value - centre) / period) if period else value
+
+    rows = zip(certificate.transitions, motion.transitions, coarser.transitions, strict=True)
+    for number, ((_, after, time, xi1), event, other) in enumerate(rows, start=1):
+        which = f"of transition {number} (to {after})"
+        yield _Stated("time", f"the time {which}", " s", time, event.time, other.time)
+        yield _Stated("xi1", f"xi1 {which}", "", xi1, near(event.xi1, xi1.value), near(other.xi1, xi1.value))
+    yield _Stated("end", "the end", " s", certificate.end, float(motion.t[-1]), float(coarser.t[-1]))
+    here, there = (each(np.minimum(certificate.times, each.t[-1])) for each in (motion, coarser))
+    for quantity, bars in certificate.samples.items():
+        columns = (np.asarray(getattr(each, quantity)).tolist() for each in (here, there))
+        for time, *values in zip(certificate.times, bars, *columns, strict=True):
+            yield _Stated(quantity, f"{quantity} at {time:.6g} s", "", *values)

@@ -1,0 +1,99 @@
+"""The certificates of the catalogue's cases, in truth.json: the one source of their truth.
+
+Each row carries a digest of its own: a damaged number is seen when the file is read, and rows that were certified in
+different places can be put together.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from cases import Case, CaseError, Mode
+
+from .bars import Bar
+from .certificate import Certificate, certify
+
+TRUTH = Path(__file__).with_name("truth.json")
+# Labels that a sentence names.
+_NAMED = 3
+
+
+class DamagedTruth(CaseError):
+    """The kept certificates are not those that were written."""
+
+
+def kept_or_new(case: Case, kept: bool = True) -> Certificate:
+    """The kept certificate of a catalogue's case, else a new one (always, if not `kept`). Raises DamagedTruth."""
+    return (read().get(case.label) if kept else None) or certify(case)
+
+
+def write(certificates: Sequence[Certificate], path: Path = TRUTH) -> None:
+    """Keep certificates as data."""
+    rows = [{**certificate.__dict__, "digest": _digest(certificate.__dict__)} for certificate in certificates]
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(rows, indent=1) + "\n")
+    partial.replace(path)  # whole or not at all: a rebuild may be stopped at any time
+
+
+@lru_cache(maxsize=1)
+def read(path: Path = TRUTH) -> Mapping[str, Certificate]:
+    """The kept certificates by the case's label; none if there is no file. Raises DamagedTruth."""
+    kept, damaged = sound(path)
+    if damaged:
+        raise damage(path, damaged)
+    return MappingProxyType(kept)
+
+
+def damage(path: Path, labels: Sequence[str]) -> DamagedTruth:
+    """What is said of a file with damaged rows: `labels` are those of their cases."""
+    some = ", ".join(labels[:_NAMED]) + (f", … ({len(labels)} in all)" if len(labels) > _NAMED else "")
+    only = " ".join(f'"{label}"' for label in labels) if len(labels) <= _NAMED else ""
+    again = f"python -m reference{f' --only {only}' if only else ''}"
+    return DamagedTruth(
+        f"{path.name} is damaged: the digest of {some} does not fit the numbers; "
+        f"restore the file, or certify again with `{again}`"
+    )
+
+
+def sound(path: Path) -> tuple[dict[str, Certificate], list[str]]:
+    """The certificates whose digests fit, by the case's label, and the labels of the others. Raises DamagedTruth for a
+    file that has no rows to tell apart."""
+    if not path.exists():
+        return {}, []
+    kept, damaged = {}, []
+    try:
+        rows = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(rows, list):
+            raise TypeError("it is no list of certificates")
+        for row in rows:
+            digest = row.pop("digest", "")
+            if digest == _digest(row) and row["case"] not in kept:
+                kept[row["case"]] = _certificate(row)
+            else:
+                damaged.append(str(row["case"]))
+    except (OSError, ValueError, AttributeError, KeyError, TypeError, RecursionError) as problem:
+        raise DamagedTruth(
+            f"{path.name} cannot be read ({type(problem).__name__}: {problem}); restore the file, or certify all cases "
+            "again with `python -m reference`"
+        ) from problem
+    return kept, damaged
+
+
+def _digest(row: Mapping[str, Any]) -> str:
+    """Of the numbers and words of a row, however they are laid out."""
+    return hashlib.sha256(json.dumps(row, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+
+
+def _certificate(row: dict[str, Any]) -> Certificate:
+    row["end"] = Bar(*row["end"])
+    row["transitions"] = tuple((Mode(b), Mode(a), Bar(*t), Bar(*x)) for b, a, t, x in row["transitions"])
+    row["times"] = tuple(row["times"])
+    row["samples"] = {q: tuple(Bar(*bar) for bar in bars) for q, bars in row["samples"].items()}
+    row["witnesses"], row["missing"] = tuple(row["witnesses"]), tuple(row["missing"])
+    return Certificate(**row)

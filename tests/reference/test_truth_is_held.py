@@ -1,0 +1,199 @@
+"""The kept truth is what was certified, and what the reference's motion says: a damaged or wrong number is not used."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import cases
+import reference
+from cases import Mode
+from reference.certification import TRUTH, Bar, DamagedTruth, contradiction, kept_or_new, read, rebuild, truth_file
+from reports import export
+from reports.running import fingerprint, tasks
+
+LABEL = "disc_in_circle[mu=0.2]"
+
+
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A copy of two rows of the kept truth, in the place of the file."""
+    path = tmp_path / "truth.json"
+    truth_file.write([read()[LABEL], read()["disc_on_line[mu=0.1]"]], path)
+    whole = truth_file.read.__wrapped__
+    monkeypatch.setattr(truth_file, "read", lambda path=path: whole(path))
+    monkeypatch.setattr(fingerprint.certification, "read", truth_file.read)
+    return path
+
+
+# --- a damaged file ---------------------------------------------------------------------------------------------------
+
+
+def test_what_is_written_is_read_back_and_written_again(copy):
+    assert truth_file.read() == {label: read()[label] for label in (LABEL, "disc_on_line[mu=0.1]")}
+    before = copy.read_bytes()
+    truth_file.write(list(truth_file.read().values()), copy)
+    assert copy.read_bytes() == before
+
+
+DAMAGES = {
+    "a digit": lambda text: text.replace("0.630053", "0.631053", 1),
+    "a mode": lambda text: text.replace("slip_backward", "slip_forward", 1),
+    "a status": lambda text: text.replace("completed", "lift_off", 1),
+    "a digest": lambda text: text.replace('"digest": "', '"digest": "0', 1),
+    "no digest": lambda text: text.replace('"digest"', '"digits"', 1),
+    "another case": lambda text: text.replace("mu=0.2", "mu=0.3", 1),
+    "a row twice": lambda text: json.dumps(json.loads(text)[:1] * 2),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_row_is_rejected_with_what_to_type(copy, damage):
+    text = copy.read_text()
+    copy.write_text(DAMAGES[damage](text))
+    assert copy.read_text() != text
+    with pytest.raises(DamagedTruth) as told:
+        kept_or_new(cases.load("disc_on_line", mu=0.1))  # whole rows of a damaged file are not used either
+    assert str(told.value).startswith("truth.json is damaged: the digest of disc_in_circle[mu=0.")
+    assert "python -m reference --only" in str(told.value) and "restore the file" in str(told.value)
+    with pytest.raises(DamagedTruth):
+        fingerprint.kept_truth.__wrapped__()
+
+
+@pytest.mark.parametrize("text", ["", "[", "{}x", "{}", "[1]", '[{"digest": ""}]', "null", '["a"]', "[" * 3000])
+def test_a_file_without_rows_is_rejected(copy, text):
+    copy.write_text(text)
+    with pytest.raises(
+        DamagedTruth, match="truth.json cannot be read .*; restore the file, or certify all cases again"
+    ):
+        truth_file.read()
+
+
+def test_the_command_certifies_a_damaged_row_again_and_only_that(copy, capsys):
+    whole, damaged = copy.read_bytes(), DAMAGES["a digit"](copy.read_text())
+    copy.write_text(damaged)
+    assert rebuild.main(["--only", "disc_on_line[mu=0.1]"], copy) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and said.startswith("reference: truth.json is damaged")
+    assert copy.read_text() == damaged
+    assert rebuild.main(["--only", LABEL, "--jobs", "1"], copy) == 0
+    rows = truth_file.read()
+    assert rows["disc_on_line[mu=0.1]"] == read()["disc_on_line[mu=0.1]"]
+    again, before = rows[LABEL].transitions[0][2], read()[LABEL].transitions[0][2]
+    assert abs(again.value - before.value) <= again.bar + before.bar
+    assert whole and LABEL in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_report_says_so_before_anything_is_run(tmp_path):
+    # A package of its own with a changed digit: nothing of this one is touched.
+    (tmp_path / "reference").symlink_to(_package_with(tmp_path, DAMAGES["a digit"](TRUTH.read_text())))
+    program = "import sys; sys.argv[0] = 'x'; from reports import build; sys.exit(build.main(sys.argv[1:]))"
+    run = subprocess.run(
+        [sys.executable, "-c", program, "--quick", "--case", LABEL, "--solver", "reference", "--out", "out"],
+        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert run.returncode == 2, run.stderr
+    assert run.stderr.splitlines()[-1].startswith("reports.build: truth.json is damaged")
+    assert "Traceback" not in run.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def _package_with(tmp_path: Path, truth: str) -> Path:
+    package = tmp_path / "own"
+    root = Path(reference.__file__).parent
+    for file in root.rglob("*"):
+        there = package / file.relative_to(root)
+        if file.is_dir() or "__pycache__" in file.parts:
+            continue
+        there.parent.mkdir(parents=True, exist_ok=True)
+        if file != TRUTH:
+            there.symlink_to(file)
+    (package / "certification" / "truth.json").write_text(truth)
+    return package
+
+
+def test_an_exported_case_has_the_kept_certificate():
+    told = export.truth(cases.load("disc_in_circle", mu=0.2))
+    kept = read()[LABEL]
+    assert [row["time"] for row in told["transitions"]] == [row[2]._asdict() for row in kept.transitions]
+    assert (told["status"], told["end"]) == (kept.status, kept.end._asdict())
+
+
+# --- a certificate that the motion contradicts ------------------------------------------------------------------------
+
+
+def said(certificate, label=LABEL) -> str:
+    """What of a certificate the motion contradicts."""
+    case = cases.load(label)
+    motion, coarser = (reference.simulate(case, rtol=rtol) for rtol in (1e-13, 1e-12))
+    return contradiction(case, certificate, motion, coarser)
+
+
+def changed(which: int, **how):
+    """The certificate with one of its transitions changed."""
+    certificate = read()[LABEL]
+    row = dict(zip(("before", "after", "time", "xi1"), certificate.transitions[which], strict=True)) | how
+    rows = list(certificate.transitions)
+    rows[which] = tuple(row.values())
+    return replace(certificate, transitions=tuple(rows))
+
+
+def moved(bar: Bar, by: float) -> Bar:
+    return bar._replace(value=bar.value + by)
+
+
+def test_kept_certificates_and_motions_agree():
+    for label in (LABEL, "disc_on_line[mu=0.1]", "bouncing_disc[e=0.5]", "almost_rolling[slip=-1e-12]"):
+        assert said(read()[label], label) == ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_every_kept_certificate_and_motion_agree(method):
+    for label, certificate in read().items():
+        case = cases.load(label)
+        motions = [reference.simulate(case, rtol=rtol, method=method) for rtol in (1e-13, 1e-12)]
+        assert contradiction(case, certificate, *motions) == "", label
+
+
+def test_a_changed_digit_is_contradicted():
+    first = read()[LABEL].transitions[0]
+    for by in (1e-3, -1e-6, 1e-10):  # the last is ten thousand bars
+        told = said(changed(0, time=moved(first[2], by)))
+        assert told.startswith(f"the time of transition 1 (to roll) is {first[2].value + by:.15g} ±"), told
+    assert said(changed(1, xi1=moved(read()[LABEL].transitions[1][3], 1e-9))).startswith("xi1 of transition 2")
+    # What lies within the bars does not count, nor a whole turn on a closed track.
+    assert said(changed(0, time=moved(first[2], 0.5 * first[2].bar))) == ""
+    assert said(changed(0, xi1=moved(first[3], 2 * 3.141592653589793))) == ""
+
+
+def test_every_quantity_is_held():
+    certificate = read()[LABEL]
+    assert said(replace(certificate, end=moved(certificate.end, -1e-6))).startswith("the end is")
+    for quantity, bars in certificate.samples.items():
+        samples = certificate.samples | {quantity: (*bars[:5], moved(bars[5], 1e-6), *bars[6:])}
+        assert said(replace(certificate, samples=samples)).startswith(f"{quantity} at ")
+    assert "the status lift_off, the motion" in said(replace(certificate, status="lift_off"))
+    assert said(changed(0, after=Mode.REST)).startswith("the certificate has")
+    fewer = replace(certificate, transitions=certificate.transitions[1:])
+    assert f"the motion {len(certificate.transitions)} transitions" in said(fewer)
+
+
+def test_a_contradicted_certificate_is_no_truth(monkeypatch):
+    case = cases.load("disc_in_circle", mu=0.2)
+    assert not tasks.find_truth(case).failure
+    wrong = changed(0, time=moved(read()[LABEL].transitions[0][2], 1e-3))
+    monkeypatch.setattr(tasks, "kept_or_new", lambda case, kept: wrong)
+    truth = tasks.find_truth(case)
+    assert truth.transitions == () and truth.samples == {}
+    assert truth.failure.startswith(f"{LABEL}: the time of transition 1 (to roll) is 0.63105376392")
+    assert truth.failure.endswith(f'neither is used; certify it again: python -m reference --only "{LABEL}"')
+    monkeypatch.setattr(tasks, "in_catalogue", lambda case: False)
+    assert tasks.find_truth(case).failure.endswith("neither is used; please report the scene")
