@@ -38,6 +38,10 @@ class Series:
     def __pos__(self):
         return self
 
+    def __abs__(self):
+        """Of a speed |R_p|, which vanishes nowhere; a symbol's sign is not known when it is compiled."""
+        return (self * self) ** 0.5
+
     def __add__(self, other):
         if not isinstance(other, Series):
             c = [self.c[0] + other, *self.c[1:]]

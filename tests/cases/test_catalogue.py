@@ -15,7 +15,15 @@ from cases.contact import overlap, start_motion
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
 from tests.authorities.facts import Basis
-from tests.scenes.motions import energy, in_other_units, mirrored, motion_of, work_done
+from tests.scenes.motions import (
+    energy,
+    in_other_parameters,
+    in_other_units,
+    mirrored,
+    motion_of,
+    warped,
+    work_done,
+)
 
 FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FACTS]
 SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
@@ -163,6 +171,57 @@ def test_the_mirror_image_moves_in_the_mirror(any_case, accuracy):
 def test_rotation_and_change_of_units_change_nothing(any_case, accuracy):
     times = times_of(any_case)
     compare(any_case, second(in_other_units(any_case, **UNITS), times * UNITS["time"]), times, accuracy, **SEEN)
+
+
+# A millionth and a million of the units of parameters, lengths, times and masses, and a parameter that runs unevenly:
+# the case in them, and its time in the case's.
+OTHERWISE = {
+    "parameter*1e6": (lambda case: in_other_parameters(case, 1e6), 1.0),
+    "parameter*1e-6": (lambda case: in_other_parameters(case, 1e-6), 1.0),
+    "warped parameter": (warped, 1.0),
+    "length*1e6": (lambda case: in_other_units(case, 1e6, 1.0, 1.0, 0.0), 1.0),
+    "length*1e-6": (lambda case: in_other_units(case, 1e-6, 1.0, 1.0, 0.0), 1.0),
+    "time*1e6": (lambda case: in_other_units(case, 1.0, 1e6, 1.0, 0.0), 1e6),
+    "time*1e-6": (lambda case: in_other_units(case, 1.0, 1e-6, 1.0, 0.0), 1e-6),
+    "mass*1e6": (lambda case: in_other_units(case, 1.0, 1.0, 1e6, 0.0), 1.0),
+    "mass*1e-6": (lambda case: in_other_units(case, 1.0, 1.0, 1e-6, 0.0), 1.0),
+}
+
+
+def check_otherwise(case: Case, how: str, accuracy) -> None:
+    """Asserts that the reference's motion of a case is the same in other units or parameters."""
+    change, time = OTHERWISE[how]
+    here, there = motion_of(case), reference.simulate(change(case), rtol=1e-12)
+    assert there.status == here.status
+    assert [(t.before, t.after) for t in there.transitions] == [(t.before, t.after) for t in here.transitions]
+    late = [b.time / time - a.time for a, b in zip(here.transitions, there.transitions, strict=True)]
+    # Two integrations at 1e-12, in which other digits are rounded; a grazing slip loses the square root of that.
+    who = dict(case=case.label, solver="reference", route="best", tolerance=1e-9)
+    accuracy(**who, quantity=f"transitions, {how} / s", error=max(map(abs, late), default=0.0))
+
+
+# Of the catalogue some cases are changed in some ways, and every one in a slow test; of somebody's own file all are.
+SOME = {
+    "bouncing_disc": ("parameter*1e6", "length*1e-6"),
+    "disc_across_circle": ("parameter*1e-6", "time*1e6"),
+    "disc_onto_incline": ("parameter*1e6", "mass*1e6"),
+    "tumbling_ellipse": ("length*1e6", "mass*1e-6"),
+    "disc_in_circle": ("warped parameter", "time*1e-6"),
+}
+
+
+def test_other_units_and_parameters_change_no_transition(any_case, accuracy, request):
+    own = request.config.own_cases
+    if not own and (any_case.name not in SOME or any_case != cases.select(any_case.name)[0]):
+        pytest.skip("some cases of the catalogue are changed here, and every one in a slow test")
+    for how in OTHERWISE if own else SOME[any_case.name]:
+        check_otherwise(any_case, how, accuracy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", OTHERWISE)
+def test_every_change_of_units_and_parameters_changes_no_transition(any_case, how, accuracy):
+    check_otherwise(any_case, how, accuracy)
 
 
 @pytest.mark.parametrize("name", ["disc_in_circle", "ellipse_on_incline", "littlewood_hoop"])

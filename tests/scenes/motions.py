@@ -104,6 +104,41 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
     )
 
 
+def _by(case: Case, track: Curve, xi1: float, outline: Curve, xi2: float) -> Case:
+    """The same case by other parameters of its curves, in which it starts there."""
+    start = replace(case.start, xi1=xi1, xi2=xi2)
+    return replace(case, track=track, plate=replace(case.plate, outline=outline), start=start)
+
+
+def in_other_parameters(case: Case, unit: float) -> Case:
+    """Both curves by parameters of which there are so many to the old one."""
+
+    def by(curve: Curve) -> Curve:
+        return Curve(lambda s: curve.at(s / unit), curve.domain and tuple(unit * end for end in curve.domain))
+
+    start = start_motion(case)
+    return _by(case, by(case.track), unit * start.xi1, by(case.plate.outline), unit * start.xi2)
+
+
+# By how much a warped parameter runs faster and slower than the old one, in parts.
+WARP = 0.3
+
+
+def warped(case: Case) -> Case:
+    """Both curves by parameters that run fast and slowly in turns, and begin and end as the old ones do."""
+
+    def by(curve: Curve, xi: float) -> tuple[Curve, float]:
+        low, high = curve.domain or (0.0, curve.period or 2 * pi)
+        often = 2 * pi / (high - low)
+        s = xi
+        for _ in range(100):  # the old one's distance from the new one is a contraction by WARP
+            s = xi - WARP / often * np.sin(often * (s - low))
+        return Curve(lambda s: curve.at(s + WARP / often * c.sin(often * (s - low))), curve.domain), float(s)
+
+    start = start_motion(case)
+    return _by(case, *by(case.track, start.xi1), *by(case.plate.outline, start.xi2))
+
+
 def energy(case: Case, state) -> np.ndarray:
     """Kinetic and potential energy, J."""
     gravity = case.effect(Gravity) or Gravity(0.0)

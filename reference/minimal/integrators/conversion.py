@@ -72,16 +72,20 @@ def guards(system: System) -> tuple:
 
 
 def converted(expression: sp.Expr, known: dict):
-    """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero."""
+    """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero.
+
+    A magnitude, which SymPy makes of a root of a square, is that root again: it is a speed |R_p|, which is never zero.
+    """
     known = known | {number: _number(number) for number in _numbers(expression)}
     products: dict[sp.Expr, sp.Symbol] = {}
     powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
+    powers += expression.atoms(sp.Abs)
     # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
     # compiled before, so that a motion is the same to its last bit whatever ran earlier.
     for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
-        base = _from_sympy(power.base.xreplace(products), known)
+        base = _from_sympy(power.args[0].xreplace(products), known)
         products[power] = sp.Symbol(f"power_{i:04d}")
-        known[products[power]] = _power(base, int(power.exp))
+        known[products[power]] = hy.sqrt(base * base) if isinstance(power, sp.Abs) else _power(base, int(power.exp))
     return _from_sympy(expression.xreplace(products), known)
 
 
