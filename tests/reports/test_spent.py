@@ -36,3 +36,15 @@ def test_work_of_a_process_that_was_started_counts_while_it_runs_and_after():
     if sys.platform == "linux":
         assert of_it >= 0.29  # to a tick of the system's clock
     assert sum(phase.cpu for phase in ledger.phases.values()) >= 0.3
+
+
+def test_cpu_time_that_a_process_left_hidden_takes_none_from_a_phase():
+    now = iter([Seconds(0.0, 5.0), Seconds(1.0, 3.0), Seconds(2.0, 4.5)])
+    ledger = Spent(lambda: next(now))
+    ledger.book("one")
+    ledger.book("other")
+    assert ledger.phases == {"one": Seconds(1.0, 0.0), "other": Seconds(1.0, 1.5)}
+
+
+def test_a_manifest_says_hundredths_of_a_second():
+    assert spent.told({"a": Seconds(1.2345, 0.126)}) == {"a": {"wall_s": 1.23, "cpu_s": 0.13}}
