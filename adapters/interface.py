@@ -39,6 +39,9 @@ and, where it can say so,
     MEANINGS: tuple[Meaning, ...]                   what the engine's parameters make of friction, restitution and
                                                     rolling resistance; for which cases that is another law than theirs
 
+What these return passes `adapters.gate`: plain numbers and words of ordinary size, or the row says what is not. A
+`dense` output of a motion is left out.
+
 The first setting of a ladder is the engine as it comes and says so: `Setting.of(rung="defaults", ...)`.
 """
 
@@ -72,7 +75,7 @@ DEFAULTS = "defaults"
 FUNCTIONS = {"refuses", "ladder", "grid", "wide_grid", "build", "run", "read", "version", "stripped"}
 
 # What else lies in this folder.
-NO_ADAPTERS = {"by_process", "common", "executables", "interface", "laws"}
+NO_ADAPTERS = {"by_process", "common", "executables", "gate", "interface", "laws"}
 
 # Executables that are engines (`by_process`), by this variable, so that every process of a command knows them.
 EXECUTABLES = "SLIP_TO_ROLL_ENGINES"

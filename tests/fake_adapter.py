@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from adapters import EngineFailure, Setting
-from cases import State, Trajectory
+from cases import Cost, State, Trajectory
 
 NAME = "fake"
 routes = ("native",)
@@ -35,6 +35,21 @@ CASE = "disc_on_line[mu=0.1]"
 
 class Own(float):
     """A number that only this module knows."""
+
+
+class Fails(float):
+    """A number that fails when it is asked for its value."""
+
+    def __float__(self):
+        raise RuntimeError("no value")
+
+    __repr__ = __str__ = __format__ = __float__
+
+
+# Steps that are no count, by the way in which `read` goes wrong.
+ODD_STEPS = {
+    "text": "12", "huge": 10**400, "array": np.array([1, 2]), "nan": float("nan"), "fails": Fails(1.0), "minus": -1,
+}  # fmt: skip
 
 
 def part(name: str) -> str:
@@ -138,8 +153,10 @@ def read(model):
         motion.x[5] = np.nan
     if how == "never rolls":
         motion.slip[:] += 0.5
-    if way == "huge":
+    if way == "far":
         motion.x[5] = 1e300
+    if way in ODD_STEPS:
+        motion = dataclasses.replace(motion, cost=Cost(steps=ODD_STEPS[way]))
     if way == "own":
         motion = dataclasses.replace(motion, status=Own(2.0), reason="\ud800")
     with open(HERE / "log.txt", "a") as log:

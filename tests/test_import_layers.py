@@ -78,6 +78,7 @@ MAY_IMPORT = {
     "interface": set(),
     "face": {"interface"},
     "common": {"interface"},
+    "gate": {"interface"},
     "laws": {"interface"},
     "by_process": {"interface", "common"},
     "engine": {"interface", "common"},

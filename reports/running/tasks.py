@@ -16,12 +16,13 @@ import numpy as np
 
 import cases
 import reference
-from adapters import EngineFailure, Setting, other_laws
+from adapters import EngineFailure, Setting, gate, other_laws
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, contradiction, kept_or_new
 
 from ..judging import distances, ledger, soundness, transitions
 from ..judging.slip_phases import Reading
+from . import reference_adapter
 from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
 from .serving import reap, settle
 from .solvers import NOT_INSTALLED, solver
@@ -57,10 +58,9 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
         return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}")
 
 
-def _plain(setting: Setting) -> Setting:
-    """The setting, if it is one and holds nothing but numbers and words: only such may travel, and stand in a file."""
-    if type(setting) is not Setting or any(type(v) not in (int, float, str, bool) for v in dict(setting).values()):
-        raise TypeError(f"{setting!r} is no Setting of numbers and words")
+def _plain(given: object) -> Setting:
+    """The setting, if it is one that may travel and stand in a file."""
+    setting = gate.setting(given)
     if legible(setting, _LONGEST_SETTING) != str(setting):
         raise ValueError(f"a setting is longer than {_LONGEST_SETTING} characters, or cannot be printed")
     return setting
@@ -156,7 +156,7 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     except NotSupported as refusal:
         return replace(row, outcome="refused", reason=legible(refusal))
     except EngineFailure as failure:
-        return replace(row, outcome="crashed", reason=legible(failure))
+        return replace(row, outcome="crashed", reason=sentence(failure).removeprefix("EngineFailure: "))
     except (ImportError, MemoryError, OSError):
         raise
     except (Exception, SystemExit) as problem:
@@ -177,7 +177,8 @@ def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory
 
 
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
-    """Build, run and read, with the clock around `run` alone; build and read count as set-up."""
+    """Build, run and read, with the clock around `run` alone; build and read count as set-up. What an engine returns
+    passes the gate: raises EngineFailure for what does not."""
     began = time.perf_counter()
     model = module.build(case, route, setting)
     setup = time.perf_counter() - began
@@ -188,6 +189,8 @@ def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Traje
     trajectory = module.read(model)
     setup += time.perf_counter() - began
     reap()
+    if getattr(module, "__name__", "") != reference_adapter.__name__:
+        trajectory = gate.motion(trajectory, case)
     steps = trajectory.cost.steps or len(trajectory.t) - 1
     if getattr(module, "TELLS_COST", False):
         cpu = trajectory.cost.cpu_s
@@ -269,5 +272,8 @@ def _thin(values: np.ndarray) -> np.ndarray:
 
 def sentence(problem: BaseException) -> str:
     """An exception in one line."""
-    text = legible(" ".join(str(problem).split()))
+    try:
+        text = legible(" ".join(str(problem).split()))
+    except Exception:  # its text is the engine's own code, too
+        text = "(its text cannot be read)"
     return f"{type(problem).__name__}: {text}" if text else type(problem).__name__

@@ -51,12 +51,16 @@ FATES = {
     ("run", "garbles"): "crashed",
     ("read", "raises"): "crashed",
     ("read", "strange"): "crashed",
-    ("read", "own"): "right",
+    ("read", "own"): "crashed",
+    **{("read", way): "crashed" for way in fake_adapter.ODD_STEPS},
 }
 # One fault of each kind that is over at once, for every run of the tests.
-FEW = [("file", "syntax"), ("import", "exits"), ("ladder", "unwritable"), ("run", "forks"), ("read", "raises")]
+FEW = [
+    ("file", "syntax"), ("import", "exits"), ("ladder", "unwritable"), ("run", "forks"), ("read", "raises"),
+    ("read", "text"), ("read", "fails"),
+]  # fmt: skip
 # A finite pose so far away that its square is no number: whatever it is called, it is a row.
-FAR = ("read", "huge")
+FAR = ("read", "far")
 # A worker needs a second or two to import what an adapter imports: that is no hang.
 LIMIT = 6.0
 MEASURED = ["cpu_s", "setup_s", "cpu_low_s", "cpu_high_s", "cpu_to_first", "repeats", "disturbed", "run_at"]
