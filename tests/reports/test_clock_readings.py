@@ -209,9 +209,10 @@ def test_all_are_timed_cheapest_first_each_route_imported_before(watch, monkeypa
                 watch.spend(100.0)
             return f"{name} {route}"
 
-        run = lambda model: (order.append(model), watch.spend(0.04))  # noqa: E731
+        run = lambda model: (order.append(model), watch.spend(took[model]))  # noqa: E731
         return SimpleNamespace(build=build, run=run, read=lambda model: None)
 
+    took = {"a native": 0.06, "a assisted": 0.05, "b native": 0.04}
     imported: set[tuple[str, str]] = set()
     monkeypatch.setattr(clock, "solver", engine)
     who = [
@@ -223,6 +224,7 @@ def test_all_are_timed_cheapest_first_each_route_imported_before(watch, monkeypa
     assert sorted(order[:3]) == ["import a assisted", "import a native", "import b native"]
     assert order[3:6] == ["b native", "a assisted", "a native"]
     assert all(timing and timing.repeats >= clock.LEAST_REPEATS for timing, _ in found.values())
+    assert {f"{key[1]} {key[2]}": timing.cpu_s for key, (timing, _) in found.items()} == pytest.approx(took)
 
 
 def test_what_fails_or_does_not_fit_says_so_under_its_own_name(watch, monkeypatch):
