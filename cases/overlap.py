@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import ceil, floor, log2
 from typing import NamedTuple
 
 import numpy as np
@@ -145,16 +146,14 @@ def span(track: Curve, xi1, reach: float) -> tuple[float, float]:
 
     Of a track without ends it is rounded up to powers of two, so that what is worked out for it is kept.
     """
-    low, high = track.span
-    if track.domain is None and not track.period:
-        first, last = float(np.min(xi1)), float(np.max(xi1))
-        first -= 4.0 * reach / float(track.speed(first))
-        last += 4.0 * reach / float(track.speed(last))
-        while first < low:
-            low *= 2.0
-        while last > high:
-            high *= 2.0
-    return low, high
+    if track.domain is not None or track.period:
+        return track.span
+    first, last = float(np.min(xi1)), float(np.max(xi1))
+    first -= 4.0 * reach / float(track.speed(first))
+    last += 4.0 * reach / float(track.speed(last))
+    width = 2.0 ** ceil(log2(last - first))
+    low = width * floor(first / width)
+    return low, low + 2.0 * width
 
 
 def _even_odd(px: np.ndarray, py: np.ndarray, corners: np.ndarray) -> np.ndarray:

@@ -88,7 +88,8 @@ FAR = 1e3
 def _everywhere(case: Case) -> Stretch:
     """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
     track = case.track
-    low, high = (case.start.xi1 - FAR, case.start.xi1 + FAR) if track.domain is None else track.domain
+    far = FAR / float(track.speed(case.start.xi1))
+    low, high = (case.start.xi1 - far, case.start.xi1 + far) if track.domain is None else track.domain
     if track.period:
         low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
     length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
