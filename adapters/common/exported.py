@@ -106,7 +106,8 @@ def parsed(text: str, called: str) -> pd.DataFrame:
         if len(large):
             line = large[0] + 2 + len(head)
             raise BadValue(f"{name} in line {line} of {called} is beyond all sizes; give numbers up to {LARGEST:g}")
-        table = table.assign(**{str(name): numbers.astype(float)})
+        # From the text: before version 3 `to_numeric` is off by a unit in the last place.
+        table = table.assign(**{str(name): table[name].where(np.isfinite(numbers)).astype(float)})
     backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
     if len(backwards):
         line = backwards[0] + 3 + len(head)
