@@ -192,6 +192,16 @@ def test_imports_are_no_part_of_a_call(watch, monkeypatch, late_module):
         assert value.build_s == pytest.approx(BUILD) and value.repeats == cold.LEAST_REPEATS and not failure
 
 
+@pytest.mark.parametrize("late, calls", [(True, 1 + cold.LEAST_REPEATS), (False, cold.LEAST_REPEATS)])
+def test_a_call_counts_unless_it_imported_something_a_file_holds(watch, monkeypatch, late_module, late, calls):
+    """A module that is made in the process is not imported."""
+    made, apart = [], cold._apart
+    monkeypatch.setattr(cold, "_apart", lambda *given: made.append(given) or apart(*given))
+    engine(monkeypatch, imports(watch, late_module if late else "math"))
+    first_call(*who(1.0))
+    assert len(made) == calls
+
+
 def test_a_call_that_imported_stands_in_where_no_other_fits(watch, monkeypatch, late_module):
     engine(monkeypatch, imports(watch, late_module))
     ((value, _),) = cold.first_calls(who(1.0), 0.0).values()

@@ -131,6 +131,17 @@ def test_what_an_engine_calls_back_is_ours(monkeypatch):
     assert profiled(monkeypatch, Profiled(30, 0, 10)).engine == 0.75
 
 
+def test_what_an_engine_takes_between_our_callbacks_is_its_own(monkeypatch):
+    """`extend` asks a generator of ours for each item, and takes a second to append it."""
+
+    class Between(Profiled):
+        def run(self, model: str) -> None:
+            self.seconds.extend(0 for _ in range(30))
+            self.seconds += [0] * 10
+
+    assert profiled(monkeypatch, Between(0, 0)).engine == 0.75
+
+
 def test_no_share_is_above_one(monkeypatch):
     """By two clocks that differ the engine may take longer than the run."""
     assert profiled(monkeypatch, Profiled(30, 0), of_processor=0.5)[::2] == (1.0, 0.0)

@@ -244,6 +244,7 @@ def test_who_stops_a_fresh_build_is_told_to_go_on_without_it(tmp_path):
         dict(status=object()),
         dict(rung="12"),  # a text in the place of a number
         dict(cost=Cost(steps="12")),
+        dict(cost=Cost(steps=100.5)),
         dict(cost=Cost(cpu_s=10**400)),
         dict(setting=Setting((("h", None),))),
         dict(samples={"t": np.array(["words"])}),
