@@ -155,6 +155,13 @@ def test_what_does_not_fit_in_the_budget_has_nothing_but_the_call_for_imports(he
     assert alone.repeats == 1 and none is None
 
 
+def test_no_call_is_made_that_is_expected_to_outlast_the_budget(here, monkeypatch):
+    """However little the call for the imports of its route took."""
+    engine(monkeypatch, here.engine(BUILD, RUN, READ))
+    ((value, _),) = cold.first_calls([who(1.0)[0]._replace(expected_s=50.0)], 10.0).values()
+    assert value.repeats == 1
+
+
 # --- a process of its own ---------------------------------------------------------------------------------------------
 
 
