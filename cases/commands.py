@@ -25,7 +25,7 @@ from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from . import lookup, registry
+from . import lookup, owned_folder, registry
 from .errors import BadValue, CaseError, unknown
 from .words import status
 
@@ -127,13 +127,11 @@ def new(name: str, force: bool = False) -> str:
     if name in registry.names():
         raise BadValue(f"there is already a case {name!r}; give another name")
     path = Path(f"{name}.py")
-    if path.is_symlink() or path.exists() and not (force and path.is_file()):
-        raise BadValue(f"{path} exists already; give another name, or --force to write over it")
+    owned_folder.check_new(path, force)
     if not path.exists() and _shadows(name):
         raise BadValue(f"{name!r} is the name of a Python module, or of what a case uses; {name}.py would stand in its "
                        "place: give another name")  # fmt: skip
-    with path.open("w" if force else "x", encoding="utf-8") as stream:
-        stream.write(TEMPLATE.format(name=name))
+    owned_folder.write(path, TEMPLATE.format(name=name), replace=force)
     return f"written: {path}; edit its curve, then python -m cases check {path}"
 
 

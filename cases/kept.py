@@ -13,10 +13,9 @@ import marshal
 import os
 import pickle
 import platform
+import re
 import stat
 import sys
-import tempfile
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,6 +29,7 @@ from typing import Any, TypeVar
 import numpy as np
 import sympy as sp
 
+from . import owned_folder
 from .derivation import in_one_thread
 
 T = TypeVar("T")
@@ -42,10 +42,9 @@ LARGEST_BYTES = 512 * 2**20
 MOST_FILES = 20_000
 # The folder is looked at when a process has written so much to it, and when it writes first.
 _LOOK_BYTES, _LOOK_FILES = 32 * 2**20, 1000
-# A file is written in milliseconds: one this old (s) that is not whole was left by a process that was killed.
-_LEFT_BEHIND = 3600.0
 _DIGEST = hashlib.sha256().digest_size
 _SUFFIX = ".kept"
+_FILE = re.compile(rf"[0-9a-f]{{64}}{re.escape(_SUFFIX)}")
 
 # What this process took from the folder and what it put there, by kind.
 taken: Counter[str] = Counter()
@@ -174,14 +173,7 @@ def _write(file: Path, value: Any) -> None:
     try:
         _Pickler(stream, protocol=5).dump(value)
         content = stream.getvalue()
-        handle, name = tempfile.mkstemp(dir=file.parent, prefix=".")  # readable by its owner alone
-        try:
-            with open(handle, "wb") as target:
-                target.write(hashlib.sha256(content).digest() + content)
-            os.replace(name, file)
-        except BaseException:
-            os.unlink(name)
-            raise
+        owned_folder.write(file, hashlib.sha256(content).digest() + content, mode=0o600, durable=False)
         if _written < 0 or _written > _LOOK_BYTES:
             _written = 0
             _trim(file.parent)
@@ -197,27 +189,10 @@ def _write(file: Path, value: Any) -> None:
 
 
 def _trim(folder: Path) -> None:
-    """Leave three quarters of what the folder may hold, the newest."""
-    files, unfinished = [], []
-    for entry in os.scandir(folder):
-        try:
-            found = entry.stat(follow_symlinks=False)
-        except FileNotFoundError:  # another process was quicker
-            continue
-        if entry.name.endswith(_SUFFIX):
-            files.append((found.st_mtime_ns, found.st_size, entry.path))
-        elif entry.name.startswith(".") and time.time() - found.st_mtime > _LEFT_BEHIND:
-            unfinished.append(entry.path)
-    for path in unfinished:
-        Path(path).unlink(missing_ok=True)
-    size, count = sum(length for _, length, _ in files), len(files)
-    if size <= LARGEST_BYTES and count <= MOST_FILES:
-        return
-    for _, length, path in sorted(files):
-        if size <= 0.75 * LARGEST_BYTES and count <= 0.75 * MOST_FILES:
-            return
-        Path(path).unlink(missing_ok=True)
-        size, count = size - length, count - 1
+    """If the folder holds more than it may, leave three quarters of that: the files that were used last."""
+    found = owned_folder.listed(folder, _FILE)
+    part = 0.75 if len(found) > MOST_FILES or sum(about.st_size for _, about in found) > LARGEST_BYTES else 1.0
+    owned_folder.remove_longest_unused(folder, _FILE, part * LARGEST_BYTES, part * MOST_FILES)
 
 
 def _log() -> logging.Logger:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .errors import BadValue
+from .owned_folder import written
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -249,7 +250,8 @@ class Trajectory:
         """Write that table, all digits, with an empty cell for what is not there (slip in flight); returns the path.
 
         `python -m reports.compare` and `--trajectory` read such files."""
-        self.to_frame(count).to_csv(path, index=False)
+        with written(Path(path)) as partial:
+            self.to_frame(count).to_csv(partial, index=False)
         return Path(path)
 
     def plot(self, *quantities: str, colour: str | None = None) -> Picture:

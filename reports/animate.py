@@ -13,7 +13,7 @@ from cases import Case
 from cases.words import status
 
 from .drawing.files import file_name
-from .show import case_of, check_ours
+from .show import case_of, check_free
 
 COMMAND = "reports.animate"
 
@@ -22,16 +22,16 @@ def run(words: Sequence[str]) -> None:
     """Write the film; raises CaseError if what was asked for makes no sense, or there is no ffmpeg for an MP4."""
     case, out, force = case_of(COMMAND, words, "A case as a film: GIF, or MP4 where ffmpeg is installed.")
     path = out or Path(f"{file_name(case.label)}.gif")
-    check_ours(path, force)
-    _film(case, path)
+    check_free(path, force)
+    _film(case, path, force)
 
 
-def _film(case: Case, path: Path) -> None:
+def _film(case: Case, path: Path, force: bool) -> None:
     import reference
 
     film = reference.simulate(case).animate()
     path.parent.mkdir(parents=True, exist_ok=True)
-    film.save(path)
+    film.save(path, replace=force)
     print(f"{film.seconds:.3g} s of film, {film.factor:g} × real time, {path.stat().st_size / 1e3:.0f} kB: {path}")
 
 

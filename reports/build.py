@@ -118,7 +118,6 @@ def _build(plan: Plan) -> int:
         _say(f"store: {store.problem()}")
     versions.make(plan.solvers, _say)
     try:
-        folder.rehearse(plan.out)
         shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
         with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
             calls.begin(plan.solvers)
@@ -126,7 +125,7 @@ def _build(plan: Plan) -> int:
             measured = _measured(plan, ran, calls)
             studied = _studied(plan, calls)
             shown = external.joined(ran, plan.trajectories)
-            with folder.written_whole(plan.out) as place, for_print(plan.paper):
+            with folder.of_report(plan.out).staged(whole=True) as place, for_print(plan.paper):
                 answers, left_out = _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from cases import Case
+from cases.owned_folder import write, written
 
-from .show import MADE_BY, case_of, check_ours, main
+from .show import MADE_BY, case_of, check_free, main
 
 # Samples of the true motion, at equal times.
 SAMPLES = 2001
@@ -25,26 +26,31 @@ def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError if what was asked for makes no sense."""
     case, out, force = case_of("cases export", words, "A case as data, for a tool of your own.")
     folder = out or Path(case.name)
-    check_ours(folder / FILES[0], force)
-    for name in FILES[1:]:  # what stands beside a scene of ours is ours
-        check_ours(folder / name, force or (folder / FILES[0]).exists())
-    written = export(case, folder)
-    print("\n".join(f"written: {path}" for path in written))
+    for name in FILES:
+        check_free(folder / name, force)
+    paths = export(case, folder, force)
+    print("\n".join(f"written: {path}" for path in paths))
 
 
-def export(case: Case, folder: Path) -> list[Path]:
-    """Write a case into a folder; returns the files."""
+def export(case: Case, folder: Path, replace: bool = True) -> list[Path]:
+    """Write a case into a folder; returns the files. `replace`: whether they may be there; if not, FileExistsError is
+    raised."""
     from adapters.by_process.scene import as_json, sampled, scene
 
     told = {**scene(case), **truth(case)}
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / name for name in FILES]
-    paths[0].write_text(as_json(told, indent=1) + "\n", encoding="utf-8")
+    write(paths[0], as_json(told, indent=1) + "\n", replace)
     for path, curve in zip(paths[1:3], (case.track, case.plate.outline), strict=True):
-        np.savetxt(path, sampled(curve), delimiter=",", comments="", header="s,x,y,normal_x,normal_y,curvature")
+        _write_csv(path, sampled(curve), "s,x,y,normal_x,normal_y,curvature", replace)
     names, rows = motion(case)
-    np.savetxt(paths[3], rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
+    _write_csv(paths[3], rows, ",".join(names), replace, fmt="%.16g")
     return paths
+
+
+def _write_csv(path: Path, rows: np.ndarray, head: str, replace: bool, fmt: str = "%.18e") -> None:
+    with written(path, replace) as partial:
+        np.savetxt(partial, rows, delimiter=",", comments="", header=head, fmt=fmt)
 
 
 def truth(case: Case) -> dict:

@@ -8,8 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import shlex
-import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan
 from pathlib import Path
@@ -20,9 +19,10 @@ import cases
 from cases import BadValue, Case, kept, lookup
 from cases.errors import unknown
 from cases.files import place
+from cases.owned_folder import OwnedFolder, TemporaryFolder
 from cases.words import Parser
 
-from .page.folder import foreign_file
+from .page import folder
 from .running.records import REFERENCE
 
 if TYPE_CHECKING:
@@ -350,17 +350,14 @@ def chosen_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], t
     return tuple(found.values()), tuple(str(one.file.resolve()) for one in named if one.file)
 
 
-def checked_out(out: str | Path) -> Path:
-    """The folder to write, resolved; raises BadValue unless it is new, empty, or a report of ours and nothing else."""
+def checked_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = folder.of_report) -> Path:
+    """The folder to write, resolved; raises BadValue if it is where the user works, cannot be written to, or is not as
+    `OwnedFolder.check` wants it."""
     out = place("folder of --out", out).resolve()
     if out == Path.cwd() or out in Path.cwd().parents:
         raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
-    if out.exists() and not out.is_dir():
-        raise BadValue(f"--out is {out}, which is a file; give a folder")
-    check_writable("--out", out, out if out.exists() else out.parent)
-    foreign = foreign_file(out)
-    if foreign:
-        raise BadValue(f"--out is {out}, which holds {foreign}, no part of a report; give another folder")
+    folder_of(out).check()
+    check_writable("--out", out, out)
     return out
 
 
@@ -377,9 +374,11 @@ def checked_store(text: str | Path | None, out: Path) -> Path:
 
 
 def check_writable(option: str, path: Path, folder: Path) -> None:
-    """Raises BadValue unless the folder is there and open, or can be made."""
+    """Raises BadValue unless files can be written to the folder, or it can be made."""
     above = next(some for some in (folder, *folder.parents) if some.exists())
     try:
-        tempfile.TemporaryFile(dir=above).close()  # what the rights say is not what every file system does
-    except OSError:
-        raise BadValue(f"{option} is {path}, and {above} cannot be written to; give another folder") from None
+        TemporaryFolder(above).remove()  # the permissions do not say what every file system does
+    except OSError as problem:
+        raise BadValue(
+            f"{option} is {path}, and {above} cannot be written to ({problem.strerror}); give another folder"
+        ) from None

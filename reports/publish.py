@@ -11,17 +11,19 @@ written.
 from __future__ import annotations
 
 import csv
-import hashlib
 import json
 import re
 import shutil
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import cases
 from cases import BadValue, files
+from cases.errors import finite
+from cases.owned_folder import digest, write
 from cases.words import status
 
 from . import options
@@ -50,27 +52,24 @@ def publish(report: Path, results: Path) -> Path:
 
     Raises BadValue for what may not stand for a release, OSError if the folder cannot be written.
     """
+    names = folder.of_report(report).names()
     told = _manifest(report)
-    _check(told, report)
-    place = results / cases.__version__
-    with folder.written_whole(place) as partial:
-        kept = [name for name in told["files"] if not name.startswith("figures/") or name in _FIGURES]
+    _check(told, report, names)
+    place = folder.of_report(results / cases.__version__, "release")
+    place.check()
+    with place.staged(whole=True) as partial:
+        kept = [name for name in names if not name.startswith("figures/") or name in _FIGURES]
         for name in kept:
             (partial / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(report / name, partial / name)
-        page = _by_itself((report / "index.html").read_text(encoding="utf-8"), kept)
-        (partial / "index.html").write_text(page, encoding="utf-8")
-        package = _described(json.loads((report / PACKAGE).read_text(encoding="utf-8")), told, partial)
-        (partial / PACKAGE).write_text(json.dumps(package, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        page = _by_itself(_text(report / folder.PAGE), kept)
+        (partial / folder.PAGE).write_text(page, encoding="utf-8")
+        package = _described(_json(report / PACKAGE), told, partial, names)
+        (partial / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
         (partial / CONSTRAINTS).write_text(_constraints(told), encoding="utf-8")
-        digests = {name: digest(partial / name) for name in sorted({*kept, CONSTRAINTS} - {"manifest.json"})}
-        folder.sign(partial, told | {"licence": LICENCE["name"], "sha256": digests})
-    return place
-
-
-def digest(file: Path) -> str:
-    """SHA-256 of a file, in hexadecimal digits."""
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+        folder.sign(partial, told | {"licence": LICENCE["name"]})
+        numbers(partial)
+    return place.path
 
 
 def releases(results: Path = RESULTS) -> list[Path]:
@@ -84,34 +83,70 @@ def releases(results: Path = RESULTS) -> list[Path]:
 # --- what may be published --------------------------------------------------------------------------------------------
 
 
+_AGAIN = "give a report that `python -m reports.build` wrote"
+_LARGEST = 100 * 2**20  # bytes of one file that is read here; the largest of a full report is a tenth of it
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+!-]*")
+
+
+def _is_line(value: Any) -> bool:
+    return isinstance(value, str) and value.isprintable()
+
+
+def _are_packages(value: Any) -> bool:
+    """Whether these are names and versions, each pair of which becomes a line of the constraints."""
+    words = [word for pair in value.items() for word in pair] if isinstance(value, dict) else [None]
+    return all(isinstance(word, str) and _NAME.fullmatch(word) for word in words)
+
+
+# A report may come from anybody: what is read of its manifest has the type that a build writes.
+_TYPES: dict[str, Callable[[Any], bool]] = {
+    **dict.fromkeys(("options", "commit", "python", "command", "made_at"), _is_line),
+    **dict.fromkeys(("cases", "solvers"), lambda value: isinstance(value, dict)),
+    "lost": lambda value: isinstance(value, list),
+    "installed": _are_packages,
+}
+
+
 def _manifest(report: Path) -> dict[str, Any]:
-    try:
-        told = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        told = {}
-    if not isinstance(told, dict) or told.get("made_by") != folder.MADE_BY or told.get("unfinished"):
-        raise BadValue(f"{report} holds no report; give a folder that `python -m reports.build` wrote")
+    """What the report says of itself; raises BadValue if a value is not of its type."""
+    told = _json(report / folder.MANIFEST)
+    if not isinstance(told, dict) or told.get("made_by") != folder.MADE_BY:
+        raise BadValue(f"{report} holds no report; {_AGAIN}")
+    wrong = next((name for name, fits in _TYPES.items() if not fits(told.get(name))), "")
+    if wrong:
+        raise BadValue(f"{wrong} in {report / folder.MANIFEST} is not as a build writes it; {_AGAIN}")
     return told
 
 
-def _check(told: Mapping[str, Any], report: Path) -> None:
+def _json(file: Path) -> Any:
+    try:
+        return json.loads(_text(file))
+    except (ValueError, RecursionError) as problem:
+        raise BadValue(f"{file} is no JSON ({type(problem).__name__}); {_AGAIN}") from None
+
+
+def _text(file: Path) -> str:
+    return files.text("file of the report", file, _LARGEST)
+
+
+def _check(told: Mapping[str, Any], report: Path, names: Sequence[str]) -> None:
     """Raises BadValue unless it is a whole default report of this version, of a commit, with nothing lost."""
-    absent = [name for name in told["files"] if not (report / name).is_file()]
+    absent = [name for name in (folder.PAGE, PACKAGE, *_FIGURES) if name not in names]
     lacking = sorted(
         {case.label for name in cases.names(hard=False) for case in cases.select(name)} - set(told["cases"])
     )
     version, commit = told["solvers"].get("reference"), told["commit"]
     problems = {
-        f"is without {', '.join(absent[:3])}": absent,
+        f"is without {', '.join(absent)}": absent,
         f"is of version {version}, and this is {cases.__version__}": version != cases.__version__,
         f"has no {', '.join(lacking[:3])}": lacking,
         f"was made with {told['options']}": told["options"],
-        "has no timings": "tables/time_to_accuracy.csv" not in told["files"],
+        "has no timings": "tables/time_to_accuracy.csv" not in names,
         "lost calls to something outside": told["lost"],
         "does not say which commit it is of": not commit,
         "was made of files that differ from their commit": commit.endswith("+"),
-        "does not say what was installed": not told.get("installed"),
-        f"has no headline picture of {CASE}": CASE not in (report / _FIGURES[1]).read_text(encoding="utf-8"),
+        "does not say what was installed": not told["installed"],
+        f"has no headline picture of {CASE}": not absent and CASE not in _text(report / _FIGURES[1]),
     }
     problem = next((words for words, is_so in problems.items() if is_so), "")
     if problem:
@@ -140,11 +175,17 @@ def _by_itself(page: str, kept: Sequence[str]) -> str:
     return page
 
 
-def _described(package: dict[str, Any], told: Mapping[str, Any], place: Path) -> dict[str, Any]:
-    """The data package with version, licence and the digests of its tables."""
+def _described(package: Any, told: Mapping[str, Any], place: Path, names: Sequence[str]) -> dict[str, Any]:
+    """The data package with version, licence and the digests of its tables; raises BadValue for one that says anything
+    but which tables there are."""
+    given = package.get("resources") if isinstance(package, dict) else None
+    if not isinstance(given, list) or not all(
+        isinstance(one, dict) and f"tables/{one.get('path')}" in names for one in given
+    ):
+        raise BadValue(f"{PACKAGE} is not as a build writes it; {_AGAIN}")
     head = {
         "$schema": "https://datapackage.org/profiles/2.0/datapackage.json",
-        "name": package["name"],
+        "name": package.get("name"),
         "title": "slip-to-roll: how wrong is your friction?",
         "description": f"Tables of the report of version {cases.__version__}, made by `{told['command']}`.",
         "version": cases.__version__,
@@ -154,7 +195,7 @@ def _described(package: dict[str, Any], told: Mapping[str, Any], place: Path) ->
     tables = place / "tables"
     resources = [
         one | {"bytes": (tables / one["path"]).stat().st_size, "hash": f"sha256:{digest(tables / one['path'])}"}
-        for one in package["resources"]
+        for one in given
     ]
     return head | {"resources": resources}
 
@@ -184,16 +225,21 @@ def headline(place: Path) -> str:
 def numbers(place: Path) -> tuple[str, str, str, str]:
     """The time (s) at which the paper's disc begins to roll and its error bar (s), and by how much pymunk and Exudyn,
     native and as they come, miss it (ms)."""
-    truth = _row(place, "truth", case=CASE, event="1")
-    errors = [_row(place, "headline", case=CASE, solver=name, route="native") for name in ("pymunk", "exudyn")]
-    told = [abs(float(row["default_first_error"])) for row in errors]
-    pymunk, exudyn = (f"{1e3 * error:.2g}" for error in told)
-    return f"{float(truth['time']):.9f}", f"{float(truth['truth_error_bar']):.0e}", pymunk, exudyn
+    when, bar = (_number(place, "truth", name, case=CASE, event="1") for name in ("time", "truth_error_bar"))
+    error = {"table": "headline", "column": "default_first_error", "case": CASE, "route": "native"}
+    pymunk, exudyn = (abs(_number(place, **error, solver=name)) for name in ("pymunk", "exudyn"))
+    return f"{when:.9f}", f"{bar:.0e}", f"{1e3 * pymunk:.2g}", f"{1e3 * exudyn:.2g}"
 
 
-def _row(place: Path, table: str, **wanted: str) -> dict[str, str]:
-    with (place / "tables" / f"{table}.csv").open(encoding="utf-8", newline="") as file:
-        return next(row for row in csv.DictReader(file) if wanted.items() <= row.items())
+def _number(place: Path, table: str, column: str, **wanted: str) -> float:
+    """One number of a table; raises BadValue if it is not there."""
+    name = f"tables/{table}.csv"
+    rows = csv.DictReader(StringIO(_text(place / name), newline=""))
+    try:
+        row = next((row for row in rows if wanted.items() <= row.items()), {})
+        return finite(column, float(row.get(column) or ""))
+    except (ValueError, csv.Error):
+        raise BadValue(f"{name} of the report has no {column} for {', '.join(wanted.values())}; {_AGAIN}") from None
 
 
 def refresh(readme: Path, place: Path) -> None:
@@ -202,7 +248,7 @@ def refresh(readme: Path, place: Path) -> None:
     new, count = re.subn(f"{re.escape(BEGIN)}.*?{re.escape(END)}", lambda _: headline(place), text, flags=re.DOTALL)
     if count != 1:
         raise BadValue(f"{readme} has no part between {BEGIN} and {END}; put both lines where the picture belongs")
-    readme.write_text(new, encoding="utf-8")
+    write(readme, new)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

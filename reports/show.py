@@ -14,6 +14,7 @@ from typing import NamedTuple
 import cases
 from cases import BadValue, Case, Trajectory, lookup
 from cases.files import place
+from cases.owned_folder import check_new, written
 from cases.pictures import MADE_BY
 from cases.words import status
 
@@ -39,13 +40,14 @@ def run(words: Sequence[str]) -> None:
     picture = out or Path(f"{case.name}.png")
     if picture.suffix not in KINDS:
         raise BadValue(f"--out is {str(picture)!r}; give a file that ends in {', '.join(KINDS)}")
-    check_ours(picture, force)
+    check_free(picture, force)
     import reference
 
     motion = reference.simulate(case)
     picture.parent.mkdir(parents=True, exist_ok=True)
     metadata = {"Software" if picture.suffix == ".png" else "Creator": MADE_BY}
-    motion.plot().savefig(picture, metadata=metadata)
+    with written(picture, replace=force) as partial:
+        motion.plot().savefig(partial, metadata=metadata)
     print(facts(case, motion))
     print(f"picture: {picture}")
 
@@ -60,13 +62,10 @@ def case_of(command: str, words: Sequence[str], says: str) -> Asked:
     return Asked(lookup.named(given.CASE).one(getattr(given, "parameter=value")), out, given.force)
 
 
-def check_ours(path: Path, force: bool) -> None:
-    """Raises BadValue for a file that no command of the suite wrote, unless it may be written over, and for what cannot
-    be written."""
-    if path.is_dir():
-        raise BadValue(f"{path} is a folder; give another name with --out")
-    if path.exists() and not force and MADE_BY.encode() not in path.read_bytes():
-        raise BadValue(f"{path} is there and none of ours; give another name with --out, or --force to write over it")
+def check_free(path: Path, force: bool) -> None:
+    """Raises BadValue if a new file cannot be written: something is in its place (with `force` a file may be), or its
+    folder is closed."""
+    check_new(path, force)
     options.check_writable("--out", path, path.parent)
 
 

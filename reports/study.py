@@ -10,6 +10,7 @@ from cases import BadValue, lookup
 from cases.words import status
 
 from . import options, studies
+from .page import folder
 
 COMMAND = "reports.study"
 
@@ -40,7 +41,7 @@ def _work(words: list[str]) -> None:
     made = (case for text in texts for case in lookup.named(text).every(long=given.full))
     chosen = tuple({case.label: case for case in made}.values())
     request = studies.Request(chosen, solvers, given.full)
-    out = options.checked_out(given.out or given.NAME)
+    out = options.checked_out(given.out or given.NAME, folder.of_study)
     store = options.checked_store(given.store, out)
     with for_print(given.paper):
         _make(given.NAME, request, out, store, given.fresh, jobs, options.command(COMMAND, words))
@@ -50,7 +51,7 @@ def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
     from .drawing.files import embed_command, printed
-    from .page import dictionary, folder, text
+    from .page import dictionary, text
     from .page.manifest import manifest
     from .running import versions
     from .running.calls import Calls
@@ -58,7 +59,6 @@ def _make(
     from .running.store import Store
 
     store = Store(store_folder, fresh)
-    folder.rehearse(out)
     versions.make(request.solvers, lambda text: print(text, file=sys.stderr, flush=True))
     try:
         with Display() as display, Calls(jobs, store=store, progress=display) as calls:
@@ -68,7 +68,7 @@ def _make(
         raise KeyboardInterrupt(store.kept_words()) from None
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
-    with folder.written_whole(out) as place:
+    with folder.of_study(out).staged(whole=True) as place:
         files = text.write(result.frames, result.words, place, command, printed())
         files += dictionary.write(result.frames, result.words, place, command)
         for drawn in result.draw(place):

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from cases import BadValue, lookup
 from cases.errors import finite, whole
-from cases.files import place
 from cases.words import status
 
 from . import options
@@ -35,12 +33,9 @@ def _work(words: list[str]) -> None:
     solvers = [name for name in options.chosen_solvers(given.solver or ["reference"]) if name != "reference"]
     if versioned := next((name for name in solvers if "@" in name), ""):
         raise BadValue(f"a sweep runs what is installed, not {versioned}; reports.build has versions beside each other")
-    jobs, out = options.whole_jobs(given.jobs), place("folder of --out", given.out).resolve()
-    if out == Path.cwd() or out in Path.cwd().parents:
-        raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example sweep")
-    options.check_writable("--out", out, out if out.exists() else out.parent)
+    jobs = options.whole_jobs(given.jobs)
     width = None if given.refine is None else _width(given.refine, plan)
-    _sweep(plan, solvers, jobs, out, given, width, options.command(COMMAND, words))
+    _sweep(plan, solvers, jobs, given, width, options.command(COMMAND, words))
 
 
 def _plan(given, case: str, files: Sequence[str]):
@@ -85,7 +80,7 @@ def _width(text: str, plan) -> float:
     return width
 
 
-def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: float | None, command: str) -> None:
+def _sweep(plan, solvers: Sequence[str], jobs: int, given, width: float | None, command: str) -> None:
     """Make the rows, the boundaries and the maps, and say where they are."""
     from .drawing.files import embed_command
     from .running import cluster
@@ -93,25 +88,30 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, out: Path, given, width: flo
     from .sweeping import maps, refine, run
     from .sweeping.folder import Folder
 
+    out = options.checked_out(given.out, lambda path: Folder(path, given.fresh))
     if given.dask is not None:
         cluster.check(given.dask)
 
     ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not there
-    folder = Folder.opened(out, run.asked(plan, given.certify), given.fresh)
-    folder.tell({"command": command})
-    try:
-        with Display() as display:
-            machines = run.Machines(jobs, given.dask, display)
-            made = run.run(plan, folder, given.certify, machines)
-            engines: dict[str, str] = {}
-            for name in solvers:
-                engines |= run.run_engine(plan, folder, name, ways[name], machines)
-        edges = refine.run(plan, folder, width) if width is not None else None
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"what is done is in {out}; give the same command to go on") from None
-    counts = maps.counts(folder)
-    for drawn in maps.draw(plan, folder, engines, edges):
-        embed_command(out, drawn, command)
+    folder = Folder(out, given.fresh)
+    with folder.opened(run.asked(plan, given.certify)):
+        folder.tell({"command": command})
+        try:
+            with Display() as display:
+                machines = run.Machines(jobs, given.dask, display)
+                made = run.run(plan, folder, given.certify, machines)
+                engines: dict[str, str] = {}
+                for name in solvers:
+                    engines |= run.run_engine(plan, folder, name, ways[name], machines)
+            edges = refine.run(plan, folder, width) if width is not None else None
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f"what is done is in {out}; give the same command to go on") from None
+        counts = maps.counts(folder)
+        with folder.staged() as place:
+            pictures = [*maps.draw(plan, folder, place, engines, edges)]
+            for drawn in pictures:
+                embed_command(place, drawn, command)
+    for drawn in pictures:
         print(f"{drawn.title}: {out / f'{drawn.name}.svg'}")
     print(f"{len(plan)} scenarios of {plan.name}, {made} of them made now; rows: {out / run.ROWS}")
     for what, count in counts.most_common(12):

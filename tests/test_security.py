@@ -13,6 +13,7 @@ import cases
 from adapters.common import exported
 from cases import CaseError, Curve, Load, kept, lookup, trial
 from cases.effects import MOTION
+from cases.owned_folder import LIST, digest
 from reports import compare_builds
 from reports.analysis.columns import Table
 from reports.page import folder, text
@@ -124,10 +125,20 @@ def test_no_pickle_is_read_from_a_store_or_an_array(mark, tmp_path):
     assert store.Store(place).get("run", key, float) is None
 
 
+def rows_of(path: Path, asked: dict) -> list:
+    """The rows of somebody's sweep, whose list of files says of each that it is unchanged."""
+    names = [file for file in path.rglob("*") if file.is_file() and file.name != LIST]
+    entries = [f"{digest(file)}  {file.relative_to(path).as_posix()}\n" for file in names]
+    (path / LIST).write_text("".join(["# slip-to-roll sweep\n", *entries]))
+    folder = sweep_folder.Folder(path)
+    with folder.opened(asked):
+        return list(folder.rows("rows"))
+
+
 def test_no_file_of_a_strangers_report_sweep_or_submission_is_run(mark, tmp_path):
     """Each of their files holds a pickle, each attack in its turn, what is no text, nothing at all, or is a pipe."""
     report, sweep, hand_in = tmp_path / "report", tmp_path / "sweep", tmp_path / "engine" / "1.0"
-    ours = {"made_by": sweep_folder.MADE_BY, "asked": {"plan": 1}}
+    ours = {"asked": {"plan": 1}}
     for place, name, whole in (
         (report, "manifest.json", "{}"),
         (report, "tables/truth.csv", "case,event,time\na,1,0.1\n"),
@@ -139,7 +150,7 @@ def test_no_file_of_a_strangers_report_sweep_or_submission_is_run(mark, tmp_path
         (place / name).write_text(whole)
     reading = {
         report: lambda: compare_builds.told(compare_builds.compare(report, report), report, report),
-        sweep: lambda: list(sweep_folder.Folder.opened(sweep, ours["asked"], fresh=False).rows("rows")),
+        sweep: lambda: rows_of(sweep, ours["asked"]),
         hand_in: lambda: submissions.read(hand_in),
     }
     contents = [pickle.dumps(Bomb(mark)), b"\xff\x00\x1b[2J", b"", b"[" * 100_000]
@@ -171,10 +182,10 @@ def test_a_folder_with_an_odd_manifest_is_somebodys(tmp_path):
     (tmp_path / "mine.txt").write_text("precious")
     for odd in ("[" * 200_000, "9" * 5000, "{}", "nonsense", '{"files": 3}'):
         (tmp_path / "manifest.json").write_text(odd)
-        assert folder.foreign_file(tmp_path) != ""
+        refused(folder.of_report(tmp_path).check)
     (tmp_path / "manifest.json").unlink()
     os.mkfifo(tmp_path / "manifest.json")
-    assert folder.foreign_file(tmp_path) != ""
+    refused(folder.of_report(tmp_path).check)
 
 
 def test_a_record_says_nothing_about_what_code_runs(mark):

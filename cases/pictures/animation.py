@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import tempfile
 from base64 import b64encode
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from ..errors import BadValue, positive, unknown
+from ..owned_folder import written
 from . import MADE_BY, layout
 from . import scene as scenes
 from .layout import Scene
@@ -59,15 +61,16 @@ class Animation:
             data = b64encode(self.save(Path(folder) / "film.gif").read_bytes()).decode()
         return f'<img alt="{self._scene.label} moving" src="data:image/gif;base64,{data}">'
 
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | Path, replace: bool = True) -> Path:
         """Write the film; returns its path. Raises BadValue for another ending than .gif and .mp4, and for .mp4 where
-        ffmpeg is missing."""
+        ffmpeg is missing; FileExistsError, unless it may `replace` one, if the file exists; OSError if it cannot be
+        written, and then there is none."""
         path = Path(path)
         gif = _check_kind(path)
-        with styled():
+        with styled(), written(path, replace) as partial:
             figure, show = self._frames()
             times = np.linspace(self._motion.t[0], self._motion.t[-1], max(int(self.seconds * FRAMES_A_SECOND), 2))
-            (_save_gif if gif else _save_mp4)(path, figure, show, [float(time) for time in times])
+            (_save_gif if gif else _save_mp4)(partial, figure, show, [float(time) for time in times])
         return path
 
     def _speed(self) -> str:
@@ -185,7 +188,10 @@ def _save_gif(path: Path, figure: Picture, show: Callable[[float], None], times:
 
 def _save_mp4(path: Path, figure: Picture, show: Callable[[float], None], times: list[float]) -> None:
     writer = movies.FFMpegWriter(fps=FRAMES_A_SECOND, metadata={"comment": MADE_BY})
-    with writer.saving(figure, str(path), _DPI):
-        for time in times:
-            show(time)
-            writer.grab_frame()
+    try:
+        with writer.saving(figure, str(path), _DPI):
+            for time in times:
+                show(time)
+                writer.grab_frame()
+    except subprocess.CalledProcessError as problem:
+        raise OSError(f"ffmpeg could not write the film: {problem}") from None

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from ..owned_folder import written
 
 # What is drawn of a scene. The plate is slate, as the reference's curves are: its motion is the reference's unless
 # somebody says otherwise. Forces are amber, which no solver has.
@@ -52,10 +55,17 @@ class Picture(Figure):
         self.savefig(held, format="png", dpi=110, bbox_inches="tight")
         return held.getvalue()
 
-    def savefig(self, *args, **kwargs) -> None:
-        """As Matplotlib's, in the suite's style: text stays text."""
+    def savefig(self, fname, **kwargs) -> None:
+        """As Matplotlib's, in the suite's style: text stays text. A file is written whole or not at all."""
         with styled():
-            super().savefig(*args, **kwargs)
+            if not isinstance(fname, str | Path):
+                super().savefig(fname, **kwargs)
+                return
+            path = Path(fname)
+            if not path.suffix and not kwargs.get("format"):
+                path = path.with_name(f"{path.name}.{self.canvas.get_default_filetype()}")  # as Matplotlib does
+            with written(path) as partial:
+                super().savefig(partial, **kwargs)
 
 
 @contextmanager

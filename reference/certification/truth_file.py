@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from cases import Case, CaseError, Mode
+from cases import Case, CaseError, Mode, owned_folder
 
 from .bars import Bar
 from .certificate import Certificate, certify
@@ -36,9 +36,7 @@ def kept_or_new(case: Case, kept: bool = True) -> Certificate:
 def write(certificates: Sequence[Certificate], path: Path = TRUTH) -> None:
     """Keep certificates as data."""
     rows = [{**certificate.__dict__, "digest": _digest(certificate.__dict__)} for certificate in certificates]
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(rows, indent=1) + "\n")
-    partial.replace(path)  # whole or not at all: a rebuild may be stopped at any time
+    owned_folder.write(path, json.dumps(rows, indent=1) + "\n")  # a rebuild may be stopped at any time
 
 
 @lru_cache(maxsize=1)

@@ -31,7 +31,7 @@ _TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
 
 
 # File systems hold names of 255 bytes; a figure's begins with its kind.
-_NAME_BYTES = 160
+_READABLE_BYTES, _DIGITS = 150, 8
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,11 @@ class Drawn:
 
 
 def file_name(label: str) -> str:
-    """A case's label as part of a file name; of a long one the beginning, and what tells it from others."""
-    name = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("_")
-    if len(name.encode()) <= _NAME_BYTES:
-        return name
-    whole = hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()
-    return f"{name.encode()[: _NAME_BYTES - 9].decode(errors='ignore')}_{whole[:8]}"
+    """A case's label as part of a file name: what of it can be in one, and a digest of the exact label, so that no two
+    labels share a name, also where upper and lower case are the same."""
+    readable = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("._")
+    exact = hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()
+    return f"{readable.encode()[:_READABLE_BYTES].decode(errors='ignore')}_{exact[:_DIGITS]}"
 
 
 @contextmanager

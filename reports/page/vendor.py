@@ -15,6 +15,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from cases.owned_folder import write
+
 FOLDER = Path(__file__).parent / "vendor"
 ASKED, TOLD = FOLDER / "packages.json", FOLDER / "vendored.json"
 
@@ -26,8 +28,8 @@ def update(latest: bool = False) -> list[dict[str, Any]]:
     told = [_fetched(name, "latest" if latest else wish["version"], wish["files"]) for name, wish in asked.items()]
     for one in told:
         asked[one["package"]]["version"] = one["version"]
-    ASKED.write_text(json.dumps(asked, indent=1) + "\n", encoding="utf-8")
-    TOLD.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    for file, content in ((ASKED, asked), (TOLD, told)):
+        write(file, json.dumps(content, indent=1) + "\n")
     return told
 
 
@@ -48,7 +50,7 @@ def _fetched(name: str, version: str, files: dict[str, str]) -> dict[str, Any]:
             digests = {}
             for path, own in files.items():
                 data = held[path].read()  # type: ignore[union-attr]
-                (FOLDER / own).write_bytes(data)
+                write(FOLDER / own, data)
                 digests[own] = hashlib.sha256(data).hexdigest()
     return {
         "package": name,

@@ -1,9 +1,9 @@
 """Finished results on disk, one file each, so that a stopped build goes on where it was.
 
 A file is a zip archive with `record.json` (key, time, the record) and the bytes of the record's arrays: no pickle, a
-checksum on every part. It is written beside its place and moved there, so that it is whole or absent
-whenever a process ends, and two builds may use one store. (It is not flushed to the disk: a loss of power may cut it
-short, as its checksums then tell.) A file that cannot be read is as good as none.
+checksum on every part. It is whole or absent whenever a process ends, and two builds may use one store. (It is not
+flushed to the disk: a loss of power may cut it short, and its checksums then show that.) A file that cannot be read
+counts as absent.
 """
 
 from __future__ import annotations
@@ -12,15 +12,16 @@ import io
 import json
 import os
 import re
-import tempfile
 import zipfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from math import inf
 from pathlib import Path
 from typing import Any, TypeVar
 
-from . import scratch
+from cases import owned_folder
+
 from .fingerprint import Key, digest
 from .packing import pack, unpack
 from .records import now
@@ -30,8 +31,7 @@ T = TypeVar("T")
 # A dozen default reports; beyond it the results longest unused are removed.
 BOUND_BYTES = 2 * 2**30
 _FILE = re.compile(r"[a-z]+-[0-9a-f]{64}\.npz")
-_UNFINISHED = re.compile(r"\.unfinished-\w+")
-_OWN = rf"{_FILE.pattern}|{_UNFINISHED.pattern}|\.gitignore"
+_FOREIGN = re.compile(rf"(?!({_FILE.pattern}|\.gitignore|\.slip-to-roll-.*)$).*")
 _RECORD = "record.json"
 # The largest record is a case's figures, some megabytes; a few kilobytes that unfold to gigabytes are none.
 _MOST_BYTES = 2**28
@@ -56,9 +56,8 @@ class Store:
         """Why nothing can be kept here, in a sentence; "" if all is well. Makes the folder."""
         try:
             self._open()
-            handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
-            os.close(handle)
-            os.unlink(unfinished)
+            if self.folder is not None:
+                owned_folder.TemporaryFolder(self.folder).remove()
         except OSError as problem:
             return f"what is finished cannot be kept: {_sentence(problem)}; give --store with another folder"
         return ""
@@ -93,15 +92,7 @@ class Store:
             plain, arrays = pack(record, value)
             content = _archive({"key": key, "when": now(), "record": plain}, arrays)
             self._open()
-            handle, unfinished = tempfile.mkstemp(prefix=".unfinished-", dir=self.folder)
-            try:
-                with open(handle, "wb") as file:
-                    scratch.lock(file.fileno())
-                    file.write(content)
-                    file.flush()
-                    os.replace(unfinished, self._path(kind, key))
-            finally:
-                Path(unfinished).unlink(missing_ok=True)
+            owned_folder.write(self._path(kind, key), content, durable=False)
             self._put[kind] += 1
             self._used.add(self._path(kind, key))
         except (OSError, ValueError) as problem:  # also what an adapter gave that no file can hold
@@ -109,14 +100,8 @@ class Store:
 
     def trim(self, bound: int = BOUND_BYTES) -> None:
         """Remove the results longest unused, but none of this build's, until the others fit in `bound` bytes."""
-        files = sorted(self._listed(_FILE), key=lambda found: found[1].st_mtime)
-        size = sum(stat.st_size for _, stat in files)
-        for path, stat in files:
-            if size > bound and path not in self._used:
-                with suppress(OSError):  # what cannot be removed stays, and the size that is told says so
-                    path.unlink()
-                    size -= stat.st_size
-        scratch.sweep(path for path, _ in self._listed(_UNFINISHED))
+        if self.folder is not None:
+            owned_folder.remove_longest_unused(self.folder, _FILE, bound, inf, self._used)
 
     def told(self) -> dict[str, Any]:
         """What a manifest says of it."""
@@ -143,12 +128,12 @@ class Store:
 
     def size_words(self) -> str:
         """What it takes, and how to be rid of it."""
-        size = sum(stat.st_size for _, stat in self._listed(_FILE))
+        size = sum(about.st_size for _, about in self._listed(_FILE))
         return f"{self.folder} holds {size / 1e6:.0f} MB and may be deleted; --fresh runs all anew"
 
     def trouble(self) -> list[str]:
         """A line for each kind of thing that went wrong, or lies in the folder and is none of the store's."""
-        foreign = [path.name for path, _ in self._listed(re.compile(rf"(?!({_OWN})$).*"))]
+        foreign = [path.name for path, _ in self._listed(_FOREIGN)]
         told = {
             "could not be read, and made again": self._unreadable,
             "could not be kept": self._unwritten,
@@ -157,21 +142,12 @@ class Store:
         return [f"{fate}: {len(what)}, such as {what[0]}" for fate, what in told.items() if what]
 
     def _open(self) -> None:
-        if self.folder is not None:
+        if self.folder is not None and not self.folder.is_dir():
             self.folder.mkdir(parents=True, exist_ok=True)
-            ignore = self.folder / ".gitignore"
-            if not ignore.exists():
-                ignore.write_text("*\n")
+            owned_folder.write(self.folder / ".gitignore", "*\n")  # not into a folder of the user's
 
     def _listed(self, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
-        found = []
-        try:
-            for entry in os.scandir(self.folder) if self.folder else ():
-                if name.fullmatch(entry.name):
-                    found.append((Path(entry.path), entry.stat(follow_symlinks=False)))
-        except OSError:
-            pass  # no folder, or another build removes from it now: what is gone takes no room
-        return found
+        return owned_folder.listed(self.folder, name) if self.folder is not None else []
 
     def _path(self, kind: str, key: Key) -> Path:
         assert self.folder is not None

@@ -12,7 +12,6 @@ import re
 import subprocess
 import sys
 import sysconfig
-import tempfile
 import venv
 from collections.abc import Callable, Iterable
 from functools import lru_cache
@@ -23,7 +22,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.version import InvalidVersion, Version
 
-from cases import BadValue, kept
+from cases import BadValue, kept, owned_folder
 from cases.errors import UnknownName
 
 from . import code
@@ -86,7 +85,7 @@ def make(names: Iterable[str], say: Callable[[str], None]) -> None:
         say(f"{name}: its environment is made in {folder}, where it is kept; it may be deleted")
         problem = _make(needs(name), folder)
         if problem:
-            _failed(folder).write_text(problem, encoding="utf-8")
+            owned_folder.write(_failed(folder), problem)
             say(f"{name} is not installed: {problem}")
         else:
             _failed(folder).unlink(missing_ok=True)
@@ -146,8 +145,9 @@ def _make(package: Requirement, folder: Path) -> str:
     """Make an environment with a package, whole or not at all; why it could not be made, "" if it could."""
     try:
         folder.parent.mkdir(mode=0o700, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".", dir=folder.parent) as unfinished:
-            made = Path(unfinished, "made")
+        owned_folder.remove_leftovers(folder.parent)
+        with owned_folder.TemporaryFolder(folder.parent) as unfinished:
+            made = unfinished / "made"
             venv.EnvBuilder(symlinks=True, with_pip=True).create(made)
             lenders = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
             Path(_packages(made), "borrowed.pth").write_text("\n".join(lenders) + "\n")

@@ -14,7 +14,6 @@ import os
 import pickle
 import signal
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -24,9 +23,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from cases import kept
+from cases import kept, owned_folder
 
-from . import scratch, versions
+from . import versions
 from .code import is_adapters
 from .records import legible
 from .serving import BEGUN, Answer, serve
@@ -37,8 +36,6 @@ _STARTUP_SECONDS = 60.0
 _OWN_FAULTS = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, signal.SIGBUS, signal.SIGSYS}
 # One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-# Of folders in the system's temporary one: nobody else calls a folder so.
-_PREFIX = ".slip-to-roll-scratch-"
 # So few brief calls are over before another process has begun.
 _FEW = 40
 # The largest answer is a case's figures, some megabytes. What is no answer at all looks like a longer one.
@@ -52,8 +49,8 @@ class Pool:
 
     def __init__(self, jobs: int):
         self._jobs = jobs
-        scratch.sweep(Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"))
-        self._scratch = scratch.Folder(_PREFIX)
+        owned_folder.remove_leftovers()
+        self._scratch = owned_folder.TemporaryFolder()
         self._workers: list[_Worker] = []
 
     def begin(self, groups: Sequence[str]) -> None:

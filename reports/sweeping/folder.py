@@ -1,14 +1,11 @@
-"""The folder of a sweep: what was asked, and one Parquet file a part, each put there whole. What is there is done."""
+"""The folder of a sweep: what was asked, and a Parquet file for each part. A part that is there is done."""
 
 from __future__ import annotations
 
 import json
-import os
 import re
-import shutil
-import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,73 +13,54 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from cases import BadValue
+from cases.owned_folder import OwnedFolder
 
-MADE_BY = "slip-to-roll sweep"
 TOLD = "sweep.json"
 _PART = re.compile(r"part-(\d{12})\.parquet")
 
 
-@dataclass(frozen=True)
-class Folder:
+class Folder(OwnedFolder):
     """Where a sweep's rows are kept."""
 
-    path: Path
+    def __init__(self, path: Path, fresh: bool = False):
+        """`fresh`: the rows that are there will be deleted."""
+        claims = (TOLD, "*/part-*.parquet", "map*.svg", "map*.png", "boundary.parquet")
+        super().__init__(path, "sweep", claims, unread="" if fresh else claims[1])
+        self.fresh = fresh
 
-    @classmethod
-    def opened(cls, path: Path, asked: dict[str, Any], fresh: bool) -> Folder:
-        """A folder that is new, empty, or holds the same sweep, or any sweep if it is made `fresh`.
+    @contextmanager
+    def opened(self, asked: dict[str, Any]) -> Iterator[None]:
+        """Inside, the folder is this process's alone: a new or an empty one, or one that holds the same sweep.
 
-        Raises BadValue for one with anything else in it."""
-        folder = cls(path)
-        if path.exists() and not path.is_dir():
-            raise BadValue(f"--out is {path}, which is a file; give a folder")
-        there = folder._told()
-        if there is None and path.is_dir() and any(path.iterdir()):
-            raise BadValue(f"--out is {path}, which holds something else; give another folder")
-        if there is not None and fresh:
-            shutil.rmtree(path)
-            there = None
-        if there is not None:
-            other = _different(there.get("asked", {}), json.loads(json.dumps(asked)))
-            if other:
+        Raises BadValue for a folder that holds anything else (if it is to be `fresh`, any sweep will do), has a file of
+        the user's in the place of one of ours, or is written by another process."""
+        with self.locked(patience=0.0):
+            if self.fresh:
+                self.clear()
+            other = _different(self.told("asked"), json.loads(json.dumps(asked)))
+            if other and not self.is_empty:
                 raise BadValue(
-                    f"{path} holds another sweep ({other}); give another --out, or --fresh to forget that one"
+                    f"{self.path} holds another sweep ({other}); give another --out, or --fresh to delete its files"
                 )
-        else:
-            path.mkdir(parents=True, exist_ok=True)
-            folder.tell({"asked": asked})
-        return folder
+            self.tell({"asked": asked})
+            yield
 
-    def _told(self) -> dict[str, Any] | None:
+    def _told(self) -> dict[str, Any]:
         file = self.path / TOLD
         try:
-            told = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else None
+            told = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
         except (OSError, ValueError, RecursionError):
-            return None
-        ours = isinstance(told, dict) and told.get("made_by") == MADE_BY and isinstance(told.get("asked", {}), dict)
-        return told if ours else None
+            return {}
+        return told if isinstance(told, dict) else {}
 
     def told(self, name: str) -> Any:
         """What was noted under that name; None if nothing was."""
-        return (self._told() or {}).get(name)
+        return self._told().get(name)
 
     def tell(self, told: dict[str, Any]) -> None:
         """Note more of it."""
-        text = json.dumps({"made_by": MADE_BY, **(self._told() or {}), **told}, indent=1, ensure_ascii=False)
-        self._write(self.path / TOLD, (text + "\n").encode())
-
-    def _write(self, file: Path, content: bytes) -> None:
-        """At once and whole, or not at all."""
-        file.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=file.parent, prefix=".", suffix=".partial")
-        try:
-            with open(handle, "wb") as stream:
-                stream.write(content)
-            os.chmod(name, 0o644)
-            os.replace(name, file)
-        except BaseException:
-            os.unlink(name)
-            raise
+        text = json.dumps(self._told() | told, indent=1, ensure_ascii=False)
+        self.write(TOLD, (text + "\n").encode())
 
     def file(self, kind: str, start: int) -> Path:
         """The file of the part that begins with that scenario."""
@@ -96,11 +74,7 @@ class Folder:
 
     def put(self, kind: str, start: int, content: bytes) -> None:
         """Keep a part."""
-        self._write(self.file(kind, start), content)
-
-    def keep(self, name: str, content: bytes) -> None:
-        """Keep a file of that name."""
-        self._write(self.path / name, content)
+        self.write(self.file(kind, start).relative_to(self.path).as_posix(), content)
 
     def rows(self, kind: str, columns: list[str] | None = None) -> Iterator[pa.Table]:
         """The parts in the order of their scenarios, one at a time."""
@@ -117,8 +91,10 @@ class Folder:
             yield part
 
 
-def _different(there: dict[str, Any], asked: dict[str, Any]) -> str:
+def _different(there: Any, asked: dict[str, Any]) -> str:
     """The first thing in which two sweeps differ; "" if they are the same."""
+    if not isinstance(there, dict):
+        return f"{TOLD} does not say which"
     for name in asked:
         if there.get(name) != asked[name]:
             return f"{name} {_short(there.get(name))}, not {_short(asked[name])}"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -81,17 +82,17 @@ def counts(folder: Folder) -> Counter[str]:
     return found
 
 
-def draw(plan: Plan, folder: Folder, engines: Mapping[str, str], edges: Any = None) -> Iterator[Drawn]:
-    """Write the pictures into the sweep's folder; `engines`: kinds of rows and their titles."""
+def draw(plan: Plan, folder: Folder, place: Path, engines: Mapping[str, str], edges: Any = None) -> Iterator[Drawn]:
+    """Write the pictures of a sweep into the folder `place`; `engines`: kinds of rows and their titles."""
     if len(plan.axes) == 1:
-        yield save(_curve(plan, folder), folder.path, "map", "", f"{plan.name} over {plan.axes[0].name}", "", png=True)
+        yield save(_curve(plan, folder), place, "map", "", f"{plan.name} over {plan.axes[0].name}", "", png=True)
         return
     how = _caption(plan)
     figure = of_reference(plan, folder, edges)
-    yield save(figure, folder.path, "map", "", f"What follows: {plan.name}", f"Lines: when, s. {how}", png=True)
+    yield save(figure, place, "map", "", f"What follows: {plan.name}", f"Lines: when, s. {how}", png=True)
     for rows, title in engines.items():
         figure = of_engine(plan, folder, rows, title)
-        yield save(figure, folder.path, f"map_{rows}", "", f"{title}: wrong verdicts and errors", how, png=True)
+        yield save(figure, place, f"map_{rows}", "", f"{title}: wrong verdicts and errors", how, png=True)
 
 
 def of_reference(plan: Plan, folder: Folder, edges: Any = None, marks: Sequence[Mark] = ()) -> Figure:

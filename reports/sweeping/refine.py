@@ -78,7 +78,7 @@ def run(plan: Plan, folder: Folder, width: float) -> Edges:
     columns |= {
         name: np.array([pair[i] for pair in edges.kinds], dtype=object) for i, name in enumerate(("low", "high"))
     }
-    folder.keep(FILE, parts.packed(pa.table(columns)))
+    folder.write(FILE, parts.packed(pa.table(columns)))
     return edges
 
 

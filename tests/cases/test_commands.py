@@ -330,6 +330,27 @@ def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
     )
 
 
+@pytest.mark.parametrize(
+    ("words", "file"),
+    [
+        (["new", "my_valley"], "my_valley.py"),
+        (["show", "disc_on_line"], "disc_on_line.png"),
+        (["export", "disc_on_line"], "disc_on_line/outline.csv"),
+    ],
+)
+def test_a_file_that_is_there_is_overwritten_only_by_force(desk, capsys, words, file):
+    """Whoever wrote it, whatever it says, and whatever stands beside it."""
+    (desk / file).parent.mkdir(exist_ok=True)
+    (desk / file).write_text("my notes on slip-to-roll")
+    if words[0] == "export":
+        (desk / "disc_on_line" / "scene.json").write_text('{"made_by": "slip-to-roll export"}')
+    assert "exists already; give another name, or --force to overwrite it" in refused(capsys, *words)
+    assert (desk / file).read_text() == "my notes on slip-to-roll"
+    assert run(capsys, *words, "--force")[0] == 0
+    assert (desk / file).stat().st_size > 100
+    assert "exists already" in refused(capsys, *words)
+
+
 def test_a_suite_that_is_not_installed_says_how_to_show(capsys, monkeypatch):
     monkeypatch.setattr("cases.commands.entry_points", lambda group, name: [])
     assert "python -m reports.show" in refused(capsys, "show", "disc_on_line")

@@ -13,6 +13,8 @@ import sympy as sp
 
 from cases import Curve, kept
 
+from ..full_disk import full_disk
+
 X, Y = sp.symbols("x y")
 FORMULA = X**2 + sp.sin(Y) / 3
 
@@ -174,13 +176,10 @@ def test_modules_that_cannot_be_read_stop_nothing(folder, monkeypatch, caplog):
     assert "nothing is kept: no access" in caplog.text
 
 
-def test_a_folder_that_cannot_be_written_to_stops_nothing(folder, monkeypatch, caplog):
-    def full(*_, **__):
-        raise OSError("no space left")
-
-    monkeypatch.setattr(kept.tempfile, "mkstemp", full)
-    assert asked(folder) == ("made", True)
-    assert "no space left" in caplog.text
+def test_a_full_disk_stops_nothing(folder, caplog):
+    with full_disk():
+        assert asked(folder) == ("made", True)
+    assert "File too large" in caplog.text and not list(folder.iterdir())
 
 
 def test_the_oldest_goes_when_there_is_too_much(folder, monkeypatch):
@@ -195,6 +194,18 @@ def test_the_oldest_goes_when_there_is_too_much(folder, monkeypatch):
             assert not asked(folder, decided_by=0)[1], "what is used is not old"
     assert sum(file.stat().st_size for file in folder.iterdir()) <= 4000
     assert asked(folder, decided_by=1)[1]
+
+
+def test_files_of_the_users_in_the_folder_stay(folder, monkeypatch):
+    asked(folder)
+    theirs = [folder / name for name in (".gitignore", ".notes", "thesis.kept", "letter.txt")]
+    for file in theirs:
+        file.write_text("precious")
+        os.utime(file, (0, 0))
+    monkeypatch.setattr(kept, "LARGEST_BYTES", 0)
+    monkeypatch.setattr(kept, "_written", -1)
+    asked(folder, decided_by="another")
+    assert sorted(folder.iterdir()) == sorted(theirs)
 
 
 def _many(folder: Path, count: int) -> list:

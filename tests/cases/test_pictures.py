@@ -16,6 +16,8 @@ from cases.pictures import animation, plots
 from cases.pictures.layout import CORNERS
 from reports import animate
 
+from ..full_disk import full_disk
+
 CASE = cases.load("disc_in_circle", mu=0.2)
 MOTION = reference.simulate(CASE)
 
@@ -71,6 +73,11 @@ def test_a_picture_has_the_quantities_that_were_asked_for_and_a_line_at_each_tra
         picture.savefig(tmp_path / f"motion.{ending}")
         assert (tmp_path / f"motion.{ending}").stat().st_size > 5000
     assert "<text" in (tmp_path / "motion.svg").read_text()  # text stays text
+    picture.savefig(tmp_path / "motion", dpi=20)  # as Matplotlib has it: a PNG, and called so
+    picture.savefig(tmp_path / "motion.picture", format="png", dpi=20)
+    assert {file.name for file in tmp_path.iterdir()} == {
+        f"motion.{ending}" for ending in ("svg", "pdf", "png", "picture")
+    }
     with pytest.raises(UnknownName, match="normal_force"):
         MOTION.plot("normal_froce")
 
@@ -89,6 +96,34 @@ def test_a_film_shows_the_plate_where_it_is(tmp_path, monkeypatch):
     monkeypatch.setattr(animation, "FRAMES_A_SECOND", 2)
     with Image.open(film.save(tmp_path / "film.gif")) as pictures:
         assert pictures.n_frames == int(film.seconds * 2)
+
+
+@pytest.mark.parametrize("before", [None, "old"])
+@pytest.mark.parametrize("name", ["film.gif", "motion.csv", "motion.png", "motion.svg"])
+def test_on_a_full_disk_there_is_the_old_file_or_none(name, before, tmp_path, monkeypatch):
+    monkeypatch.setattr(animation, "FRAMES_A_SECOND", 1)
+    write = {
+        "film.gif": lambda path: MOTION.animate().save(path),
+        "motion.csv": lambda path: MOTION.to_csv(path),
+        "motion.png": lambda path: MOTION.plot().savefig(path),
+        "motion.svg": lambda path: MOTION.plot().savefig(path),
+    }[name]
+    file = tmp_path / name
+    if before:
+        file.write_text(before)
+    with full_disk(free=5000), pytest.raises(OSError, match="File too large"):
+        write(file)
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == ([(name, before)] if before else [])
+    write(file)
+    assert file.stat().st_size > 5000
+
+
+def test_a_command_on_a_full_disk_says_so_and_leaves_no_film(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(animation, "FRAMES_A_SECOND", 1)
+    monkeypatch.chdir(tmp_path)
+    with full_disk(free=5000):
+        assert animate.main(["disc_on_line", "mu=0.1"]) == 1
+    assert "File too large" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(("lasts", "factor"), [(2.5, 1), (8, 1), (60, 10), (1e-3, 2e-4), (3600, 500)])

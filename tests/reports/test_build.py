@@ -10,18 +10,22 @@ import subprocess
 import sys
 import threading
 import time
+import unicodedata
 from html import escape
 from pathlib import Path
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 import cases
 from adapters import Setting
+from cases.owned_folder import LIST
 from reports import build, options
 from reports.analysis import tables
 from reports.drawing import files
 from reports.page import folder, text
-from reports.running import scratch, solvers
+from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
 
 from .. import fake_adapter
@@ -83,7 +87,7 @@ def test_a_folder_that_is_no_report_is_left_alone(manifest, tmp_path, capsys):
         (tmp_path / "manifest.json").write_text(manifest)
     before = sorted(tmp_path.iterdir())
     assert build.main(["--out", str(tmp_path)]) == 2
-    assert "no part of a report" in capsys.readouterr().err
+    assert "and is no report; give another folder" in capsys.readouterr().err
     assert sorted(tmp_path.iterdir()) == before and (tmp_path / "mine.txt").read_text() == "precious"
 
 
@@ -154,9 +158,8 @@ def report(tmp_path_factory):
 
 
 def test_report_has_every_promised_file_and_no_other(report):
-    manifest = json.loads((report / "manifest.json").read_text())
-    files = {p.relative_to(report).as_posix() for p in report.rglob("*") if p.is_file()}
-    assert files == set(manifest["files"])
+    files = {*folder.of_report(report).names()}
+    assert holds(report) == files | {LIST}
     promised = {"index.html", "manifest.json", "figures/headline.png"}
     promised |= {f"tables/{name}.{kind}" for name in tables.TABLES for kind in ("csv", "md")}
     promised |= {"tables/columns.md", "tables/datapackage.json"}
@@ -237,72 +240,39 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
     assert [p.name for p in report.parent.iterdir()] == ["report"]
 
 
-def test_what_a_killed_build_left_is_removed_and_what_another_writes_now_is_not(tmp_path):
-    left, other = tmp_path / ".report.killed.partial", tmp_path / ".report.mine"
-    for place in (left, other):
-        (place / "figures").mkdir(parents=True)
-    young = scratch.Folder(".report.", ".partial", tmp_path)
-    folder.sweep(tmp_path / "report")
-    assert not left.exists() and other.exists() and young.path.exists()
-    young.remove()
-
-
-def whole(place: Path, text: str, *more: str) -> None:
-    """A report of few words."""
-    for name in ("index.html", "tables/a.csv", *more):
-        (place / name).parent.mkdir(exist_ok=True)
-        (place / name).write_text(text)
-    folder.sign(place, {})
-
-
 def holds(place: Path) -> set[str]:
     return {path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file()}
-
-
-@pytest.mark.parametrize("fails", ["", "copy"])
-def test_where_a_folder_cannot_be_renamed_the_report_is_copied(fails, tmp_path, monkeypatch):
-    out = tmp_path / "mount"
-    with folder.written_whole(out) as place:
-        whole(place, "old", "figures/old.svg")
-
-    def rename(self, target):
-        raise OSError(errno.EBUSY, "Device or resource busy")  # what a mount point answers
-
-    monkeypatch.setattr(Path, "rename", rename)
-    if fails:  # half-way: what is there is no report, and the next one may take its place
-        with monkeypatch.context() as patch, pytest.raises(OSError), folder.written_whole(out) as place:
-            whole(place, "half")
-            patch.setattr(shutil, "copyfile", lambda *_: rename(*_))
-        assert not (out / "index.html").exists() and folder.foreign_file(out) == ""
-    with folder.written_whole(out) as place:
-        whole(place, "new", "figures/new.svg")
-    assert holds(out) == {"index.html", "tables/a.csv", "figures/new.svg", "manifest.json"}
-    assert (out / "index.html").read_text() == "new" and folder.foreign_file(out) == ""
-    assert "unfinished" not in json.loads((out / "manifest.json").read_text())
-    assert [path.name for path in tmp_path.iterdir()] == ["mount"]
 
 
 def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path, monkeypatch, capsys):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(folder.scratch, "Folder", full)
+    monkeypatch.setattr(options, "TemporaryFolder", full)
     argv = ["--out", str(tmp_path / "report"), "--store", str(tmp_path / "store"), "--case", "disc_on_line", "--quick"]
     monkeypatch.setattr("reports.running.experiment.run", lambda *_: pytest.fail("it ran something"))
-    assert build.main(argv) == 1
-    assert "cannot write the report: [Errno 28] No space left" in capsys.readouterr().err
+    assert build.main(argv) == 2
+    assert "cannot be written to (No space left on device); give another folder" in capsys.readouterr().err
 
 
 def test_names_of_files_fit_in_every_file_system():
     long = "case[" + ",".join(f"parameter_{i}=0.1" for i in range(40)) + "]"
     names = {files.file_name(long), files.file_name(long + "2"), files.file_name("µ" * 300)}
     assert len(names) == 3 and all(len(f"work_precision_{name}.svg".encode()) < 255 for name in names)
-    assert files.file_name("disc_on_line[mu=0.1]") == "disc_on_line_mu_0.1"
+    assert re.fullmatch(r"disc_on_line_mu_0\.1_[0-9a-f]{8}", files.file_name("disc_on_line[mu=0.1]"))
+
+
+@given(st.lists(st.text(alphabet="aA+-=./_ é\u0301e[]", max_size=12), min_size=2, max_size=12, unique=True))
+@example(["slope +0.3", "slope =0.3"])
+@example(["Slope", "slope"])
+@example(["\u00e9", "e\u0301"])  # one letter for file systems that compose
+@example(["", "_"])
+def test_no_two_labels_share_a_name(labels):
+    names = [unicodedata.normalize("NFC", files.file_name(label)).casefold() for label in labels]
+    assert len({*names}) == len(labels) and not any("/" in name or name.startswith(".") for name in names)
 
 
 def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report, tmp_path, capsys):
-    import shutil
-
     out = tmp_path / "report"
     shutil.copytree(report, out)
     argv = ["--out", str(out), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
@@ -377,7 +347,7 @@ def test_every_failure_is_a_row_told_as_what_it_was(failing):
 
 def test_a_report_of_failures_is_complete(failing):
     told = json.loads((failing / "manifest.json").read_text())
-    assert {p.relative_to(failing).as_posix() for p in failing.rglob("*") if p.is_file()} == set(told["files"])
+    assert holds(failing) == {*folder.of_report(failing).names(), LIST}
     assert told["solvers"] == {"fake": "1.0", "ghost": "not_installed: no_such_engine"}
     page = (failing / "index.html").read_text()
     for _, reason in FATES.values():

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 
 import cases
+from cases.owned_folder import LIST, digest
 from reports import compare_builds, options, publish
 from reports.page import folder
 
@@ -37,9 +38,8 @@ def test_the_last_release_is_this_version_or_an_older_one():
 
 
 def test_nothing_of_it_was_edited_or_lost():
-    told = MANIFEST["sha256"]
-    assert {path.relative_to(LAST).as_posix() for path in LAST.rglob("*") if path.is_file()} == {*told, "manifest.json"}
-    assert {name: publish.digest(LAST / name) for name in told} == told
+    names = folder.of_report(LAST, "release").names()
+    assert {path.relative_to(LAST).as_posix() for path in LAST.rglob("*") if path.is_file()} == {*names, LIST}
     page = (LAST / "index.html").read_text(encoding="utf-8")
     linked = set(re.findall(r'(?:href|src)="((?:tables|figures)/[^"]+|manifest\.json)"', page))
     assert len(linked) > 10 and all((LAST / name).is_file() for name in linked)
@@ -95,17 +95,28 @@ def test_what_is_cited_and_packed_is_the_last_release():
 
 @pytest.fixture
 def report(tmp_path):
+    return made_report(tmp_path / "report")
+
+
+def made_report(made: Path) -> Path:
     """A copy of the published report as a build would have left it, of the version that runs here."""
-    made = tmp_path / "report"
-    shutil.copytree(LAST, made)
-    (made / "constraints.txt").unlink()
-    told = {name: value for name, value in MANIFEST.items() if name not in ("sha256", "licence")}
-    told["files"] = [name for name in told["files"] if name != "constraints.txt"]
+    told = {name: value for name, value in MANIFEST.items() if name not in ("sha256", "licence", "files")}
     told["solvers"] |= {"reference": cases.__version__}
     told["cases"] = {case.label: {} for name in cases.names(hard=False) for case in cases.select(name)}
-    (made / "manifest.json").write_text(json.dumps(told))
-    (made / "figures" / "headline.svg").write_text(publish.CASE)
+    with folder.of_report(made).staged(whole=True) as place:
+        shutil.copytree(LAST, place, dirs_exist_ok=True, ignore=shutil.ignore_patterns("constraints.txt", LIST))
+        (place / "manifest.json").write_text(json.dumps(told))
+        (place / "figures" / "headline.svg").write_text(publish.CASE)
     return made
+
+
+def changed(report: Path, name: str, content: str | bytes | None) -> None:
+    """Another content of a file, or none, as if a build had written it so."""
+    made = folder.of_report(report)
+    with made.locked():
+        made.remove([name])
+        if content is not None:
+            made.write(name, content if isinstance(content, bytes) else content.encode())
 
 
 def test_a_report_is_kept_whole_and_again_in_its_own_place(report, tmp_path, capsys):
@@ -115,7 +126,7 @@ def test_a_report_is_kept_whole_and_again_in_its_own_place(report, tmp_path, cap
         assert place.name == cases.__version__ and str(place) in capsys.readouterr().out
     assert compare_builds.compare(report, place).same
     assert (place / "index.html").read_bytes() == (report / "index.html").read_bytes()
-    assert folder.foreign_file(place) == ""
+    assert (place / "index.html").relative_to(place).as_posix() in folder.of_report(place, "release").names()
 
 
 def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
@@ -140,15 +151,72 @@ def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
         ({"lost": ["a run"]}, "lost"),
         ({"installed": {}}, "what was installed"),
         ({"solvers": {"reference": "0.0.1"}}, "is of version 0.0.1"),
-        ({"files": ["nowhere.csv"]}, "is without nowhere.csv"),
     ],
 )
 def test_what_may_not_stand_for_a_release_is_told_in_one_sentence(change, said, report, tmp_path, capsys):
-    file = report / "manifest.json"
-    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    changed(report, "manifest.json", json.dumps(json.loads((report / "manifest.json").read_text()) | change))
+    assert said in refused(report, tmp_path, capsys)
+
+
+def refused(report: Path, tmp_path: Path, capsys) -> str:
+    """The sentence with which a report is refused; nothing is published."""
     assert publish.main([str(report), "--out", str(tmp_path / "results")]) == 2
     told = capsys.readouterr().err
-    assert said in told and told.count("\n") == 1 and not (tmp_path / "results").exists()
+    assert told.count("\n") == 1 and not list((tmp_path / "results").glob("*/*"))
+    return told
+
+
+# --- a report from anybody --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["../secret.txt", "tables/../../secret.txt", "{}/secret.txt", "figures/link.svg"])
+def test_no_file_outside_the_report_is_published(name, report, tmp_path, capsys):
+    """Whatever the manifest, the list of files and links say."""
+    (tmp_path / "secret.txt").write_text("precious")
+    name = name.format(tmp_path)
+    if "link" in name:
+        (report / name).symlink_to(tmp_path / "secret.txt")
+    with (report / LIST).open("a") as file:
+        file.write(f"{digest(tmp_path / 'secret.txt')}  {name}\n")
+    if "link" in name:
+        assert "has changed since it was written" in refused(report, tmp_path, capsys)
+    else:
+        assert publish.main([str(report), "--out", str(tmp_path / "results")]) == 0
+    published = [path for path in (tmp_path / "results").rglob("*") if path.is_file()]
+    assert not [path for path in published if path.read_bytes() == b"precious"]
+
+
+ODD = [None, True, 3, -1.5e300, "", "\ud800", "a\nb==1", [], [[]], ["x"], {}, {"a": {"b": []}}, {"../a": "../b"}]
+
+
+@pytest.mark.parametrize("name", [*publish._TYPES, "made_by"])
+def test_odd_values_of_a_manifest_give_one_sentence(name, report, tmp_path, capsys):
+    told = json.loads((report / "manifest.json").read_text())
+    right = {"options": [""], "cases": [], "lost": [[]]}.get(name, [])
+    for odd in ODD:
+        if odd in right or isinstance(odd, str) and odd.isprintable() and name in ("python", "command", "made_at"):
+            continue
+        changed(report, "manifest.json", json.dumps(told | {name: odd}))
+        refused(report, tmp_path, capsys)
+    changed(report, "manifest.json", json.dumps({key: value for key, value in told.items() if key != name}))
+    refused(report, tmp_path, capsys)
+
+
+TEXTS = ["", "[]", "3", "null", "[" * 100_000, "9" * 5000, "\ud800", '{"resources": 3}', '{"resources": [3]}',
+         '{"resources": [{"path": "../../secret.txt"}]}', '{"resources": [{"path": ["a"]}]}', b"\xff\x00"]  # fmt: skip
+HEADS = ["case,event\n", "case,case\na,b,c,d\n", "case,event,time,truth_error_bar\ndisc_in_circle[mu=0.2],1,soon,nan\n"]
+
+
+@pytest.mark.parametrize("name", ["manifest.json", publish.PACKAGE, "tables/truth.csv", "tables/headline.csv"])
+def test_an_odd_file_gives_one_sentence(name, report, tmp_path, capsys):
+    texts = TEXTS + (HEADS + ['"' + "x" * 200_000] if name.endswith("csv") else [])
+    for text in texts:
+        changed(report, name, text if isinstance(text, bytes) else text.encode(errors="surrogatepass"))
+        refused(report, tmp_path, capsys)
+    (report / name).write_text("edited")
+    assert "has changed since it was written" in refused(report, tmp_path, capsys)
+    (report / name).unlink()
+    assert f"is without {name}" in refused(report, tmp_path, capsys)
 
 
 def test_a_readme_without_a_place_for_the_picture_is_left_alone(tmp_path):

@@ -18,6 +18,7 @@ from reports.judging.ledger import LedgerRow
 from reports.running.records import Run, Truth
 from reports.running.store import Store
 
+from ..full_disk import full_disk
 from .identical import identical
 
 ROOT = Path(__file__).parents[2]
@@ -209,7 +210,7 @@ def test_a_folder_in_a_file_s_place_is_told_and_left(tmp_path):
         "could not be read, and made again",
         "could not be kept",
     ]
-    assert [path for path in tmp_path.iterdir() if path.name.startswith(".unfinished")] == []
+    assert [path for path in tmp_path.iterdir() if path.name.startswith(".slip-to-roll")] == []
 
 
 def test_files_of_others_are_told_and_left(tmp_path):
@@ -219,6 +220,22 @@ def test_files_of_others_are_told_and_left(tmp_path):
     store.trim(bound=0)
     assert store.trouble() == ["not its own, and left alone: 1, such as thesis.tex"]
     assert (tmp_path / "thesis.tex").read_text() == "precious"
+
+
+def test_a_folder_of_the_users_gets_no_list_of_what_git_ignores(tmp_path):
+    (tmp_path / "thesis.tex").write_text("precious")
+    store = Store(tmp_path)
+    assert store.problem() == ""
+    store.put("run", KEY, RUN, Run)
+    assert not (tmp_path / ".gitignore").exists()
+
+
+def test_a_full_disk_is_told_and_leaves_no_file(tmp_path):
+    store = Store(tmp_path / "s")
+    assert store.problem() == ""
+    with full_disk(free=100):
+        store.put("run", KEY, RUN, Run)
+    assert store.trouble()[0].startswith("could not be kept: 1") and not list((tmp_path / "s").glob("*run*"))
 
 
 def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
@@ -266,9 +283,8 @@ def test_room_is_made_by_removing_what_was_longest_unused_but_nothing_of_this_bu
         Store(tmp_path).put("run", {"i": i}, RUN, Run)
         files += set(tmp_path.glob("run-*")) - set(files)
         os.utime(files[i], (1e9 + i, 1e9 + i))
-    half = tmp_path / ".unfinished-killed"
+    half = tmp_path / f".slip-to-roll-{16 * '0'}.partial"
     half.write_bytes(b"half")
-    os.utime(half, (1e9, 1e9))
     store = Store(tmp_path)
     assert store.get("run", {"i": 0}, Run) is not None
     store.trim(bound=2 * max(file.stat().st_size for file in files))

@@ -48,6 +48,40 @@ def test_a_sweep_writes_rows_and_a_map_and_goes_on_where_it_was(tmp_path, monkey
     assert before == {file: file.stat().st_mtime_ns for file in out.glob("rows/*")}
 
 
+def test_a_fresh_sweep_deletes_its_own_files_and_none_of_the_users(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    few = ["disc_on_line", "--vary", "mu=0.1:0.2:2", "--vary", "v0=1:2:2"]
+    assert sweep.main([*few, "--refine", "0.01"]) == 0
+    out = tmp_path / "sweep"
+    theirs = [out / "analysis.ipynb", out / "rows" / "notes.txt", out / "mine" / "map.svg"]
+    theirs[2].parent.mkdir()
+    for file in theirs:
+        file.write_text("precious")
+    assert (out / "boundary.parquet").exists()
+    assert sweep.main([*few[:-1], "v0=1:3:2", "--fresh"]) == 0
+    assert all(file.read_text() == "precious" for file in theirs)
+    assert not (out / "boundary.parquet").exists() and set(rows_of(out).column("v0").to_pylist()) == {1.0, 3.0}
+    # A picture that the user has worked on, and notes in the place of the next one.
+    for name in ("map.svg", "map_pymunk.native.svg"):
+        (out / name).write_text("precious")
+        capsys.readouterr()
+        assert sweep.main([*few, "--fresh"]) == 2
+        told = capsys.readouterr().err
+        assert f"{name} was not written by this command, or has changed since; move it, or give another --out" in told
+        assert (out / name).read_text() == "precious" and rows_of(out).num_rows == 4
+        (out / name).unlink()
+
+
+def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    few = ["disc_on_line", "--vary", "mu=0.1:0.2:2"]
+    assert sweep.main(few) == 0
+    (tmp_path / "sweep" / "sweep.json").unlink()
+    assert sweep.main(few) == 2
+    assert "holds another sweep (sweep.json does not say which)" in capsys.readouterr().err
+    assert sweep.main([*few, "--fresh"]) == 0
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -73,7 +107,10 @@ def test_a_sweep_writes_rows_and_a_map_and_goes_on_where_it_was(tmp_path, monkey
         ),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--dask", "nonsense"], "missing port number in address 'nonsense'"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "."], "where you are working"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "mine"], "which holds something else"),
+        (
+            ["disc_in_circle", "--vary", "mu=0:1:3", "--out", "mine"],
+            "holds letter.txt and is no sweep; give another folder",
+        ),
     ],
 )
 def test_what_makes_no_sense_is_said_in_one_line_before_anything_runs(words, sentence, tmp_path, monkeypatch, capsys):

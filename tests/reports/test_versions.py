@@ -156,7 +156,7 @@ def test_tables_of_solvers_tell_their_versions():
 
 def test_environments_outlive_what_is_trimmed_of_the_cache(cache, monkeypatch):
     (cache / "versions").mkdir()
-    (cache / "old.kept").write_bytes(b"x" * 100)
+    (cache / f"{64 * '0'}.kept").write_bytes(b"x" * 100)
     monkeypatch.setattr(kept, "LARGEST_BYTES", 1)
     kept._trim(cache)
     assert [path.name for path in cache.iterdir()] == ["versions"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.running import scratch, workers
+from reports.running import workers
 
 from .called import ends_itself_at_first, grow, misbehave, prepared, round_up, waits, whose
 
@@ -121,16 +121,6 @@ def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
     assert left.exists()
     workers.Pool(1).close()
     assert not left.exists(), "the next one sweeps what a killed one left"
-
-
-def test_only_what_nobody_holds_is_swept(tmp_path):
-    kept, other = scratch.Folder("a-", inside=tmp_path), scratch.Folder("a-", inside=tmp_path)
-    os.close(other._lock)
-    (other.path / "deep").mkdir()
-    (tmp_path / "a-link").symlink_to(tmp_path)
-    scratch.sweep(tmp_path.glob("a-*"))
-    assert {path.name for path in tmp_path.iterdir()} == {kept.path.name, "a-link"}
-    kept.remove()
 
 
 def wait_until(holds) -> None:
