@@ -11,7 +11,6 @@ import re
 import resource
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from dataclasses import dataclass, replace
@@ -20,7 +19,7 @@ from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
 
-from ..common import exported
+from ..common import exported, supervision
 from ..interface import EngineFailure, Setting
 from .scene import as_json, scene
 
@@ -34,6 +33,8 @@ MOST_BYTES = 30 * 2**20
 MOST_SECONDS = 600.0
 # The exit status by which an executable refuses a scene; the sentence stands on standard error.
 REFUSED = 3
+# Characters of a line that is quoted.
+_QUOTED = 200
 # How often its output is measured while it runs, s.
 _LOOKS = 0.01
 _COST = re.compile(r"^#\s*cost\b(.*)$", re.MULTILINE)
@@ -112,9 +113,9 @@ class Engine:
             if status == REFUSED:
                 raise NotSupported(said.partition("\n")[0] or "it gave no reason")
             if status < 0:
-                raise EngineFailure(f"its process was ended by signal {_signal(-status)}")
+                raise EngineFailure(f"its process was ended by signal {_signal(-status)}{_quoted(said)}")
             if status:
-                raise EngineFailure(f"its process ended with exit status {status}{said and f': {said[-200:]}'}")
+                raise EngineFailure(f"its process ended with exit status {status}{_quoted(said)}")
             model.output = _read(out, MOST_BYTES)
 
     def read(self, model: Model) -> Trajectory:
@@ -150,6 +151,13 @@ def _read(file, most: int) -> str:
     return file.read(most).decode("utf-8", errors="replace").strip()
 
 
+def _quoted(said: str) -> str:
+    """What stands on standard error, to append to a sentence: the first line with a word in it, and the last."""
+    lines = [line.strip() for line in said.splitlines() if any(map(str.isalnum, line))]
+    ends = [lines[0], *lines[-1:]] if len(lines) > 1 else lines
+    return f": {' … '.join(line[:_QUOTED] for line in ends)}" if ends else ""
+
+
 def _cost(output: str) -> Cost:
     """What the line `# cost cpu_s=0.01 steps=1000` says; raises EngineFailure for a cost that is none."""
     line = _COST.search(output)
@@ -173,8 +181,4 @@ def _bound() -> None:
     hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
     most = MOST_BYTES if hard == resource.RLIM_INFINITY else min(MOST_BYTES, hard)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
-    if sys.platform == "linux":
-        import ctypes
-
-        PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    supervision.end_with_parent(os.getppid())

@@ -9,6 +9,7 @@ import gc
 import importlib
 import os
 import pickle
+import resource
 import shutil
 import signal
 import sys
@@ -25,15 +26,16 @@ from typing import Any
 
 import numpy as np
 
+from adapters.common import supervision
 from cases import kept
 
 from .records import legible
 
 # An engine that writes more than this to one file is flooding; the largest honest log of one run is a few megabytes.
 _FILE_BYTES = 32 * 2**20
-# Far above what a plane body needs (compiling in quadruple precision takes a gigabyte and a half of addresses), far
-# below what would bring the machine to its knees.
-_MEMORY_BYTES = 3 * 2**30
+# Resident memory of a worker and what it starts: far above what a plane body needs, far below what a machine has.
+# Address space is not bounded: WebAssembly engines reserve 10 to 24 GB of it and use little.
+MEMORY_BYTES = 3 * 2**30
 # A worker grows by what it compiles and keeps for later cases. Two that have grown by so much since their first call,
 # and the process that asks them, stay well below a gigabyte; a fresh one costs a second or two.
 _GROWTH_BYTES = 150 * 2**20
@@ -67,13 +69,12 @@ class Answer:
 
 def serve(pipe: Connection, scratch: str, parent: int, ahead: str = "") -> None:
     """Take a call, answer it under its number, until the pipe is closed. `ahead`: a module to import before that."""
-    import resource
-
     os.setsid()
-    _end_with(parent)
-    for what, most in ((resource.RLIMIT_FSIZE, _FILE_BYTES), (resource.RLIMIT_AS, _MEMORY_BYTES)):
-        hard = resource.getrlimit(what)[1]
-        resource.setrlimit(what, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    supervision.end_with_parent(parent, by=signal.SIGTERM)
+    supervision.supervise(MEMORY_BYTES, first=pipe.close)
+    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+    most = _FILE_BYTES if hard == resource.RLIM_INFINITY else min(_FILE_BYTES, hard)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
     if ahead:
         importlib.import_module(ahead)
     at_first = None
@@ -125,17 +126,6 @@ def reap() -> bool:
     except ChildProcessError:
         return False
     return True
-
-
-def _end_with(parent: int) -> None:
-    """Let the system kill this process when its parent is killed: nobody waits for its answer (Linux)."""
-    if sys.platform == "linux":
-        import ctypes
-
-        PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:
-            os._exit(1)  # it died before it could be asked for
 
 
 def _resident() -> int:

@@ -23,15 +23,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from adapters.common.supervision import TOO_MUCH_MEMORY
 from cases import kept, owned_folder
 
 from . import versions
 from .code import is_adapters
 from .records import legible
-from .serving import BEGUN, Answer, serve
+from .serving import BEGUN, MEMORY_BYTES, Answer, serve
 
 # A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
 _STARTUP_SECONDS = 60.0
+# A worker's supervisor ends it and what it started within so long.
+_ENDING_SECONDS = 8.0
 # Signals a process brings on itself; any other came from outside (a user, the system when memory ran out).
 _OWN_FAULTS = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, signal.SIGBUS, signal.SIGSYS}
 # One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
@@ -217,8 +220,11 @@ class _Worker:
         """End the process and what it started."""
         self.alive = False
         if self.process.pid is not None and self.process.exitcode is None:
-            self._end_group()
-            self.process.kill()  # it may not have come as far as having a group of its own
+            self.process.terminate()  # its supervisor ends all that is below it
+            self._ended(_ENDING_SECONDS)
+            if self.process.exitcode is None:
+                self._end_group()
+                self.process.kill()
         self.process.join(5.0)
         self.pipe.close()
 
@@ -276,6 +282,8 @@ def read(message: bytes) -> Any:
 
 
 def _death(exitcode: int | None) -> Answer:
+    if exitcode == -TOO_MUCH_MEMORY:
+        return Answer("died", reason=f"it held more than {MEMORY_BYTES / 2**30:g} GB of resident memory")
     if exitcode is None or exitcode >= 0:
         return Answer("died", reason=f"the process ended with exit code {exitcode}")
     own = -exitcode in _OWN_FAULTS

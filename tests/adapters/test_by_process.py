@@ -179,6 +179,8 @@ LIE = HEAD + (
 @pytest.mark.parametrize(("text", "outcome", "word"), [
     (HEAD + "kill -9 $$\n", "crashed", "SIGKILL"),
     (HEAD + "echo no licence >&2; exit 1\n", "crashed", "exit status 1: no licence"),
+    (HEAD + "echo '###' >&2; echo out of memory >&2; yes | head -5000 >&2; echo the end >&2; kill -6 $$\n", "crashed",
+     "ended by signal SIGABRT: out of memory … "),
     (HEAD + "echo Not a disc. >&2; exit 3\n", "refused", "Not a disc."),
     (HEAD + "exit 0\n", "crashed", "no motion"),
     (HEAD + "echo 't,x,y,theta'; echo '__import__(\"os\"),0,0,0'\n", "crashed", "not a finite number"),

@@ -11,7 +11,17 @@ import pytest
 
 from reports.running import workers
 
-from .called import ends_itself_at_first, grow, misbehave, prepared, round_up, waits, whose
+from .called import (
+    ends_itself_at_first,
+    grow,
+    leave_behind,
+    misbehave,
+    prepared,
+    reserve,
+    round_up,
+    waits,
+    whose,
+)
 
 WAYS = ("work", "raise", "exit", "vanish", "segfault", "hang", "flood", "forks", "garbage", "closes", "mumbles", "last")
 
@@ -78,6 +88,27 @@ def test_an_answer_may_be_given_instead_of_a_call():
     given = workers.Answer("done", value="given")
     calls = run(misbehave, [("exit",), ("exit",)], skip=lambda index: given)
     assert calls == [(0, given), (1, given)]
+
+
+def test_address_space_is_not_bounded():
+    """A WebAssembly engine reserves 24 GB and uses little."""
+    ((_, answer),) = run(reserve, [(24,)])
+    assert answer.value == 24 * 2**30, answer
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a process that leaves its group is not found")
+@pytest.mark.parametrize("then", ["return", "segfault", "hang", "vanish"])
+def test_a_process_with_a_session_of_its_own_ends_with_the_call_that_left_it(then, tmp_path, monkeypatch):
+    monkeypatch.setenv("LEFT_BEHIND", str(tmp_path))
+    pool = workers.Pool(1)
+    try:
+        ((_, answer),) = pool.run(leave_behind, [(then,)], limit=2.0)
+        assert answer.outcome == {"return": "done", "hang": "timed_out"}.get(then, "died")
+        left = Path("/proc") / (tmp_path / then).read_text()
+        # The pool itself lives on: what is ended is ended with the call.
+        wait_until(lambda: not left.exists() or "(zombie)" in (left / "status").read_text())
+    finally:
+        pool.close()
 
 
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="the constant is that processor's")
