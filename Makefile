@@ -30,6 +30,10 @@ test-all: $(VENV)/installed
 	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile -m "not timed"
 	$(KEPT) $(BIN)/python -m pytest -m timed
 
+# Every Python found here, lowest and newest versions, with and without heyoka: hours, and a table in docs/install.md.
+matrix:
+	$(PYTHON) tests/matrix.py
+
 # What is over in seconds and says that nothing is broken outright: rooms, their arrows, exact values.
 SMOKE := tests/test_architecture.py tests/test_import_layers.py tests/reference/test_reference_exact.py
 

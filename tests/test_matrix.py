@@ -1,0 +1,203 @@
+"""The versions that are promised, and the command that tries them."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+
+from tests import matrix
+from tests.matrix import Command, Environment, Outcome, Python, Row
+
+ROOT = Path(__file__).parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+P11, P12, P13 = (Python(Path(f"/python3.{minor}"), (3, minor, 1)) for minor in (11, 12, 13))
+
+
+def pins(name: str, python: str) -> dict[str, str]:
+    """The versions of a constraints file for that Python on Linux, by package."""
+    found = {}
+    for line in (ROOT / "constraints" / f"{name}.txt").read_text(encoding="utf-8").splitlines():
+        text = line.partition("#")[0].strip()
+        if not text:
+            continue
+        one = Requirement(text)
+        machine = dict(python_version=python, python_full_version=f"{python}.7", platform_system="Linux",
+                       sys_platform="linux", platform_machine="x86_64")  # fmt: skip
+        if one.marker is None or one.marker.evaluate(machine):
+            assert one.name not in found, f"{one.name} stands twice for Python {python}"
+            (found[one.name],) = (one.version for one in one.specifier)
+    return found
+
+
+def needed(*extras: str) -> list[Requirement]:
+    """What the project asks for, with those extras."""
+    texts = [*PROJECT["dependencies"], *(text for extra in extras for text in PROJECT["optional-dependencies"][extra])]
+    return [Requirement(text) for text in texts if not text.startswith("slip-to-roll")]
+
+
+def test_the_lowest_versions_are_the_declared_ones():
+    lowest = pins("lowest", "3.11")
+    for one in needed("taylor", "dask", "test"):
+        (bound,) = one.specifier
+        assert bound.operator == ">=" and bound.contains(lowest[one.name]), one
+        # 2.0 and 2.0.0 are one version.
+        assert Requirement(f"x=={bound.version}").specifier.contains(lowest[one.name]), one
+
+
+@pytest.mark.parametrize("python", ["3.11", "3.12", "3.13", "3.14"])
+def test_both_constraints_have_all_that_is_needed_for_every_python(python):
+    current, lowest = pins("current", python), pins("lowest", python)
+    for one in needed("taylor", "dask", "test"):
+        assert one.specifier.contains(current[one.name]) and one.specifier.contains(lowest[one.name]), one
+    assert f"Programming Language :: Python :: {python}" in PROJECT["classifiers"]
+
+
+def test_the_published_report_was_made_with_the_current_versions():
+    from reports import publish
+
+    place = publish.releases()[-1]
+    text = (place / publish.CONSTRAINTS).read_text(encoding="utf-8")
+    python = re.search(r"by Python (3\.\d+)", text)[1]
+    published = dict(line.split("==") for line in text.splitlines() if "==" in line)
+    current = pins("current", python)
+    assert {name: current[name] for name in published} == published
+
+
+# --- the command ------------------------------------------------------------------------------------------------------
+
+
+def interpreter(folder: Path, name: str, said: str) -> Path:
+    """A program that answers what an interpreter would say of itself."""
+    file = folder / name
+    file.write_text(f"#!/bin/sh\necho '{said}'\n")
+    file.chmod(0o755)
+    return file
+
+
+def test_of_each_python_the_newest_that_can_make_environments_is_taken(tmp_path):
+    said = {
+        "old": '["CPython", true, [3, 10, 14], "final"]',
+        "lower": '["CPython", true, [3, 12, 1], "final"]',
+        "newest": '["CPython", true, [3, 12, 9], "final"]',
+        "preview": '["CPython", true, [3, 15, 0], "alpha"]',
+        "environment": '["CPython", false, [3, 13, 0], "final"]',
+        "other": '["PyPy", true, [3, 11, 0], "final"]',
+        "shim": "pyenv: python3.13: command not found",
+        "last": '["CPython", true, [3, 14, 0], "final"]',
+    }
+    found = matrix.pythons([interpreter(tmp_path, name, text) for name, text in said.items()] + [tmp_path / "none"])
+    assert [(one.path.name, one.text) for one in found] == [("newest", "3.12.9"), ("last", "3.14.0")]
+
+
+def test_this_interpreter_is_found():
+    base = Path(os.path.realpath(sys.executable))
+    (found,) = matrix.pythons([base])
+    assert found.version == sys.version_info[:3]
+
+
+def test_all_environments_and_the_part_of_them_that_every_commit_gets():
+    names = [one.name for one in matrix.whole([P11, P13])]
+    assert len(names) == len(set(names)) == 8 and "3.13.1-lowest-without-heyoka" in names
+    assert matrix.part([P11, P12, P13], (3, 11)) == [
+        Environment(P11, "current", False), Environment(P13, "current", True),
+    ]  # fmt: skip
+    assert matrix.part([P11, P12, P13], (3, 13))[1].python == P12
+    assert matrix.part([P11], (3, 11)) == [Environment(P11, "current", False)]
+
+
+def test_without_heyoka_a_constraint_forbids_it():
+    for versions in ("lowest", "current", "newest"):
+        with_it, without = (matrix.constraints(Environment(P11, versions, heyoka)) for heyoka in (True, False))
+        assert re.findall("^heyoka.*", without, flags=re.M) == ["heyoka<0"] and "heyoka<0" not in with_it
+        assert (versions == "newest") == (with_it == "")
+
+
+@pytest.mark.parametrize(
+    ("words", "passed", "text"),
+    [
+        (
+            ("sh", "-c", "echo '== 3 passed, 1 skipped, 2 deselected in 0.10s (0:00:00) =='"),
+            True,
+            "3 passed, 1 skipped",
+        ),
+        (("sh", "-c", "echo '1 failed, 3 passed in 0.1s'; exit 1"), False, "1 failed, 3 passed"),
+        (("sh", "-c", "echo $HOME >&2; exit 4"), False, "failed (exit status 4)"),
+    ],
+)
+def test_a_command_that_fails_is_a_row_in_its_own_words(words, passed, text, tmp_path):
+    outcome = matrix.run(Command("tests", words), tmp_path, tmp_path / "home", tmp_path / "log")
+    assert (outcome.passed, outcome.text) == (passed, text)
+    assert words[-1] in (tmp_path / "log").read_text() and not str(Path.home()) == str(tmp_path / "home")
+
+
+def test_a_command_that_hangs_is_a_row(tmp_path, monkeypatch):
+    monkeypatch.setattr(matrix, "LIMIT", 0.2)
+    outcome = matrix.run(Command("tests", ("sleep", "60")), tmp_path, tmp_path, tmp_path / "log")
+    assert not outcome.passed and "still running" in outcome.text
+
+
+def test_the_table_has_a_row_for_each_environment_and_is_kept_in_its_place(tmp_path):
+    done = {"heyoka": Outcome(True, "yes", 1.0), "tests": Outcome(True, "3 passed", 61.2)}
+    rows = [Row(Environment(P11, "newest", True), done), Row(Environment(P12, "lowest", False), done)]
+    rows.append(Row(Environment(P13, "lowest", True), {"installation": Outcome(False, "failed (exit status 2)", 3.0)}))
+    lines = matrix.table(rows).splitlines()
+    assert lines[0] == "| Python | versions | heyoka | tests | installation |"
+    assert lines[2] == "| 3.11.1 | newest | yes | 3 passed, 61 s | – |"
+    assert "yes, though left out" in lines[3] and lines[4].endswith("| – | – | failed (exit status 2), 3 s |")
+    page = tmp_path / "page.md"
+    page.write_text(f"before\n{matrix.BEGIN}\nold\n{matrix.END}\nafter\n")
+    matrix.keep("new\n", page)
+    matrix.keep("newer\n", page)
+    assert page.read_text() == f"before\n{matrix.BEGIN}\nnewer\n{matrix.END}\nafter\n"
+    page.write_text("nothing")
+    with pytest.raises(ValueError, match="put both lines"):
+        matrix.keep("new", page)
+
+
+def test_an_environment_that_cannot_be_installed_is_a_row_and_a_status(tmp_path, monkeypatch):
+    """The command as a whole, with an interpreter that makes no environment."""
+    said = []
+    monkeypatch.setattr(matrix, "WORK", tmp_path / "work")
+    broken = interpreter(tmp_path, "python3", '["CPython", true, [3, 13, 0], "final"]')
+    monkeypatch.setattr(matrix, "whole", lambda found: [Environment(one, "newest", True) for one in found])
+    monkeypatch.setattr(matrix, "keep", said.append)
+    monkeypatch.setattr(matrix, "_git", lambda *words: "" if words[0] == "status" else "abc")
+    real = subprocess.run
+
+    def clone(words, **how):
+        if words[:2] != ["git", "clone"]:
+            return real(words, **how)
+        Path(words[-1]).mkdir()
+        for name in ("Makefile", "pyproject.toml"):
+            (Path(words[-1]) / name).write_text((ROOT / name).read_text())
+        (Path(words[-1]) / "constraints").mkdir()
+        (Path(words[-1]) / "constraints" / "current.txt").touch()
+
+    monkeypatch.setattr(subprocess, "run", clone)
+    assert matrix.main(["--python", str(broken)], said.append) == 1
+    assert "| 3.13.0 | newest | failed (exit status 2), 0 s |" in said[-1]
+    assert not list((tmp_path / "work").glob("*/"))
+
+
+def test_without_another_python_the_reason_is_said(tmp_path, monkeypatch):
+    said = []
+    monkeypatch.setattr(matrix, "part", lambda *_: [])
+    one = interpreter(tmp_path, "python3", '["CPython", true, [3, 12, 0], "final"]')
+    monkeypatch.setattr(matrix, "_git", lambda *words: "")
+    assert matrix.main(["--part", "--python", str(one)], said.append) == 0
+    assert "no other Python from 3.11 on was found: tried with 3.12.0 only" in said
+    assert matrix.main(["--python", str(tmp_path / "none")], said.append) == 2 and "--python PATH" in said[-1]
+
+
+@pytest.mark.slow
+def test_the_lowest_versions_install_together_and_give_exact_values(tmp_path, monkeypatch):
+    """Of the last commit: an environment is a clone."""
+    monkeypatch.setattr(matrix, "WORK", tmp_path)
+    (own,) = matrix.pythons([Path(os.path.realpath(sys.executable))])
+    row = matrix.row(Environment(own, "lowest", True), True, tmp_path / "log")
+    assert row.passed, (tmp_path / "log").read_text()
