@@ -326,7 +326,7 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
 
 
 # Rebounds too low for a pose to tell from lying on the track, a landing that sticks at once, a lift-off at the end.
-FLIGHTS = {"bouncing_disc[e=0.5]": 4, "disc_onto_incline[mu=0.5]": 0, "disc_rolling_off_hill": 0}
+FLIGHTS = {"bouncing_disc[e=0.5]": 5, "disc_onto_incline[mu=0.5]": 0, "disc_rolling_off_hill": 0}
 EVERY = [case.label for name in cases.names(hard=False) for case in cases.select(name)]
 
 
