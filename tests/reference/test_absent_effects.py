@@ -52,7 +52,8 @@ def by_hand():
 
 @needs_heyoka
 def test_frictionless_disc_compiles_to_the_operations_written_by_hand():
-    compiled, hand = taylor.compiled(frictionless().system, taylor.FINEST), by_hand()
+    hand = by_hand()
+    compiled = taylor.compiled(frictionless().system, taylor.FINEST).call(lambda integrator: integrator)
     assert len(compiled.decomposition) == len(hand.decomposition)
     assert sorted(_operation(e) for e, _ in compiled.decomposition) == sorted(
         _operation(e) for e, _ in hand.decomposition

@@ -64,7 +64,7 @@ def with_transition_at(time: float):
         (lambda case: bowling(case, last=0.6), "wrong", "ends at"),
         (lambda case: changed(bowling(case), x=(7, 1e300)), "crashed", "beyond all sizes"),
         (lambda case: changed(bowling(case), slip=(7, np.inf)), "crashed", "not finite"),
-        (with_transition_at(np.nan), "crashed", "not finite"),
+        (with_transition_at(np.nan), "crashed", "transition's time is nan"),
     ],
 )
 def test_what_is_no_whole_motion_is_never_right(monkeypatch, line, read, outcome, reason):  # noqa: F811
