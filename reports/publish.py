@@ -212,11 +212,11 @@ def headline(place: Path) -> str:
     """The README's picture and three numbers, of a published report."""
     when, bar, pymunk, exudyn = numbers(place)
     at = f"docs/results/{place.name}"
-    alt = "Slip velocity of a disc inside a circle, and how far each solver is from the truth"
+    alt = "Slip velocity of a disc inside a circle, and the error of each solver"
     lines = (
         f"{BEGIN}\n![{alt}]({at}/{PICTURE})\n",
-        f"When does a disc let go inside a circle begin to roll? After {when} s, sure to {bar} s. As they come,",
-        f"pymunk misses that by {pymunk} ms and Exudyn by {exudyn} ms: [the page]({at}/index.html) and",
+        f"A disc released inside a circle starts to roll after {when} s; the error bar is {bar} s. With default",
+        f"settings, pymunk is {pymunk} ms off and Exudyn {exudyn} ms: see [the page]({at}/index.html) and",
         f"[all tables]({at}/tables) of version {place.name}.\n{END}",
     )
     return "\n".join(lines)

@@ -48,7 +48,8 @@ def test_the_code_of_a_page_runs_from_top_to_bottom(page, desk):
 
 
 def test_there_are_pages_with_code():
-    assert {page.name for page in WITH_CODE} >= {"README.md", "index.md", "add_a_case.md", "truth.md", "equations.md"}
+    named = {"README.md", "tutorial.md", "add_a_case.md", "truth.md", "equations.md"}
+    assert named <= {page.name for page in WITH_CODE}
 
 
 COMMANDS = [
@@ -97,9 +98,21 @@ def test_the_gallery_runs_and_shows_itself(desk):
     assert {"Case", "Trajectory", "Picture", "Animation", "Comparison", "DataFrame"} <= set(shown)
 
 
-def test_the_film_in_the_readme_is_small():
+def test_the_film_of_the_first_page_is_small():
     film = ROOT / "docs" / "disc_in_circle.gif"
-    assert "docs/disc_in_circle.gif" in PAGES[0].read_text(encoding="utf-8") and film.stat().st_size < 1_000_000
+    assert "(disc_in_circle.gif)" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    assert film.stat().st_size < 1_000_000
+
+
+def test_the_pages_are_in_the_order_tutorial_how_to_reference_explanation():
+    """Both in the index, which links to every page, and in the navigation of the site."""
+    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
+    groups = ["Tutorial", "How-to guides", "Reference", "Explanation"]
+    assert re.findall(r"^## (.*)$", index, flags=re.M) == groups
+    assert re.findall(r"^  - (.*):$", navigation, flags=re.M) == groups
+    pages = re.findall(r": (\w+\.\w+)$", navigation, flags=re.M)
+    assert ["index.md", *re.findall(r"^\| \[[^]]*\]\((\w+\.\w+)\)", index, flags=re.M)] == pages
 
 
 @pytest.mark.slow
