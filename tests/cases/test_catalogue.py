@@ -188,15 +188,16 @@ OTHERWISE = {
 }
 
 
-def check_otherwise(case: Case, how: str, accuracy) -> None:
+def check_otherwise(case: Case, how: str, accuracy, method: str | None = None) -> None:
     """Asserts that the reference's motion of a case is the same in other units or parameters."""
     change, time = OTHERWISE[how]
-    here, there = motion_of(case), reference.simulate(change(case), rtol=1e-12)
+    here = motion_of(case) if method is None else reference.simulate(case, rtol=1e-12, method=method)
+    there = reference.simulate(change(case), rtol=1e-12, method=method)
     assert there.status == here.status
     assert [(t.before, t.after) for t in there.transitions] == [(t.before, t.after) for t in here.transitions]
     late = [b.time / time - a.time for a, b in zip(here.transitions, there.transitions, strict=True)]
     # Two integrations at 1e-12, in which other digits are rounded; a grazing slip loses the square root of that.
-    who = dict(case=case.label, solver="reference", route="best", tolerance=1e-9)
+    who = dict(case=case.label, solver="reference", route=method or "best", tolerance=1e-9)
     accuracy(**who, quantity=f"transitions, {how} / s", error=max(map(abs, late), default=0.0))
 
 
@@ -222,6 +223,18 @@ def test_other_units_and_parameters_change_no_transition(any_case, accuracy, req
 @pytest.mark.parametrize("how", OTHERWISE)
 def test_every_change_of_units_and_parameters_changes_no_transition(any_case, how, accuracy):
     check_otherwise(any_case, how, accuracy)
+
+
+@pytest.mark.parametrize("name", ["disc_in_cosine", "disc_in_parabola"])
+@pytest.mark.parametrize("how", ["time*1e6", "time*1e-6"])
+def test_dop853_begins_a_slip_in_every_unit_of_time(name, how, accuracy):
+    check_otherwise(cases.select(name)[0], how, accuracy, "dop853")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", OTHERWISE)
+def test_no_change_of_units_and_parameters_changes_a_transition_by_dop853(any_case, how, accuracy):
+    check_otherwise(any_case, how, accuracy, "dop853")
 
 
 @pytest.mark.parametrize("name", ["disc_in_circle", "ellipse_on_incline", "littlewood_hoop"])

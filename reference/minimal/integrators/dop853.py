@@ -107,8 +107,7 @@ def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -
     atol = rtol * _scales(phase, t, y)
     if end <= t or not np.isfinite(atol).all():
         return _ended(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
-    # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
-    first = end - t if phase.regime == FLIGHT else None
+    first = _first_step(phase, t, y, end, rtol)
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
@@ -141,6 +140,18 @@ def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -
             return _ended(phase, times, pieces, event, solver.nfev)
         if solver.status == "finished":
             return _ended(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
+
+
+def _first_step(phase: Phase, t: float, y, end: float, rtol: float) -> float:
+    """The first step tried, s.
+
+    SciPy's own choice depends on the unit of time (Hairer, Nørsett & Wanner, II.4: the eighth root of a rate in 1/s):
+    in microseconds it was so short that a slip that leaves zero with the square of time was rounding at its end. In the
+    motion's own time an error of order eight reaches the tolerance at its eighth root.
+    """
+    # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
+    often = 0.0 if phase.regime == FLIGHT else frequency(phase, t, y)
+    return min(rtol**0.125 / often, end - t) if often > 0.0 else end - t
 
 
 def _ended(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
@@ -283,6 +294,8 @@ def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool)
         low, high = float(_FINE[lowest - 1]), float(_FINE[lowest + 1])
         dip = minimize_scalar(value, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
         if dip.fun < 0.0 and not (first and low == 0.0):
+            if value(low) <= 0.0:  # the interpolation is positive there, by a rounding
+                return piece.t_old + h * low
             return piece.t_old + h * brentq(value, low, float(dip.x), xtol=1e-15, rtol=8.9e-16)
     return None
 
