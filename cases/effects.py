@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import cos, isfinite, nan, pi, sin
+from math import cos, inf, isfinite, nan, pi, sin
 from typing import TypeVar, get_args
 
 import numpy as np
@@ -22,6 +22,9 @@ IMPACT_LAWS = ("poisson", "newton", "moreau")
 
 # What a load may depend on: time (s), pose (m, rad) and velocities (m/s, rad/s) of the centre of mass.
 MOTION = sp.symbols("t x y theta vx vy omega", real=True)
+# A load that is a polynomial of this degree in place and velocity hides nothing from a step's start: its derivatives
+# there, of which the coarsest integrator takes four, are all of it.
+SIMPLE = 2
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,18 @@ class Load:
         centres = features.centres(parts, MOTION[0])
         to_come = [centre for centre in centres if centre >= 0.0]
         return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))
+
+
+def followed(formulas: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
+    """What has to be followed along a motion to see all that a load of these formulas does: the arguments of its
+    functions, then the formulas; nothing where its features in time and its derivatives at a step's start show it.
+    """
+    time, *moving = MOTION
+    arguments = dict.fromkeys(a for formula in formulas for a in features.arguments(formula, MOTION))
+    hidden = [a for a in arguments if a.has(*moving) or features.degree(a, [time]) == inf]
+    if not hidden and max(features.degree(formula, moving) for formula in formulas) <= SIMPLE:
+        return ()
+    return *hidden, *formulas
 
 
 @in_one_thread

@@ -10,7 +10,7 @@ length of a piece is then that of the finest feature in it.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import copysign, inf, isfinite
 
 import numpy as np
@@ -270,7 +270,7 @@ def centres(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[float, .
     The middle of exp(-((s - c)/w)²), tanh((s - c)/w), 1/(w² + (s - c)²) is c, however small w is.
     """
     found: set[float] = set()
-    for argument in {a for e in expressions for a in _arguments(e, symbol)}:
+    for argument in {a for e in expressions for a in arguments(e, [symbol])}:
         if not argument.is_polynomial(symbol):
             continue
         coefficients = [float(c) for c in reversed(sp.Poly(argument, symbol).all_coeffs())]
@@ -279,12 +279,29 @@ def centres(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[float, .
     return tuple(sorted(c for c in found if isfinite(c)))
 
 
-def _arguments(expression: sp.Expr, symbol: sp.Symbol) -> Iterator[sp.Expr]:
+def arguments(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> Iterator[sp.Expr]:
+    """What functions, and powers that are no squares, are taken of, as far as the symbols occur in it; nothing of sines
+    and cosines that run evenly."""
     for node in sp.preorder_traversal(expression):
-        if node.is_Function and not (isinstance(node, sp.sin | sp.cos) and node.args[0].diff(symbol, 2) == 0):
-            yield from (a for a in node.args if a.has(symbol))
-        elif node.is_Pow and not (node.exp.is_Integer and node.exp > 0):
-            yield from (a for a in node.args if a.has(symbol))
+        evenly = isinstance(node, sp.sin | sp.cos) and degree(node.args[0], symbols) <= 1
+        if (node.is_Function and not evenly) or (node.is_Pow and node.exp != 2):
+            yield from (a for a in node.args if a.has(*symbols))
+
+
+def degree(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> float:
+    """An upper bound on the expression's degree as a polynomial in the symbols; infinite where it is none."""
+    if not expression.has(*symbols):
+        return 0
+    if expression.is_Symbol:
+        return 1
+    degrees = [degree(argument, symbols) for argument in expression.args]
+    if expression.is_Add:
+        return max(degrees)
+    if expression.is_Mul:
+        return sum(degrees)
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return degrees[0] * int(expression.exp)
+    return inf
 
 
 def alone(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[sp.Expr, ...]:

@@ -52,12 +52,16 @@ class UsedUp(Exception):
     """The motion's work is used up."""
 
 
+Even = Callable[[np.ndarray, np.ndarray], bool]
+
+
 class Paced(DOP853):
     """DOP853 whose steps are at most a part of a turn: `looks` of them while the motion's frequency turns by 2π.
 
     `pace` maps (t, y) to that frequency (rad/s, zero where nothing sets one); `features` are what no step passes, each
-    with the row of the state it is met by (None: time). Fails once the `work` of its motion is used up. Raises Lost
-    where steps come to nothing.
+    with the row of the state it is met by (None: time); `even` tells of times (n,) and states (variables, n) along a
+    step whether the load lets it be as long. Fails once the `work` of its motion is used up. Raises Lost where steps
+    come to nothing.
     """
 
     t: float
@@ -67,9 +71,9 @@ class Paced(DOP853):
 
     def __init__(
         self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int, work: Work,
-        features: Sequence[tuple[int | None, Features]] = (), **options,
+        features: Sequence[tuple[int | None, Features]] = (), even: Even | None = None, **options,
     ):  # fmt: skip
-        self.pace, self.looks, self.work = pace, looks, work
+        self.pace, self.looks, self.work, self.even = pace, looks, work, even
         self.features = [(row, found) for row, found in features if not found.plain]
         self.steps, self.counted_until = 0, -inf
         super().__init__(fun, t0, y0, t_bound, **options)
@@ -101,15 +105,23 @@ class Paced(DOP853):
             self.t, self.y, self.f, self.max_step = t, y, f, 0.5 * h
 
     def _passes(self, t, y, f, h) -> bool:
-        """Whether the step from there goes farther than a feature allows."""
+        """Whether the step from there goes farther than a feature or the load allows."""
+        if self.even is not None:
+            every = np.array([self._way(row, y, f, h) for row in range(len(y))])
+            if not self.even(np.append(t, t + h * INSIDE), np.column_stack([y, every])):
+                return True
         for row, features in self.features:
             if row is None:
                 start, way = t, np.array([t + h])
             else:
-                start, end, s = y[row], self.y[row], INSIDE
-                out, back = h * f[row] * s * (1 - s) ** 2, h * self.f[row] * s**2 * (1 - s)
-                way = start + (end - start) * s**2 * (3 - 2 * s) + out - back
+                start, way = y[row], self._way(row, y, f, h)
             lowest, highest = (start + QUARTER * (extreme - start) for extreme in (way.min(), way.max()))
             if features.clear(start, lowest) > lowest or features.clear(start, highest) < highest:
                 return True
         return False
+
+    def _way(self, row: int, y, f, h) -> np.ndarray:
+        """One component at INSIDE of the step from there."""
+        start, end, s = y[row], self.y[row], INSIDE
+        out, back = h * f[row] * s * (1 - s) ** 2, h * self.f[row] * s**2 * (1 - s)
+        return start + (end - start) * s**2 * (3 - 2 * s) + out - back

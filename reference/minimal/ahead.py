@@ -1,16 +1,21 @@
 """What lies ahead of a step: how far it may go before something changes that its start knows nothing of.
 
-An integrator takes its step from derivatives at its start, and a bump ahead (of a curve, or of a load in time) has
-none there. The curves and loads know where they change (`cases.features`): a step ends where a finer piece begins,
-and is halved where its dense output, in which events are searched, does not satisfy the equations.
+An integrator takes its step from derivatives at its start, and a bump ahead (of a curve, or of a load) has none there.
+The curves, and loads in time, know where they change (`cases.features`): a step ends where a finer piece begins. A load
+in place or velocity is looked at on the step's own course (`load_check`). And a step is halved where its dense output,
+in which events are searched, does not satisfy the equations.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
 from cases.features import Features
 
+from .load_check import Course, resolved_part
 from .modes import Phase
 
 # Where in a step its course is looked at: it turns round at most once between two of these.
@@ -25,13 +30,41 @@ INSIDE = np.array([0.3, 0.6, 0.9])
 SHORTER = 0.9
 
 
-def clear_part(phase: Phase, start: float, length: float, states: np.ndarray) -> float:
-    """The part of a step that passes no feature: 1, or at most SHORTER where a finer piece begins on the way.
+class Expansion(NamedTuple):
+    """A step by its Taylor polynomial: when it begins, how long it lasts (s), coefficients (variables, order + 1)."""
 
-    `states` of shape (variables, 9) are the dense output at `PARTS` of the step from time `start`.
-    """
-    parts = (_part(f, start + length * PARTS if row is None else states[row]) for row, f in phase.features)
-    part = min(parts, default=1.0)
+    start: float
+    length: float
+    coefficients: np.ndarray
+
+    def states(self, parts: np.ndarray) -> np.ndarray:
+        """States (variables, n) at these parts of the step, 0 to 1."""
+        return polyval(self.length * parts, self.coefficients.T)
+
+    def slopes(self, parts: np.ndarray) -> np.ndarray:
+        """Their derivatives by time."""
+        return polyval(self.length * parts, polyder(self.coefficients.T))
+
+
+def good_part(phase: Phase, course: Course, tolerance: float, most: float) -> float:
+    """The part of a step that may stand at that tolerance, with a defect of at most `most`: 1, or at most SHORTER."""
+    part = clear_part(phase, course, tolerance)
+    if part < 1.0:
+        return part
+    inside = course.start + course.length * INSIDE
+    missed = defect(phase, inside, course.states(INSIDE), course.slopes(INSIDE), course.length)
+    return 1.0 if missed <= most else 0.5
+
+
+def clear_part(phase: Phase, course: Course, tolerance: float) -> float:
+    """The part of a step that passes over nothing: 1, or at most SHORTER where a finer piece of a curve begins on the
+    way, or a load does something."""
+    part = 1.0
+    if phase.features:
+        states, times = course.states(PARTS), course.start + course.length * PARTS
+        part = min(_part(f, times if row is None else states[row]) for row, f in phase.features)
+    if phase.follows:
+        part = min(part, resolved_part(phase, course, tolerance))
     return part if part == 1.0 else min(part, SHORTER)
 
 

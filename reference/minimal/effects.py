@@ -14,7 +14,7 @@ import sympy as sp
 
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.derivation import in_one_thread
-from cases.effects import MOTION
+from cases.effects import MOTION, followed
 from cases.expressions import constants, lifted
 
 from .eliminated import GYRATION, ONE, ZERO, Motion
@@ -39,6 +39,7 @@ class Weight:
     """Gravity: a constant force per mass."""
 
     torsor = GX, GY, ZERO
+    followed: ClassVar[tuple[sp.Expr, ...]] = ()
 
     def values(self, case: Case) -> dict[str, float]:
         gravity = case.effect(Gravity)
@@ -56,8 +57,16 @@ class Applied:
 
     @property
     def torsor(self):
+        return tuple(e / MASS for e in self._named(self.formulas))
+
+    @property
+    def followed(self) -> tuple[sp.Expr, ...]:
+        """What a step has to be checked for: arguments of functions, then force and moment (N, N m); or nothing."""
+        return self._named(followed(self.formulas))
+
+    def _named(self, expressions: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
         named = {s: sp.Symbol(f"load_{s.name}", positive=True) for s in self.sizes}
-        return tuple(e.xreplace(named) / MASS for e in self.formulas)
+        return tuple(e.xreplace(named) for e in expressions)
 
     def values(self, case: Case) -> dict[str, float]:
         load = case.effect(Load)
@@ -179,6 +188,11 @@ class Laws(NamedTuple):
         return fx, fy, moment
 
     @property
+    def followed(self) -> tuple[sp.Expr, ...]:
+        """What a step has to be checked for of its loads."""
+        return _followed(self)
+
+    @property
     def needs_angle(self) -> bool:
         """Whether θ itself occurs, which is then integrated along: (6) gives it only up to whole turns."""
         return _needs_angle(self)
@@ -200,6 +214,12 @@ def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
     friction = Coulomb() if CoulombFriction in kinds else Rough() if PerfectlyRough in kinds else Frictionless()
     resistance = LeverArm() if RollingResistance in kinds else NoResistance()
     return Laws(tuple(loads), friction, resistance, Unilateral in kinds)
+
+
+@lru_cache(maxsize=256)
+@in_one_thread
+def _followed(law: Laws) -> tuple[sp.Expr, ...]:
+    return tuple(e for load in law.loads for e in load.followed)
 
 
 @lru_cache(maxsize=256)

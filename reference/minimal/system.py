@@ -37,7 +37,8 @@ class Equations:
 
     The first `positions` variables are positions, the others velocities. `conditions` are what a decision for this
     mode asks for, `condition_rates` the rates of those that are velocities; `guards` are positive while the mode
-    lasts: the conditions and the geometry's limits, less those that the state cannot change.
+    lasts: the conditions and the geometry's limits, less those that the state cannot change. `followed` is what a step
+    has to be checked for of a load: arguments of its functions, then force and moment (N, N m).
     """
 
     variables: tuple[sp.Symbol, ...]
@@ -47,12 +48,13 @@ class Equations:
     conditions: dict[str, sp.Expr] = field(default_factory=dict)
     condition_rates: dict[str, sp.Expr] = field(default_factory=dict)
     guards: dict[str, sp.Expr] = field(default_factory=dict)
+    followed: tuple[sp.Expr, ...] = ()
 
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
         """The symbols that are neither time nor variables: sizes, friction, loads, signs."""
         used = [*self.rates, *self.observed, *self.conditions.values(), *self.condition_rates.values()]
-        found = set().union(*(e.free_symbols for e in (*used, *self.guards.values())))
+        found = set().union(*(e.free_symbols for e in (*used, *self.guards.values(), *self.followed)))
         return tuple(sorted(found - {*self.variables, T}, key=lambda symbol: symbol.name))
 
 
@@ -194,6 +196,11 @@ class System:
         """The same on floats."""
         return self._compile("observed", "math")
 
+    @derived
+    def followed_of_arrays(self):
+        """(t, y, parameters) -> list of what has to be followed of a load, on arrays; a constant one stays a number."""
+        return self._compile("followed", "numpy")
+
 
 def _outline(found: Equations) -> tuple:
     """What a system needs to be used: symbols and names, without expressions."""
@@ -251,7 +258,8 @@ def _in_contact(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kin
 def _contact_equations(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
     f = frame(track, X1, "track_")
     h = frame(outline, X2, "outline_")
-    force = _force(f, h, law, kind)
+    seen = _motion(f, h, kind)
+    force = _force(f, law, seen)
     if kind.held:
         motion = translating(f, h, force, law.friction.ratio) if kind.slips else resting(h, force)
     elif kind.slips:
@@ -273,25 +281,30 @@ def _contact_equations(track, outline, bounded: tuple[bool, bool], law: Laws, ki
     limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(bounded)}
     guards = {name: g for name, g in (conditions | limits).items() if g.free_symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards)
+    followed = tuple(e.xreplace(seen) for e in law.followed)
+    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, followed)
 
 
-def _force(f: Frame, h: Frame, law: Laws, kind: Kind) -> Torsor:
-    """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
+def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
+    """Pose and velocities of the plate, what a load may depend on, in the contact's state."""
     u1, u2 = (U1, U2) if kind.slips else (U1, U1 * f.P / h.P)
     rests = not _STATES[kind]
     omega = ZERO if kind.held else spin(f, h, u1, u2)
     slip = U1 * f.P - U2 * h.P if kind.slips else ZERO
     along, across = (ZERO, ZERO) if rests else (slip + omega * h.hn, -omega * h.ht)
-    t, x, y, theta, vx, vy, w = MOTION
-    state = {
+    _, x, y, _, vx, vy, w = MOTION
+    return {
         x: f.x - h.ht * f.tx + h.hn * f.ty,  # the centre lies off the contact by the arm (5)
         y: f.y - h.ht * f.ty - h.hn * f.tx,
         vx: along * f.tx - across * f.ty,
         vy: along * f.ty + across * f.tx,
         w: omega,
     }
-    fx, fy, moment = (sp.sympify(e).xreplace(state) for e in law.torsor)
+
+
+def _force(f: Frame, law: Laws, seen: dict[sp.Symbol, sp.Expr]) -> Torsor:
+    """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
+    fx, fy, moment = (sp.sympify(e).xreplace(seen) for e in law.torsor)
     return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
 
 
@@ -304,7 +317,8 @@ def _flight_equations(law: Laws) -> Equations:
     _, x, y, theta, vx, vy, omega = MOTION
     fx, fy, moment = law.torsor
     nothing = Motion(*(ZERO for _ in Motion._fields))
-    return Equations((x, y, theta, vx, vy, omega), 3, (vx, vy, omega, fx, fy, moment / GYRATION), nothing)
+    rates = (vx, vy, omega, fx, fy, moment / GYRATION)
+    return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, followed=law.followed)
 
 
 def _ends(bounded: tuple[bool, bool]) -> dict[str, sp.Expr]:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
-from ..ahead import INSIDE, PARTS, clear_part, defect
+from ..ahead import good_part
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
 from ..series import EPS
@@ -78,8 +78,19 @@ def _weight_slopes(x):
     return slopes
 
 
-_AT_PARTS = np.array(_weights(PARTS)).T
-_INSIDE, _SLOPES_INSIDE = np.array(_weights(INSIDE)).T, np.array(_weight_slopes(INSIDE)).T
+class _Course:
+    """A step by its dense output."""
+
+    def __init__(self, piece: DenseOutput):
+        self._piece, self.start, self.length = piece, float(piece.t_old), float(piece.h)
+
+    def states(self, parts: np.ndarray) -> np.ndarray:
+        """States (variables, n) at these parts of the step, 0 to 1."""
+        return (self._piece.y_old + np.array(_weights(parts)).T @ self._piece.F).T
+
+    def slopes(self, parts: np.ndarray) -> np.ndarray:
+        """Their derivatives by time."""
+        return (np.array(_weight_slopes(parts)).T @ self._piece.F).T / self.length
 
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
@@ -165,9 +176,8 @@ def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
     many times it was tried."""
     start, before, slope, tries = solver.t, solver.y, solver.f, 1
     solver.step()
-    while phase.features and solver.status != "failed":
-        piece = solver.dense_output()
-        part = _good_part(phase, piece, rtol)
+    while phase.checked and solver.status != "failed":
+        part = good_part(phase, _Course(solver.dense_output()), rtol, DEFECT * rtol**0.875)
         length = part * (solver.t - start)
         if part == 1.0 or length <= 10 * np.spacing(abs(start)):  # the shortest step of SciPy's method
             break
@@ -189,17 +199,6 @@ def _dense_output(solver: DOP853) -> DenseOutput:
     last = piece.F[3:]
     last[np.abs(last) <= ROUNDINGS * EPS * abs(piece.h) * (_STAGE_WEIGHTS @ np.abs(solver.K_extended))] = 0.0
     return piece
-
-
-def _good_part(phase: Phase, piece, rtol: float) -> float:
-    """The part of a step that may stand, 1 if all of it."""
-    start, length = piece.t_old, piece.h
-    part = clear_part(phase, start, length, (piece.y_old + _AT_PARTS @ piece.F).T)
-    if part < 1.0:
-        return part
-    states, slopes = (piece.y_old + _INSIDE @ piece.F).T, (_SLOPES_INSIDE @ piece.F).T / length
-    missed = defect(phase, start + length * INSIDE, states, slopes, length)
-    return 1.0 if missed <= DEFECT * rtol**0.875 else 0.5
 
 
 def _scales(phase: Phase, t, y) -> np.ndarray:

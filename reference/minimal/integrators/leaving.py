@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import heyoka as hy
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
-from ..ahead import PARTS, clear_part
+from ..ahead import Expansion, clear_part
 from ..modes import Phase
 from ..system import System
 from .conversion import build, converted, guards, quickly_compiled, variables
@@ -41,7 +40,7 @@ class Left(NamedTuple):
     guard: str | None = None
 
 
-def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float) -> Left:
+def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, tolerance: float) -> Left:
     """The state a little later than t, all guards positive there and half-way; or the guard that is not.
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
@@ -55,8 +54,8 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float) -> Le
             return Left(t, y, 0, inf, BREAKDOWN)
         if not ahead.guards or not 0.0 < ahead.often < inf:
             return Left(t, y, 0, ahead.longest)  # nothing moves and nothing presses: no guard leaves zero
-        if phase.features:
-            clear = clear_part(phase, t, ahead.h, polyval(ahead.h * PARTS, coefficients.T))
+        if phase.checked:
+            clear = clear_part(phase, Expansion(t, ahead.h, coefficients), tolerance)
             ahead = start(coefficients, (part, clear * ahead.h, *known))
         # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
         # until the event lies behind it.

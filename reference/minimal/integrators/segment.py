@@ -18,7 +18,8 @@ EXHAUSTED = "exhausted"
 LOST_SIGHT = "lost sight"
 # So many steps a phase takes at most: the compiled loop takes five seconds for them, their record 400 MB.
 MOST_STEPS = 400_000
-# The same where each step is looked at by itself (a third of a millisecond: half a minute).
+# The same where each step is looked at by itself (a third of a millisecond, with a load in place or velocity up to one:
+# half a minute to two).
 MOST_LOOKED_AT = 100_000
 # A step that is not accepted is repeated with a shorter length, up to fifty times near a pole: so many tries a phase.
 MOST_TRIED = 2 * MOST_LOOKED_AT

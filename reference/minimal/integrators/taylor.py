@@ -10,9 +10,8 @@ from functools import lru_cache, partial
 from math import inf, ulp
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyval
 
-from ..ahead import INSIDE, PARTS, clear_part, defect
+from ..ahead import Expansion, good_part
 from ..modes import Phase
 from ..system import System
 from .pool import Pool
@@ -101,7 +100,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """
     tolerance = tolerance_of(rtol)
     integrators = compiled(phase.system, tolerance)
-    ended = None if phase.features else integrators.call(_at_once, phase, t, y, end)
+    ended = None if phase.checked else integrators.call(_at_once, phase, t, y, end, tolerance)
     if ended is None:
         return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
     event, steps = ended
@@ -122,10 +121,10 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
     return integrators.call(_one_by_one, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
 
 
-def _at_once(integrator, phase: Phase, t: float, y, end: float) -> tuple[Event, int] | None:
+def _at_once(integrator, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
     """What ends the phase and after how many steps, by heyoka's own loop; None where that does not tell."""
     _parametrise(integrator, phase, float)
-    left = _left(integrator, phase, t, y, end, float)
+    left = _left(integrator, phase, t, y, end, float, tolerance)
     if left.guard:
         return None
     outcome = int(integrator.step(min(end - left.time, left.longest))[0])
@@ -155,7 +154,7 @@ def _one_by_one(
 ) -> Segment:
     """The phase with all its steps."""
     _parametrise(integrator, phase, real)
-    left = _left(integrator, phase, t, y, end, real)
+    left = _left(integrator, phase, t, y, end, real, tolerance)
     guard = left.guard
     times, coefficients = ([t, left.time], [integrator.tc.astype(float)]) if left.steps else ([t], [])
     last, longest, tries = real(end), real(left.longest), 0
@@ -182,13 +181,14 @@ def _one_by_one(
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
     """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations. How it
     ended, and how often it was taken."""
-    if not phase.features:
+    if not phase.checked:
         return integrator.step(longest, True)[0], 1
     start, before, tries = integrator.time, integrator.state.copy(), 1
     outcome, _ = integrator.step(longest, True)
     while np.all(np.isfinite(integrator.tc.astype(float))):
         length = float(integrator.time - start)
-        part = _good_part(phase, float(start), length, integrator.tc.astype(float), tolerance)
+        course = Expansion(float(start), length, integrator.tc.astype(float))
+        part = good_part(phase, course, tolerance, max(DEFECT * tolerance, ROUNDING))
         if part == 1.0 or part * length <= SHORTEST * np.spacing(float(start)):
             break
         integrator.time = start
@@ -198,17 +198,6 @@ def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
         outcome, _ = integrator.step(real(part * length), True)
         tries += 1
     return outcome, tries
-
-
-def _good_part(phase: Phase, start: float, length: float, series: np.ndarray, tolerance: float) -> float:
-    """The part of a step that may stand, 1 if all of it."""
-    part = clear_part(phase, start, length, polyval(length * PARTS, series.T))
-    if part < 1.0:
-        return part
-    inside = length * INSIDE
-    slopes = polyval(inside, polyder(series.T))
-    missed = defect(phase, start + inside, polyval(inside, series.T), slopes, length)
-    return 1.0 if missed <= max(DEFECT * tolerance, ROUNDING) else 0.5
 
 
 def _broken(phase: Phase, times, coefficients, y) -> Segment:
@@ -223,11 +212,11 @@ def _broken(phase: Phase, times, coefficients, y) -> Segment:
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
 
 
-def _left(integrator, phase: Phase, t: float, y, end: float, real: type) -> Left:
+def _left(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Left:
     """The phase's start, left by its own Taylor polynomial; the integrator stands there then."""
     _set(integrator, t, y, real)
     integrator.step(real(0.0), True)
-    left = leave(phase, integrator.tc if real is float else integrator.tc.astype(float), t, y, end)
+    left = leave(phase, integrator.tc if real is float else integrator.tc.astype(float), t, y, end, tolerance)
     _set(integrator, left.time, left.state, real)
     return left
 
