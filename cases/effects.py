@@ -22,8 +22,8 @@ IMPACT_LAWS = ("poisson", "newton", "moreau")
 
 # What a load may depend on: time (s), pose (m, rad) and velocities (m/s, rad/s) of the centre of mass.
 MOTION = sp.symbols("t x y theta vx vy omega", real=True)
-# A load that is a polynomial of this degree in place and velocity hides nothing from a step's start: its derivatives
-# there, of which the coarsest integrator takes four, are all of it.
+# A load that is a polynomial of this degree in place and velocity needs no check: its derivatives at a step's start, of
+# which the coarsest integrator takes four, determine it everywhere.
 SIMPLE = 2
 
 
@@ -107,9 +107,10 @@ class Load:
         return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))
 
 
-def followed(formulas: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
-    """What has to be followed along a motion to see all that a load of these formulas does: the arguments of its
-    functions, then the formulas; nothing where its features in time and its derivatives at a step's start show it.
+def checked_quantities(formulas: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
+    """The quantities that an integrator has to check along each step under a load of these formulas: the arguments of
+    the load's functions, then the formulas. Empty if the load's features in time and its derivatives at a step's start
+    show all that it does.
     """
     time, *moving = MOTION
     arguments = dict.fromkeys(a for formula in formulas for a in features.arguments(formula, MOTION))

@@ -280,8 +280,8 @@ def centres(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[float, .
 
 
 def arguments(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> Iterator[sp.Expr]:
-    """What functions, and powers that are no squares, are taken of, as far as the symbols occur in it; nothing of sines
-    and cosines that run evenly."""
+    """The arguments of functions, and the bases of powers other than squares, that contain one of the symbols; not the
+    arguments of sines and cosines that are linear in the symbols."""
     for node in sp.preorder_traversal(expression):
         evenly = isinstance(node, sp.sin | sp.cos) and degree(node.args[0], symbols) <= 1
         if (node.is_Function and not evenly) or (node.is_Pow and node.exp != 2):

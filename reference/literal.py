@@ -97,9 +97,9 @@ class LiteralSystem:
         columns = [self.guards_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
         return list(np.array(columns).T)
 
-    def followed_of_arrays(self, times: np.ndarray, states: np.ndarray, parameters) -> list[np.ndarray]:
-        """What a step is checked for of the load, which no matrix has a part in."""
-        return self.phase.system.followed_of_arrays(times, states, parameters)
+    def load_quantities_of_arrays(self, times: np.ndarray, states: np.ndarray, parameters) -> list[np.ndarray]:
+        """The load's quantities, in which the matrix has no part."""
+        return self.phase.system.load_quantities_of_arrays(times, states, parameters)
 
     def observed_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """What a trajectory tells, in the order of `Observed`, each of shape (n,)."""

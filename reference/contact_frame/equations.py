@@ -19,7 +19,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
 
-from .loads import evenness
+from .loads import load_scales
 from .steps import Lost
 
 # A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
@@ -102,7 +102,7 @@ class Scene:
         gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
         self.g = (gravity.g * cos(gravity.direction), gravity.g * sin(gravity.direction)) if gravity else (0.0, 0.0)
         load, resistance = case.effect(Load), case.effect(RollingResistance)
-        self.load, self.evenness = load.at if load else None, evenness(load)
+        self.load, self.load_scales = load.at if load else None, load_scales(load)
         arm = resistance.arm if resistance else None
         if case.effect(PerfectlyRough):
             self.laws = Laws(inf, inf, arm)
@@ -163,10 +163,10 @@ class Scene:
         vx, vy = along * q.tx - across * q.ty, along * q.ty + across * q.tx
         return [x, y, theta + 2 * pi * turns, vx, vy, w]
 
-    def even(self, times: np.ndarray, states: np.ndarray, turns: int) -> bool:
+    def load_allows(self, times: np.ndarray, states: np.ndarray, turns: int) -> bool:
         """Whether the load lets a step go through these states (ξ₁, ξ₂, ω, v) of the contact, shape (4, n)."""
         bodies = np.array([self.body(z, turns) for z in states.T.tolist()]).T
-        return self.evenness is None or self.evenness.allows(times, bodies)
+        return self.load_scales is None or self.load_scales.allows(times, bodies)
 
     def forces(self, t: float, z, phase: Phase, turns: int) -> Forces:
         """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""

@@ -266,7 +266,7 @@ class _Course:
         pace = scene.free_pace if scene.load else lambda t, body: 0.0
         self.solver = Paced(
             self.rates, t, np.array(body), end, pace=pace, looks=looks, work=work, features=scene.in_time,
-            even=scene.evenness.allows if scene.evenness else None, rtol=self.rtol, atol=1e-2 * self.rtol,
+            load_allows=scene.load_scales.allows if scene.load_scales else None, rtol=self.rtol, atol=1e-2 * self.rtol,
         )  # fmt: skip
         self.pieces: list[tuple[float, float, Callable]] = []
         self.nodes = [(t, np.array(body))]

@@ -269,7 +269,7 @@ def _integrate(course: Course, now: Touching, guards: dict[str, Callable]):
         lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, course.end), now.z,
         method=Paced, rtol=course.rtol, atol=1e-2 * course.rtol, events=events, dense_output=bool(course.record),
         pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=course.looks, work=course.work,
-        features=scene.in_contact, even=partial(scene.even, turns=turns) if scene.evenness else None,
+        features=scene.in_contact, load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
     )  # fmt: skip
     unfinished = not solution.success and course.work.used_up
     if not (solution.success or unfinished) or not np.isfinite(solution.y[:, -1]).all():

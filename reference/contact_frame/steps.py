@@ -52,16 +52,16 @@ class UsedUp(Exception):
     """The motion's work is used up."""
 
 
-Even = Callable[[np.ndarray, np.ndarray], bool]
+Allows = Callable[[np.ndarray, np.ndarray], bool]
 
 
 class Paced(DOP853):
     """DOP853 whose steps are at most a part of a turn: `looks` of them while the motion's frequency turns by 2π.
 
     `pace` maps (t, y) to that frequency (rad/s, zero where nothing sets one); `features` are what no step passes, each
-    with the row of the state it is met by (None: time); `even` tells of times (n,) and states (variables, n) along a
-    step whether the load lets it be as long. Fails once the `work` of its motion is used up. Raises Lost where steps
-    come to nothing.
+    with the row of the state it is met by (None: time); `load_allows` maps times (n,) and states (variables, n)
+    along a step to whether the load allows a step of that length. Fails once the `work` of its motion is used up.
+    Raises Lost where steps come to nothing.
     """
 
     t: float
@@ -71,9 +71,9 @@ class Paced(DOP853):
 
     def __init__(
         self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int, work: Work,
-        features: Sequence[tuple[int | None, Features]] = (), even: Even | None = None, **options,
+        features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None, **options,
     ):  # fmt: skip
-        self.pace, self.looks, self.work, self.even = pace, looks, work, even
+        self.pace, self.looks, self.work, self.load_allows = pace, looks, work, load_allows
         self.features = [(row, found) for row, found in features if not found.plain]
         self.steps, self.counted_until = 0, -inf
         super().__init__(fun, t0, y0, t_bound, **options)
@@ -106,9 +106,9 @@ class Paced(DOP853):
 
     def _passes(self, t, y, f, h) -> bool:
         """Whether the step from there goes farther than a feature or the load allows."""
-        if self.even is not None:
+        if self.load_allows is not None:
             every = np.array([self._way(row, y, f, h) for row in range(len(y))])
-            if not self.even(np.append(t, t + h * INSIDE), np.column_stack([y, every])):
+            if not self.load_allows(np.append(t, t + h * INSIDE), np.column_stack([y, every])):
                 return True
         for row, features in self.features:
             if row is None:

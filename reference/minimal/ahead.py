@@ -1,8 +1,8 @@
 """What lies ahead of a step: how far it may go before something changes that its start knows nothing of.
 
 An integrator takes its step from derivatives at its start, and a bump ahead (of a curve, or of a load) has none there.
-The curves, and loads in time, know where they change (`cases.features`): a step ends where a finer piece begins. A load
-in place or velocity is looked at on the step's own course (`load_check`). And a step is halved where its dense output,
+The features of curves, and of loads in time, are known (`cases.features`): a step ends where a finer piece begins. A
+load in place or velocity is sampled along the step itself (`load_check`). And a step is halved where its dense output,
 in which events are searched, does not satisfy the equations.
 """
 
@@ -57,13 +57,13 @@ def good_part(phase: Phase, course: Course, tolerance: float, most: float) -> fl
 
 
 def clear_part(phase: Phase, course: Course, tolerance: float) -> float:
-    """The part of a step that passes over nothing: 1, or at most SHORTER where a finer piece of a curve begins on the
-    way, or a load does something."""
+    """The part of a step that passes over nothing: 1, or at most SHORTER if a finer piece of a curve begins on the way
+    or the load is not resolved."""
     part = 1.0
     if phase.features:
         states, times = course.states(PARTS), course.start + course.length * PARTS
         part = min(_part(f, times if row is None else states[row]) for row, f in phase.features)
-    if phase.follows:
+    if phase.checks_load:
         part = min(part, resolved_part(phase, course, tolerance))
     return part if part == 1.0 else min(part, SHORTER)
 

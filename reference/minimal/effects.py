@@ -14,7 +14,7 @@ import sympy as sp
 
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.derivation import in_one_thread
-from cases.effects import MOTION, followed
+from cases.effects import MOTION, checked_quantities
 from cases.expressions import constants, lifted
 
 from .eliminated import GYRATION, ONE, ZERO, Motion
@@ -39,7 +39,7 @@ class Weight:
     """Gravity: a constant force per mass."""
 
     torsor = GX, GY, ZERO
-    followed: ClassVar[tuple[sp.Expr, ...]] = ()
+    checked_quantities: ClassVar[tuple[sp.Expr, ...]] = ()
 
     def values(self, case: Case) -> dict[str, float]:
         gravity = case.effect(Gravity)
@@ -60,9 +60,9 @@ class Applied:
         return tuple(e / MASS for e in self._named(self.formulas))
 
     @property
-    def followed(self) -> tuple[sp.Expr, ...]:
-        """What a step has to be checked for: arguments of functions, then force and moment (N, N m); or nothing."""
-        return self._named(followed(self.formulas))
+    def checked_quantities(self) -> tuple[sp.Expr, ...]:
+        """The arguments of the load's functions, then force and moment (N, N m); empty if steps need no check."""
+        return self._named(checked_quantities(self.formulas))
 
     def _named(self, expressions: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
         named = {s: sp.Symbol(f"load_{s.name}", positive=True) for s in self.sizes}
@@ -188,9 +188,9 @@ class Laws(NamedTuple):
         return fx, fy, moment
 
     @property
-    def followed(self) -> tuple[sp.Expr, ...]:
-        """What a step has to be checked for of its loads."""
-        return _followed(self)
+    def checked_quantities(self) -> tuple[sp.Expr, ...]:
+        """The quantities of its loads that have to be checked along each step."""
+        return _checked_quantities(self)
 
     @property
     def needs_angle(self) -> bool:
@@ -218,8 +218,8 @@ def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _followed(law: Laws) -> tuple[sp.Expr, ...]:
-    return tuple(e for load in law.loads for e in load.followed)
+def _checked_quantities(law: Laws) -> tuple[sp.Expr, ...]:
+    return tuple(e for load in law.loads for e in load.checked_quantities)
 
 
 @lru_cache(maxsize=256)

@@ -1,11 +1,12 @@
-"""Whether a step sees all that a load in place or velocity does on its way.
+"""Whether a step resolves a load in place or velocity.
 
-A step's size comes from derivatives at its start, and a load that sets in later has none there. But the course of the
-step is a smooth function of time, and so are, on a step that is not too long, the arguments of the load's functions:
-of exp(-((x - 2)/w)²) and tanh(vx/w) that is a parabola and nearly a straight line, however small w is. Something can
-happen only where such an argument vanishes or turns round, or where it shows everywhere. So the load is looked at on
-the course in a few places, and ever more closely around those: a polynomial through every second place has to agree
-with it at all the others. Then its derivatives at the start say how it goes on, and a guard's zeros show.
+A step's length follows from derivatives at its start, where a load that begins later has none. But the states along the
+step are smooth functions of time, and so are, if the step is not too long, the arguments of the load's functions: those
+of exp(-((x - 2)/w)²) and tanh(vx/w) are nearly a parabola and a straight line, however small w is. Such a function
+changes quickly near a zero or an extremum of its argument, or else over so long a time that a few samples show it. So
+the load is sampled at a few places of the step and, at shrinking distances, around those zeros and extrema: a
+polynomial through every second of the few has to agree with all others. The derivatives at the start then determine the
+load on the whole step, and the zeros of a guard are found.
 """
 
 from __future__ import annotations
@@ -18,20 +19,20 @@ from numpy.polynomial import chebyshev
 from .modes import Phase
 from .scales import frequency
 
-# Of the polynomial through a load: where it is resolved to rounding, the next singularity of the load (in the complex
-# plane) is ten steps away, and the Taylor series at the step's start of order 12 is as good at its end.
+# Degree of the polynomial through a load: where it agrees to rounding, the next singularity of the load (in the complex
+# plane) is ten steps away, and the Taylor series of order 12 at the step's start is as accurate at its end.
 DEGREE = 8
-# Chebyshev–Lobatto points of a step: through every second one goes the polynomial, at the others it is tested; through
-# all go the arguments', which have to be known much better than to the width of what happens where they vanish.
+# Chebyshev–Lobatto points of a step: the load's polynomial goes through every second one and is tested at the others.
+# The arguments' go through all: their zeros have to be known much better than to the width of the change there.
 PLACES = 0.5 * (1.0 - np.cos(np.pi * np.arange(2 * DEGREE + 1) / (2 * DEGREE)))
 _TO_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(2.0 * PLACES - 1.0, 2 * DEGREE))
 _THROUGH_EVERY_SECOND = np.linalg.inv(chebyshev.chebvander(2.0 * PLACES[::2] - 1.0, DEGREE))
 _AT_THE_OTHERS = chebyshev.chebvander(2.0 * PLACES[1::2] - 1.0, DEGREE) @ _THROUGH_EVERY_SECOND
-# An argument is resolved if its last coefficients are at most this part of its size: where it vanishes is then known to
-# this part of the step, and what is no narrower than a tenth of that is seen.
+# An argument is resolved if its last coefficients are at most this part of its size: its zeros are then known to this
+# part of the step, and a change that is no narrower than a tenth of that is found.
 ARGUMENT = 1e-10
-# Where arguments are looked at for a change of sign, of themselves or of their slope: sixteen places to each half turn
-# of the highest polynomial.
+# Where a change of sign of the arguments and of their slopes is looked for: sixteen places to each half wave of the
+# highest polynomial.
 _GRID = np.linspace(-1.0, 1.0, 16 * DEGREE + 1)
 _VALUES = chebyshev.chebvander(_GRID, 2 * DEGREE)
 _SLOPES = chebyshev.chebval(_GRID, chebyshev.chebder(np.eye(2 * DEGREE + 1))).T
@@ -39,7 +40,7 @@ _SLOPES = chebyshev.chebval(_GRID, chebyshev.chebder(np.eye(2 * DEGREE + 1))).T
 TRIMMED = 1e-15
 # Roots of a polynomial so near to the real axis are real to rounding: those of two that have just met are 1e-7 off it.
 NEARLY_REAL = 1e-6
-# Around such a place the load is looked at this often, each time twice as close, down to 1e-12 of the step.
+# Around such a place the load is sampled so many times, each time at half the distance, down to 1e-12 of the step.
 HALVINGS = 40
 _CLOSER = 0.5 ** np.arange(1.0, HALVINGS + 1.0)
 _AROUND = np.concatenate([-_CLOSER, [0.0], _CLOSER])
@@ -72,7 +73,7 @@ class Course(Protocol):
 
 
 def resolved_part(phase: Phase, course: Course, tolerance: float) -> float:
-    """The part of a step on which the load of the phase shows in a few places: 1, 1/2, 1/4, …"""
+    """The part of a step on which the load of the phase is resolved: 1, 1/2, 1/4, …"""
     part, acting = 1.0, _acting(phase, course)
     allowed = min(max(PART * tolerance, FINEST), COARSEST)
     for _ in range(MOST_HALVED):
@@ -83,16 +84,16 @@ def resolved_part(phase: Phase, course: Course, tolerance: float) -> float:
 
 
 def _acting(phase: Phase, course: Course) -> float:
-    """The size of what acts where the step begins, N: weight, and what makes or bends the motion."""
+    """The size of the forces where the step begins, N: weight, and what accelerates the plate."""
     state = course.states(np.zeros(1))[:, 0].tolist()
     often = frequency(phase, course.start, state)
     return phase.case.weight + phase.case.plate.mass * phase.size * often**2
 
 
 def _resolved(phase: Phase, course: Course, part: float, allowed: float, acting: float) -> bool:
-    """Whether the load shows on that part of the step: its polynomial misses at most `allowed` of what acts."""
+    """Whether the load is resolved on that part of the step: its polynomial misses at most `allowed` of the forces."""
     places = part * PLACES
-    arguments, forces = _followed(phase, course, places)
+    arguments, forces = _quantities(phase, course, places)
     if not (np.isfinite(arguments).all() and np.isfinite(forces).all()):
         return False
     coefficients = _TO_COEFFICIENTS @ arguments.T
@@ -100,7 +101,7 @@ def _resolved(phase: Phase, course: Course, part: float, allowed: float, acting:
     missed = np.max(np.abs(forces[:, ::2] @ _AT_THE_OTHERS.T - forces[:, 1::2]))
     errors, error = ARGUMENT * sizes, allowed * (acting + np.max(np.abs(forces)))
     if missed > error or np.any(tails > errors):
-        moved = _followed(phase, course, places, ULPS)
+        moved = _quantities(phase, course, places, ULPS)
         errors = np.maximum(errors, ROUNDINGS * np.max(np.abs(moved[0] - arguments), axis=1))
         error = max(error, ROUNDINGS * np.max(np.abs(moved[1] - forces)))
         if not (missed <= error and np.all(tails <= errors)):
@@ -109,16 +110,16 @@ def _resolved(phase: Phase, course: Course, part: float, allowed: float, acting:
     if not len(events):
         return True
     seen = np.unique((events[:, None] + _AROUND).clip(0.0, 1.0))
-    there = _followed(phase, course, part * seen)[1]
+    there = _quantities(phase, course, part * seen)[1]
     polynomial = chebyshev.chebval(2.0 * seen - 1.0, _THROUGH_EVERY_SECOND @ forces[:, ::2].T)
     missed = np.max(np.abs(polynomial - there))  # NaN, which is not less than what is allowed, where there is no value
     if missed > error:
-        error = max(error, ROUNDINGS * np.max(np.abs(_followed(phase, course, part * seen, ULPS)[1] - there)))
+        error = max(error, ROUNDINGS * np.max(np.abs(_quantities(phase, course, part * seen, ULPS)[1] - there)))
     return bool(missed <= error)
 
 
 def _events(coefficients: np.ndarray) -> np.ndarray:
-    """Where (0 to 1) arguments of these Chebyshev coefficients (degree + 1, k) vanish or turn round."""
+    """Zeros and extrema (0 to 1) of arguments with these Chebyshev coefficients (degree + 1, k)."""
     found = [np.empty(0)]
     for matrix, order in ((_VALUES, 0), (_SLOPES, 1)):
         signs = matrix @ coefficients >= 0.0
@@ -132,14 +133,14 @@ def _events(coefficients: np.ndarray) -> np.ndarray:
     return every[(every >= 0.0) & (every <= 1.0)]
 
 
-def _followed(phase: Phase, course: Course, parts: np.ndarray, moved: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def _quantities(phase: Phase, course: Course, parts: np.ndarray, moved: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Arguments (k, n), and force and moment over the radius of gyration (3, n; N) at these parts of the step; `moved`:
     with each component of the course moved to and fro by that part of itself."""
     times, states = course.start + course.length * parts, course.states(parts)
     if moved:
         signs = moved * (-1.0) ** np.arange(len(parts))
         times, states = times * (1.0 + signs), states * (1.0 - signs)
-    rows = phase.system.followed_of_arrays(times, states, phase.parameters)
+    rows = phase.system.load_quantities_of_arrays(times, states, phase.parameters)
     every = np.empty((len(rows), len(parts)))
     for own, row in zip(every, rows, strict=True):
         own[:] = row  # a constant one is a number

@@ -49,8 +49,8 @@ class Phase(NamedTuple):
 
     `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: what counts as a
     change of order one. `places` say where its variables stand in the full state. `features` are those a step could
-    pass over, each with the row of the state they are met by (None: time); `follows`: whether a step could pass over
-    what a load in place or velocity does.
+    pass over, each with the row of the state they are met by (None: time); `checks_load`: whether a step could pass
+    over a change of a load in place or velocity.
     """
 
     regime: Regime
@@ -61,12 +61,12 @@ class Phase(NamedTuple):
     places: tuple[int, ...]
     case: Case
     features: tuple[tuple[int | None, Features], ...] = ()
-    follows: bool = False
+    checks_load: bool = False
 
     @property
-    def checked(self) -> bool:
-        """Whether each step has to be checked on its way."""
-        return bool(self.features) or self.follows
+    def checks_steps(self) -> bool:
+        """Whether each step has to be checked along its course."""
+        return bool(self.features) or self.checks_load
 
     def __reduce__(self):
         """A phase travels to another process as its case and its regime: all else is derived from these."""
@@ -133,12 +133,12 @@ def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: flo
 @lru_cache(maxsize=256)
 def phase(case: Case, regime: Regime) -> Phase:
     """The equations of that regime with the case's parameters."""
-    size, follows = case.plate.gyration, bool(laws(case).followed)
+    size, checks = case.plate.gyration, bool(laws(case).checked_quantities)
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
         parameters = parameter_values(case, {}, equations.parameters)
         features = _features(case.effect(Load))
-        return Phase(regime, equations, parameters, size, (size, size, 1.0), tuple(range(6)), case, features, follows)
+        return Phase(regime, equations, parameters, size, (size, size, 1.0), tuple(range(6)), case, features, checks)
     equations = contact_system(case, regime.kind)
     law = laws(case)
     values = {"nu": float(regime.side)}
@@ -147,7 +147,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
     parameters = parameter_values(case, values, equations.parameters)
     features = _features(case.effect(Load), case.track, case.plate.outline)
-    return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, follows)
+    return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, checks)
 
 
 @lru_cache(maxsize=256)

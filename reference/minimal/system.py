@@ -37,8 +37,8 @@ class Equations:
 
     The first `positions` variables are positions, the others velocities. `conditions` are what a decision for this
     mode asks for, `condition_rates` the rates of those that are velocities; `guards` are positive while the mode
-    lasts: the conditions and the geometry's limits, less those that the state cannot change. `followed` is what a step
-    has to be checked for of a load: arguments of its functions, then force and moment (N, N m).
+    lasts: the conditions and the geometry's limits, less those that the state cannot change. `load_quantities` are
+    checked along each step: arguments of a load's functions, then force and moment (N, N m).
     """
 
     variables: tuple[sp.Symbol, ...]
@@ -48,13 +48,13 @@ class Equations:
     conditions: dict[str, sp.Expr] = field(default_factory=dict)
     condition_rates: dict[str, sp.Expr] = field(default_factory=dict)
     guards: dict[str, sp.Expr] = field(default_factory=dict)
-    followed: tuple[sp.Expr, ...] = ()
+    load_quantities: tuple[sp.Expr, ...] = ()
 
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
         """The symbols that are neither time nor variables: sizes, friction, loads, signs."""
         used = [*self.rates, *self.observed, *self.conditions.values(), *self.condition_rates.values()]
-        found = set().union(*(e.free_symbols for e in (*used, *self.guards.values(), *self.followed)))
+        found = set().union(*(e.free_symbols for e in (*used, *self.guards.values(), *self.load_quantities)))
         return tuple(sorted(found - {*self.variables, T}, key=lambda symbol: symbol.name))
 
 
@@ -197,9 +197,9 @@ class System:
         return self._compile("observed", "math")
 
     @derived
-    def followed_of_arrays(self):
-        """(t, y, parameters) -> list of what has to be followed of a load, on arrays; a constant one stays a number."""
-        return self._compile("followed", "numpy")
+    def load_quantities_of_arrays(self):
+        """(t, y, parameters) -> list of the load's quantities, on arrays; a constant one stays a number."""
+        return self._compile("load_quantities", "numpy")
 
 
 def _outline(found: Equations) -> tuple:
@@ -281,8 +281,8 @@ def _contact_equations(track, outline, bounded: tuple[bool, bool], law: Laws, ki
     limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(bounded)}
     guards = {name: g for name, g in (conditions | limits).items() if g.free_symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    followed = tuple(e.xreplace(seen) for e in law.followed)
-    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, followed)
+    load_quantities = tuple(e.xreplace(seen) for e in law.checked_quantities)
+    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, load_quantities)
 
 
 def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
@@ -318,7 +318,7 @@ def _flight_equations(law: Laws) -> Equations:
     fx, fy, moment = law.torsor
     nothing = Motion(*(ZERO for _ in Motion._fields))
     rates = (vx, vy, omega, fx, fy, moment / GYRATION)
-    return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, followed=law.followed)
+    return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 
 def _ends(bounded: tuple[bool, bool]) -> dict[str, sp.Expr]:

@@ -103,7 +103,7 @@ def structure(case: Case) -> Structure:
     fitted = case.start.xi2 is None
     load = case.effect(Load)
     features = (track.features, outline.features, load.features if load else None)
-    plain = all(found is None or found.plain for found in features) and not laws(case).followed
+    plain = all(found is None or found.plain for found in features) and not laws(case).checked_quantities
     return Structure(track.structure, outline.structure, laws(case), ends, kinds, case.start.in_contact, fitted, plain)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
@@ -78,6 +79,17 @@ def _weight_slopes(x):
     return slopes
 
 
+# Most steps are looked at in the same places.
+@lru_cache(maxsize=128)
+def _at(parts: bytes) -> np.ndarray:
+    return np.array(_weights(np.frombuffer(parts))).T
+
+
+@lru_cache(maxsize=8)
+def _slopes_at(parts: bytes) -> np.ndarray:
+    return np.array(_weight_slopes(np.frombuffer(parts))).T
+
+
 class _Course:
     """A step by its dense output."""
 
@@ -86,11 +98,11 @@ class _Course:
 
     def states(self, parts: np.ndarray) -> np.ndarray:
         """States (variables, n) at these parts of the step, 0 to 1."""
-        return (self._piece.y_old + np.array(_weights(parts)).T @ self._piece.F).T
+        return (self._piece.y_old + _at(parts.tobytes()) @ self._piece.F).T
 
     def slopes(self, parts: np.ndarray) -> np.ndarray:
         """Their derivatives by time."""
-        return (np.array(_weight_slopes(parts)).T @ self._piece.F).T / self.length
+        return (_slopes_at(parts.tobytes()) @ self._piece.F).T / self.length
 
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
@@ -176,7 +188,7 @@ def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
     many times it was tried."""
     start, before, slope, tries = solver.t, solver.y, solver.f, 1
     solver.step()
-    while phase.checked and solver.status != "failed":
+    while phase.checks_steps and solver.status != "failed":
         part = good_part(phase, _Course(solver.dense_output()), rtol, DEFECT * rtol**0.875)
         length = part * (solver.t - start)
         if part == 1.0 or length <= 10 * np.spacing(abs(start)):  # the shortest step of SciPy's method

@@ -54,7 +54,7 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
             return Left(t, y, 0, inf, BREAKDOWN)
         if not ahead.guards or not 0.0 < ahead.often < inf:
             return Left(t, y, 0, ahead.longest)  # nothing moves and nothing presses: no guard leaves zero
-        if phase.checked:
+        if phase.checks_steps:
             clear = clear_part(phase, Expansion(t, ahead.h, coefficients), tolerance)
             ahead = start(coefficients, (part, clear * ahead.h, *known))
         # What is positive at the end and half-way there has left zero and not come back; else the step is shortened

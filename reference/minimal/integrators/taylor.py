@@ -100,7 +100,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """
     tolerance = tolerance_of(rtol)
     integrators = compiled(phase.system, tolerance)
-    ended = None if phase.checked else integrators.call(_at_once, phase, t, y, end, tolerance)
+    ended = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
     if ended is None:
         return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
     event, steps = ended
@@ -181,7 +181,7 @@ def _one_by_one(
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
     """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations. How it
     ended, and how often it was taken."""
-    if not phase.checked:
+    if not phase.checks_steps:
         return integrator.step(longest, True)[0], 1
     start, before, tries = integrator.time, integrator.state.copy(), 1
     outcome, _ = integrator.step(longest, True)
