@@ -195,6 +195,10 @@ WALK = {
     "index.md": Page((Left("make report", CLONE), Left("make test", CLONE))),
     "install.md": Page(
         (
+            Left("python3 -m venv .venv", "the walk installs the wheel in an environment of its own"),
+            Left('.venv/bin/pip install -e ".[taylor,test]"', CLONE),
+            Left(".venv/bin/python -m reports.build", CLONE),
+            Left(".venv/bin/python -m pytest", CLONE),
             Left('pipx install ".[taylor]"', "the walk installs the wheel in an environment of its own"),
             Step("slip-to-roll report --quick", (r"^3 cases, \d+ runs in \d+ s: \d+ right",), REPORT),
             Step("slip-to-roll completion bash", (r"^complete -o default -F _slip_to_roll slip-to-roll$",)),
