@@ -150,9 +150,9 @@ class Curve:
             row[...] = values  # a constant one is a number
         return jets
 
-    def jets_of(self, s: np.ndarray, constants: tuple) -> list:
+    def jets_of(self, s: Any, constants: tuple) -> list:
         """The same rows for curves of this structure with sizes of their own, each of the parameters' shape (n,); a
-        constant row may be a number."""
+        constant row may be a number. Parameters may be anything that NumPy's functions take, such as intervals."""
         return self._jets(s, constants)
 
     def point(self, s) -> np.ndarray:

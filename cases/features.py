@@ -32,6 +32,8 @@ HALVINGS = 30
 MOST_PIECES, CROWDED = 20_000, 64
 # A step covers at most this part of a piece: at a piece's end the function may be rounding, at its other end not.
 PART = 0.5
+# Points to a piece that show a function's extremes to a hundredth of what it changes by: a piece holds half a swing.
+POINTS = 16
 # Pieces whose lengths differ by no more than this have one scale, unless the function is quiet in one of them: changes
 # there by less than this part of what it changes elsewhere.
 ALIKE, QUIET = 4.0, 1e-3
@@ -123,6 +125,28 @@ class Features:
         count = int(np.ceil((high - low) / apart)) if apart < inf else 1
         every = np.concatenate([np.linspace(low, high, count + 1), *fine])
         return np.unique(every[(every >= low) & (every <= high)])
+
+    def resolved(self, at: float) -> float:
+        """The length of the piece that a parameter lies in: there the function is a polynomial of degree `DEGREE`."""
+        _, window, shift = self._window(at)
+        i = min(max(bisect_right(window.edges, at - shift) - 1, 0), len(window.strides) - 1)
+        return window.edges[i + 1] - window.edges[i]
+
+    def nodes(self, low: float, high: float) -> np.ndarray:
+        """Parameters on (low, high), in order, that show the function's extremes in every piece."""
+        found = [np.array([low, high])]
+        number, window, shift = self._window(low)
+        while True:
+            edges = np.array(window.edges) + shift
+            edges = edges[(edges >= low) & (edges <= high)]
+            edges = np.concatenate([[max(low, window.low + shift)], edges, [min(high, window.high + shift)]])
+            parts = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, POINTS, endpoint=False)
+            found.append(parts.ravel())
+            number += 1
+            following = self._numbered(number) if window.high + shift < high else None
+            if following is None:
+                return np.unique(np.concatenate(found))
+            window, shift = following
 
     def _pieces(self, low: float, high: float) -> Iterator[tuple[float, float, float]]:
         """(start, end, stride) of the pieces that meet (low, high)."""

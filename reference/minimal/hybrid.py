@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, DoesNotFit, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
-from cases.contact import pose
+from cases.contact import pose, start_motion
 
 from .bouncing import Bounces
 from .decision import Undecidable, decide
 from .eliminated import Motion
 from .impact import Touch, collide, energy, law_of
 from .integrators.segment import BREAKDOWN, EXHAUSTED, LOST_SIGHT, Segment
-from .landing import Landing, Looks, TooMany, first_landing, start_impact
+from .landing import Landing, Landings
 from .modes import (
     FLIGHT,
     SLIP_SIGN,
@@ -33,6 +33,7 @@ from .modes import (
     without_slip,
     without_turning,
 )
+from .pieces import TooMuch
 from .scales import frequency
 from .series import EPS
 from .touch import over_touch
@@ -111,7 +112,7 @@ class Step(NamedTuple):
 
 def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
     """Phase after phase until the end of time or a status: (segments, transitions, (status, sentence))."""
-    t, y = 0.0, start
+    t, y, begun = 0.0, start, start_motion(case)
     segments: list[Segment] = []
     transitions: list[Transition] = []
     if regime is None:
@@ -122,8 +123,8 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         if step.regime is None:
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces, progress, near, idle, steps = Bounces(case), _Progress(), case.start.xi1, 0, 0
-    looks = Looks(case)
+    bounces, progress, idle, steps = Bounces(case), _Progress(), 0, 0
+    landings, place = None, (begun.xi1, begun.xi2)
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
@@ -131,8 +132,9 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, ACCUMULATION
         try:
             if regime == FLIGHT:
+                landings = landings or Landings(case)
                 fly = _flown if segments or not _closes(case) else _thrown
-                step = _after_flight(case, *fly(case, now, t, y, near, rtol, integrate, looks), bounces)
+                step = _after_flight(case, *fly(case, now, t, y, place, rtol, integrate, landings), bounces)
             else:
                 step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
             idle = idle + 1 if step.time == t else 0
@@ -149,7 +151,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
             return segments, transitions, step.ending
-        t, y, regime, near = step.time, step.state, step.regime, step.place[0]
+        t, y, regime, place = step.time, step.state, step.regime, step.place
         if steps >= MOST_STEPS:
             return segments, transitions, exhausted(t, steps)
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
@@ -174,7 +176,7 @@ def _lost_sight(t: float) -> Ending:
     """What is said where looking for landings took all the work that it may."""
     return "unfinished", (
         f"Looking for landings took as much work as a run takes until t = {t:.9g} s; end it there, or look at slower "
-        "speeds and spins."
+        "speeds and spins, or at coarser curves."
     )
 
 
@@ -330,9 +332,9 @@ def _free(case: Case, t: float, y: Sequence[float]) -> Motion:
 
 
 def _flown(
-    case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate, looks: Looks
+    case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
 ) -> tuple[list[Segment], Landing | None]:
-    """A flight's segments up to its landing, and that; `near` is where the track was touched last.
+    """A flight's segments up to its landing, and that; `place` is the pair of points that touched last.
 
     It is integrated as far as it may last by its own scales, and twice as far as often as it takes.
     """
@@ -342,9 +344,9 @@ def _flown(
         until = max(t + lasts, t + 1e3 * np.spacing(t))
         segment = integrate(now, t, y, min(until, case.duration), rtol)
         try:
-            landing = first_landing(looks, segment, near, under_way=bool(segments))
-        except TooMany:
-            segments.append(segment.until(looks.flies_until, segment.evaluations).ended_by(LOST_SIGHT))
+            landing = landings.first(segment, place, under_way=bool(segments))
+        except TooMuch:
+            segments.append(segment.until(landings.flies_until, segment.evaluations).ended_by(LOST_SIGHT))
             return segments, None
         segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
         if landing or segment.event.guard or segment.event.time >= case.duration:
@@ -360,11 +362,11 @@ def _closes(case: Case) -> bool:
 
 
 def _thrown(
-    case: Case, now: Phase, t: float, y, near: float, rtol: float, integrate, looks: Looks
+    case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
 ) -> tuple[list[Segment], Landing]:
     """The flight of no length before the impact that a case begins with, and that."""
     segment = integrate(now, t, y, 1e3 * np.spacing(t), rtol)
-    return [segment.until(t, 0)], start_impact(case, segment)
+    return [segment.until(t, 0)], landings.start_impact(segment)
 
 
 def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:

@@ -1,45 +1,43 @@
 """Where a flight ends: the first instant at which the outline meets the track again, wherever that is.
 
-The flight itself is integrated like any phase, without asking where the track is; then its gap is followed from look
-to look. Looks are so close that the plate moves by a small part of its size, or of its gap where that is larger, and a
-gap that turns around between two of them is looked at where it turns.
-
-A flight that is over before the plate has moved by such a part, and whose gap's rate falls evenly, is a hop: there the
-rate is known much better than the gap, which is the small difference of two places, and its integral vanishes where the
-plate lands.
+The flight itself is integrated like any phase, without asking where the track is. Where curvatures leave room for one
+pair of nearest points alone (`room`), that pair is followed, from look to look: until the next one bounds on the gap's
+rate and on what changes it exclude a zero. Elsewhere, and where that pair is lost, boxes of time, track and outline are
+searched (`meetings`). A flight that is over before it has begun is a hop (`short_flights`).
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-from math import hypot, inf, isnan, nan
+from collections.abc import Iterator
+from functools import cached_property, partial
+from math import inf, isnan, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import Chebyshev
 
-from cases import Case, Curve
+from cases import Case, Load
 from cases.contact import Contact, pose
-from cases.nearest import nearest
+from cases.overlap import span
 
+from .boxes import Cores
+from .cores import cores
+from .gap import Look, Looks, facing, state, touch
 from .impact import Touch
 from .integrators.segment import Segment
+from .meetings import Meeting, Search
+from .room import Room, room
 from .series import EPS
+from .short_flights import first_look
+from .windows import DEGREE, PARABOLA, Windows, windows
 
-# Between two looks the plate moves by this part of its size, at most, while it is near its track.
-CLOSE = 1 / 16
-# Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
-# Sooner than this part of the step, positions do not resolve it: there is no flight.
-SOONEST = 1e-9
-# What looks for a landing may take in a motion, all told, in those of a disc: some twenty seconds.
-MOST_LOOKS = 300_000
-# A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of the plate's speeds.
-EVEN = 1e-14
-# Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
-HOP = 1.0625
-# How often that is looked for anew with the rate there: a pull that grows makes it longer than the first look says.
-REFINED = 5
-_LOOKS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
+# A pair is followed up to this part of the gap at which it need no longer be the only nearest one.
+ALONE = 0.5
+# A flight is searched in stretches of time in which the plate goes so many of its sizes, and twice as far each time.
+STRETCH = 4.0
+# The plate's reach is known from so many points that a thousandth more is a bound.
+REACH = 1.001
+# Newton's method for the zero of a gap, from one that is known to some digits.
+STEPS = 20
 
 
 class Landing(NamedTuple):
@@ -54,227 +52,233 @@ class Landing(NamedTuple):
     arm_n: float
 
 
-class TooMany(Exception):
-    """A flight is followed no further: near its track the plate is too fast, or spins too fast."""
-
-
-class Looks:
-    """Looks at a motion's flights, the work that they took, and until when (s) the last flight has not landed."""
+class Landings:
+    """The search for the landings of a motion: the work that it took, and until when (s) the last flight has none."""
 
     def __init__(self, case: Case) -> None:
-        self.case, self.done, self.flies_until = case, 0, nan
-        # Of a disc one point is looked up (70 µs), of others all the outline (half a millisecond).
-        self.each = 1 if case.plate.radius is not None else 8
+        self.case, self.looks, self.flies_until = case, Looks(case), nan
+        self.size = REACH * case.plate.reach
+        self.degree = DEGREE if case.effect(Load) else PARABOLA
+        self.pair: tuple[float, float] | None = None  # the pair that is followed, between segments
 
-    def at(self, segment: Segment, t: float) -> _Look:
-        """A look at the time t, s. Raises TooMany once their work is used up."""
-        if self.done >= MOST_LOOKS:
-            raise TooMany
-        self.done += self.each
-        return _look(self.case, segment, t)
+    @cached_property
+    def search(self) -> Search:
+        """The search by boxes, and its work."""
+        return Search(self.case)
 
+    def start_impact(self, segment: Segment) -> Landing:
+        """The impact that a start with a gap that closes is, also where the plate is pulled off its track; its
+        velocities are the start's own, without rounding."""
+        start = self.case.start
+        xi1, xi2 = start.xi1, start.motion(self.case.track, self.case.plate.outline).xi2
+        landing = self._landing(segment, Look(0.0, Contact(xi1, xi2, 0.0), nan, nan, nan, True), xi1)
+        return landing._replace(touch=Touch(start.slip, start.gap_rate, start.omega))
 
-class _Look(NamedTuple):
-    time: float
-    contact: Contact | None
-    rate: float  # of the gap, m/s
-    speed: float  # of the plate's points, at most, m/s
-    far: float  # half-way back to where tracks are drawn, m: off the ends of one there is no gap
-    beyond: float = nan  # of a landing: how much later it is than the rounded time, s
+    def first(self, segment: Segment, place: tuple[float, float], under_way: bool = False) -> Landing | None:
+        """The first landing of a flight's segment; None if it flies on. Raises TooMuch once the work is used up.
 
-    @property
-    def gap(self) -> float:
-        return self.contact.gap if self.contact else np.inf
-
-
-def start_impact(case: Case, segment: Segment) -> Landing:
-    """The impact that a start with a gap that closes is, also where the plate is pulled off its track; its velocities
-    are the start's own, without rounding."""
-    start, first = case.start, _look(case, segment, 0.0)
-    landing = _landing(case, segment, first, start.xi1)
-    return landing._replace(touch=Touch(start.slip, start.gap_rate, start.omega))
-
-
-def first_landing(looks: Looks, segment: Segment, near: float, under_way: bool = False) -> Landing | None:
-    """The first landing of a flight's segment; None if it flies on. Raises TooMany once the `looks` are used up.
-
-    The parameters on closed curves are counted on from `near`, where the track was touched last. `under_way`: it
-    goes on with a flight that did not land until then.
-    """
-    size = _reach(looks.case.plate.outline)
-    start, end = float(segment.times[0]), float(segment.times[-1])
-    looks.flies_until = start
-    before = looks.at(segment, start)
-    if under_way and before.contact and before.gap <= 0.0:
-        return _landing(looks.case, segment, before, near)  # by a rounding
-    leaves = not under_way and before.gap <= 1e-12 * size  # on the track, to the rounding of positions
-    if before.contact and leaves:
-        first = _first_look(looks, segment, before, size)
-        if first is None:
-            return _landing(looks.case, segment, before, near)
-        if not isnan(first.beyond):
-            return _landing(looks.case, segment, first, near)
-        before = first
-    while before.time < end:
-        looks.flies_until = before.time
-        step = _time_for(segment, before, min(before.gap, max(1e6 * size, before.far)), size)
-        if leaves:
-            step = min(step, before.time - start)  # what has just begun may end as soon
-        now = looks.at(segment, min(before.time + step, end))
-        turned = _turning(looks, segment, before, now) if before.rate < 0.0 < now.rate and now.gap > 0.0 else None
-        for look in (turned, now):
-            if look is not None and look.gap <= 0.0:
-                return _locate(looks, segment, before, look, near)
-        before = now
-    return None
-
-
-def _first_look(looks: Looks, segment: Segment, start: _Look, size: float) -> _Look | None:
-    """A look soon after the start at which the gap is positive and grows, or a hop's landing; None if it closes."""
-    part = _time_for(segment, start, 0.0, size)
-    soonest = SOONEST * part
-    while part > soonest:
-        look = looks.at(segment, start.time + part)
-        if start.rate > 0.0 > look.rate:
-            hop = _hop(looks, segment, start, look)
-            if hop is not None:
-                return hop
-        if look.rate > 0.0 and look.gap > 0.0:
-            return look
-        # Half the time in which the rate falls to zero, as it has fallen until now (it may begin at a mere rounding).
-        falls = start.rate > 0.0 > look.rate
-        part *= min(max(0.5 * start.rate / (start.rate - look.rate), 1e-3), 0.5) if falls else 0.25
-    return None
-
-
-def _hop(looks: Looks, segment: Segment, start: _Look, ahead: _Look) -> _Look | None:
-    """The landing of a flight that begins at `start` on the track, if it is a hop over before `ahead`.
-
-    A rate that falls evenly vanishes half-way; where a polynomial through a few looks is as good as the rates
-    themselves, its integral's zero is the landing.
-    """
-    most, lasts, whole = ahead.time - start.time, inf, ahead
-    for _ in range(REFINED):
-        if not whole.rate < start.rate:
-            return None
-        before, lasts = lasts, 2.0 * start.rate * (whole.time - start.time) / (start.rate - whole.rate)
-        if not lasts <= most:
-            return None
-        if abs(lasts - before) <= 0.5 * (HOP - 1.0) * lasts:
-            break
-        whole = looks.at(segment, start.time + lasts)
-    half = looks.at(segment, start.time + 0.5 * lasts)
-    # Times are rounded, what is between them is not.
-    fall = (start.rate - whole.rate) / (whole.time - start.time)
-    if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.speed:
-        lasts = 2.0 * start.rate / fall
-    else:
-        lasts = _uneven(looks, segment, start, lasts)
-    if isnan(lasts):
+        `place` is the pair of points that touched last. `under_way`: it goes on with a flight that did not land until
+        then.
+        """
+        self.pair = self.pair if under_way else place
+        start = float(segment.times[0])
+        self.flies_until = start
+        before = self.looks.at(segment, start, self.pair) if self.pair else None
+        if before is not None and not self._on_track(before):
+            before = None
+        if before is not None and under_way and before.gap <= 0.0:
+            return self._landing(segment, before, place[0])  # by a rounding
+        if before is not None and not under_way and before.gap <= 1e-12 * self.size:  # to the rounding of positions
+            first = first_look(self.looks, segment, before)
+            look = first or before
+            other = self._elsewhere(segment, before, look)
+            if other is not None:
+                return self._located(segment, other, place[0])
+            if first is None or not isnan(first.beyond):
+                return self._landing(segment, look, place[0])
+            before = first
+        since, motion = start, windows(partial(_poses, segment), segment.times, self.size, self.degree)
+        if before is not None:
+            landing, since = self._followed(segment, motion, before, place[0])
+            if landing or self.pair:
+                return landing
+        for some in self._stretches(segment, motion, since):
+            self.flies_until = float(some.start[0])
+            meeting = self.search.first(some)
+            if meeting is not None:
+                return self._located(segment, meeting, place[0])
         return None
-    landing = looks.at(segment, start.time + lasts)
-    beyond = lasts - (landing.time - start.time)
-    return landing._replace(beyond=beyond) if landing.contact is not None and landing.rate < 0.0 else None
+
+    # --- one pair of points -------------------------------------------------------------------------------------------
+
+    def _followed(self, segment: Segment, motion: Windows, before: Look, near: float) -> tuple[Landing | None, float]:
+        """The landing at a pair that is the only nearest one, and until when (s) there is none. Where it is lost, or no
+        longer the only one, `pair` is None."""
+        window, end = 0, float(motion.end[-1])
+        while before.time < end:
+            self.flies_until = before.time
+            while motion.end[window] <= before.time:
+                window += 1
+            free = self._room(before.contact.xi1)
+            if not before.gap < ALONE * free.gap:
+                return self._lost(before.time)
+            step = self._clear(motion, window, before, free)
+            now = self._ahead(segment, before, min(before.time + step, float(motion.end[window])), free)
+            if now is None:
+                return self._lost(before.time)
+            still = now.time <= before.time  # no more than a rounding of the time is clear
+            if now.gap <= 0.0 or (now.rate < 0.0 and (still or now.gap <= self._rounding(segment, now))):
+                return self._landing(segment, self._closed(segment, now), near), now.time
+            if still:
+                return self._lost(float(np.nextafter(before.time, inf)))
+            before = now
+        self.pair = before.pair
+        return None, end
+
+    def _lost(self, time: float) -> tuple[None, float]:
+        """Nothing is followed from that time on."""
+        self.pair = None
+        return None, time
+
+    def _ahead(self, segment: Segment, before: Look, time: float, free: Room) -> Look | None:
+        """The same pair at a later time, or sooner where it is not found; None if it is lost."""
+        for _ in range(STEPS):
+            now = self.looks.at(segment, time, before.pair, turned=True)
+            if now is not None and self._on_track(now) and -ALONE * self.size < now.gap < free.gap:
+                return now
+            time = 0.5 * (before.time + time)
+        return None
+
+    def _clear(self, motion: Windows, window: int, look: Look, free: Room) -> float:
+        """For how long after a look no zero of the gap is possible, s: by the gap's rate and what changes that."""
+        pull, spin, swing = (float(row[window]) for row in (motion.pull, motion.spin, motion.swing))
+        rest = float(motion.end[window]) - look.time
+        turns = 0.0 if self.case.plate.radius is not None else spin * self.size
+        gap, sinking = max(look.gap, 0.0), look.centre + turns
+        # Its rate is at most the speed of the plate's points.
+        clear = 2.0 * gap / (sinking + sqrt(sinking**2 + 2.0 * pull * gap)) if gap else 0.0
+        within = rest
+        for _ in range(2):
+            speed = min(float(motion.speed[window]), look.centre + pull * within) + turns
+            room_left = ALONE * free.gap + 0.25 * free.gap - gap
+            if speed * within > room_left:
+                within = room_left / speed
+            bend = self._bending(free, gap + speed * within, speed, spin, swing) + pull
+            root = sqrt(look.rate**2 + 2.0 * bend * gap)
+            if look.rate < 0.0:
+                found = 2.0 * gap / (root - look.rate)
+            else:
+                found = (look.rate + root) / bend if bend else inf
+            clear = max(clear, min(found, within))
+            within = min(within, 4.0 * clear)
+        return min(clear, rest)
+
+    def _bending(self, free: Room, gap: float, speed: float, spin: float, swing: float) -> float:
+        """A bound on the acceleration (m/s²) with which the gap closes, but for what pulls at the centre of mass.
+
+        With the curvatures a of the track and b of the outline, slip v and spin ω, arm (c, d), gap γ and n = 1 − a γ
+        the gap's acceleration is the pull's + c ω' − d ω² − (n ω − a v)²/(n (b n − a)) − a v²/n; that of a disc whose
+        centre has the speed u is the pull's − a u²/(1 − a (r + γ)). (Derived from the rates of the pair.)
+        """
+        (lowest, highest), least = free.track, free.outline[0]
+        valley = max(highest, 0.0)
+        if self.case.plate.radius is not None:
+            return speed**2 * valley / (1.0 - valley * (self.case.plate.radius + gap))
+        most, near, far = max(abs(lowest), abs(highest)), 1.0 - valley * gap, 1.0 + max(-lowest, 0.0) * gap
+        fits = least - (highest * (1.0 + least * gap) if highest > 0.0 else highest)
+        turning = (far * spin + most * speed) ** 2 / (near * fits)
+        return (swing + spin**2) * self.size + turning + valley * speed**2 / near
+
+    def _room(self, xi1: float) -> Room:
+        """How much room there is around a place of the track."""
+        track, outline = self.case.track, self.case.plate.outline
+        return room(track, outline, *span(track, np.array([self.case.start.xi1, xi1]), self.case.plate.reach))
+
+    def _on_track(self, look: Look) -> bool:
+        """Whether both points of a pair lie on their curves, and the plate on the track's left."""
+        for curve, at in zip((self.case.track, self.case.plate.outline), look.pair, strict=True):
+            if curve.period is None and curve.domain is not None and not curve.domain[0] <= at <= curve.domain[1]:
+                return False
+        return look.facing
+
+    def _rounding(self, segment: Segment, look: Look) -> float:
+        """Of a gap, m."""
+        x, y, *_ = state(segment, look.time)
+        return 0.5 * EPS * (self.size + abs(x) + abs(y))
+
+    # --- boxes --------------------------------------------------------------------------------------------------------
+
+    def _elsewhere(self, segment: Segment, start: Look, look: Look) -> Meeting | None:
+        """A meeting at another pair than the one that a flight begins with, before a look."""
+        if not look.time > start.time or look.gap < ALONE * self._room(start.contact.xi1).gap:
+            return None
+        motion = windows(partial(_poses, segment), np.array([start.time, look.time]), self.size, self.degree)
+        ends = np.sort([start.pair, look.pair], axis=0)
+        ends += np.array([[-0.5], [0.5]]) * np.diff(ends, axis=0)  # between the looks it may go a little beyond
+        around, _ = cores(self.case, ends[:, :1], ends[:, 1:], np.array([max(look.gap, start.gap, 0.0)]))
+        whole = Cores(*(np.repeat(column, len(motion.start), axis=1) for column in around))
+        return self.search.first(motion, whole)
+
+    def _stretches(self, segment: Segment, motion: Windows, since: float) -> Iterator[Windows]:
+        """The motion from a time on, in stretches in which the plate moves by some of its sizes, each farther than the
+        last."""
+        limit, gone, edges = STRETCH * self.size, 0.0, [since]
+        speeds = motion.speed + motion.spin * self.size
+        for start, end, speed in zip(motion.start.tolist(), motion.end.tolist(), speeds.tolist(), strict=True):
+            time = max(start, since)
+            while time < end:
+                until = time + (limit - gone) / speed if speed > 0.0 else end
+                until = end if not until < end - 1e-9 * (end - start) else until
+                edges.append(until)
+                gone += speed * (until - time)
+                time = until
+                if gone >= (1.0 - 1e-9) * limit:
+                    yield windows(partial(_poses, segment), np.array(edges), self.size, self.degree)
+                    limit, gone, edges = 2.0 * limit, 0.0, [time]
+        if len(edges) > 1:
+            yield windows(partial(_poses, segment), np.array(edges), self.size, self.degree)
+
+    # --- the landing itself -------------------------------------------------------------------------------------------
+
+    def _located(self, segment: Segment, meeting: Meeting, near: float) -> Landing:
+        """The landing at a meeting."""
+        pair = meeting.xi1, meeting.xi2
+        if isnan(meeting.xi2):
+            pair = meeting.xi1, facing(self.case, meeting.xi1, state(segment, meeting.time)[2])
+        look = self.looks.at(segment, meeting.time, pair)
+        if look is None:
+            look = Look(meeting.time, Contact(*pair, 0.0), nan, nan, nan, True)
+        return self._landing(segment, self._closed(segment, look), near)
+
+    def _closed(self, segment: Segment, look: Look) -> Look:
+        """The zero of a pair's gap next to a look, by Newton's method."""
+        for _ in range(STEPS):
+            time = look.time - look.gap / look.rate if look.rate < 0.0 else look.time
+            if abs(look.gap) <= self._rounding(segment, look) or abs(time - look.time) <= np.spacing(look.time):
+                break
+            now = self.looks.at(segment, max(time, segment.start), look.pair)
+            if now is None or not abs(now.gap) < abs(look.gap):
+                break
+            look = now
+        near_enough = look.rate < 0.0 and abs(look.gap) <= -4.0 * look.rate * np.spacing(look.time)
+        return look._replace(beyond=-look.gap / look.rate if near_enough else nan)
+
+    def _landing(self, segment: Segment, look: Look, near: float) -> Landing:
+        """The landing at a look, whose time is rounded: what is left of it moves the state on.
+
+        Rounded times alone would change the energy of a plate that bounces for long. The parameters on closed curves
+        are counted on from `near`, where the track was touched last.
+        """
+        now = state(segment, look.time)
+        if not isnan(look.beyond):
+            rates = segment.phase.system.rates_of_numbers(look.time, now, segment.phase.parameters)
+            now = [value + look.beyond * rate for value, rate in zip(now, rates, strict=True)]
+        at, arm_t, arm_n = touch(self.case, now, look.contact)
+        return Landing(look.time, *_counted_on(self.case, look.contact, now[2], near), now[2], at, arm_t, arm_n)
 
 
-def _uneven(looks: Looks, segment: Segment, start: _Look, lasts: float) -> float:
-    """How long a hop lasts whose rate falls unevenly, about `lasts`; NaN where a polynomial does not tell."""
-    seen = [start, *(looks.at(segment, start.time + x * HOP * lasts) for x in _LOOKS[1:])]
-    parts = [(look.time - start.time) / (HOP * lasts) for look in seen]
-    rate = Chebyshev.fit(parts, [look.rate for look in seen], len(seen) - 1, domain=(0.0, 1.0))
-    if not np.max(np.abs(rate.coef[-2:])) <= 10.0 * EVEN * start.speed:
-        return nan
-    gap, x = rate.integ(lbnd=0.0), 1.0 / HOP
-    for _ in range(5):  # Newton's method, from the landing of an even fall, a few parts in a hundred away
-        x -= float(gap(x) / rate(x))
-    return x * HOP * lasts if 0.0 < x <= 1.0 else nan
-
-
-@lru_cache(maxsize=256)
-def _reach(outline: Curve) -> float:
-    """The farthest point of the outline from the centre of mass, m."""
-    return float(np.hypot(*outline.point(np.linspace(*outline.span, 65))).max())
-
-
-def _time_for(segment: Segment, look: _Look, gap: float, size: float) -> float:
-    """How long the plate's points take for the gap, or a small part of its size, from the speeds before and after."""
-    left = float(segment.times[-1]) - look.time
-    step = min(max(gap, CLOSE * size) / max(look.speed, 1e-300), left)
-    while step * _speed(_state(segment, look.time + step), size) > max(gap, 2.0 * CLOSE * size):
-        step *= 0.5  # a plate that is let go has no speed yet, and gains it
-    return step
-
-
-def _speed(state: list[float], size: float) -> float:
-    """A bound on the speed of the plate's points, m/s."""
-    _, _, _, vx, vy, omega = state
-    return hypot(vx, vy) + abs(omega) * size
-
-
-def _state(segment: Segment, t: float) -> list[float]:
-    """(x, y, θ, vx, vy, ω)."""
-    return segment.states(np.array([t]))[:, 0].tolist()
-
-
-def _look(case: Case, segment: Segment, t: float) -> _Look:
-    state = _state(segment, t)
-    contact = nearest(case, *state[:3])
-    rate = _touch(case, state, contact)[0].lift if contact else 0.0
-    return _Look(t, contact, rate, _speed(state, _reach(case.plate.outline)), 0.5 * hypot(*state[:2]))
-
-
-def _touch(case: Case, state: list[float], contact: Contact) -> tuple[Touch, float, float]:
-    """Velocity of the plate's nearest point along tangent and normal of the track's, the spin, and the arm."""
-    x, y, _, vx, vy, omega = state
-    X, Y, Xp, Yp = case.track.jet(contact.xi1)[:4]
-    speed = hypot(Xp, Yp)
-    tx, ty = Xp / speed, Yp / speed
-    # The outline's point lies off the track's by the gap along the normal.
-    rx, ry = X - contact.gap * ty - x, Y + contact.gap * tx - y
-    px, py = vx - omega * ry, vy + omega * rx
-    return Touch(px * tx + py * ty, py * tx - px * ty, omega), rx * tx + ry * ty, ry * tx - rx * ty
-
-
-def _turning(looks: Looks, segment: Segment, before: _Look, now: _Look) -> _Look:
-    """The look at which the gap stops closing between two looks."""
-    from scipy.optimize import brentq  # slow to import, and most motions never fly
-
-    return looks.at(
-        segment, brentq(lambda t: looks.at(segment, t).rate, before.time, now.time, xtol=1e-15, rtol=8.9e-16)
-    )
-
-
-def _locate(looks: Looks, segment: Segment, above: _Look, below: _Look, near: float) -> Landing:
-    """The zero of the gap between a look above and one below the track: Newton's method, kept between the two.
-
-    Each look is at the pair that is the nearest at that time: one followed from elsewhere may lead to another.
-    """
-    x, y, *_ = _state(segment, below.time)
-    rounding = 0.5 * EPS * (_reach(looks.case.plate.outline) + abs(x) + abs(y))
-    now, low, high = below, above.time, below.time
-    while abs(now.gap) > rounding and above.gap > 0.0:
-        time = now.time - now.gap / now.rate if now.rate < 0.0 else low
-        if abs(time - now.time) <= np.spacing(high) or high - low <= 2.0 * np.spacing(high):
-            break
-        now = looks.at(segment, time if low < time < high else 0.5 * (low + high))
-        low, high = (now.time, high) if now.gap > 0.0 else (low, now.time)
-    now = now if now.contact else below
-    near_enough = now.rate < 0.0 and abs(now.gap) <= -4.0 * now.rate * np.spacing(high)
-    return _landing(looks.case, segment, now._replace(beyond=-now.gap / now.rate if near_enough else nan), near)
-
-
-def _landing(case: Case, segment: Segment, look: _Look, near: float) -> Landing:
-    """The landing at a look, whose time is rounded: what is left of it moves the state on.
-
-    Rounded times alone would change the energy of a plate that bounces for long.
-    """
-    t, contact, state = look.time, look.contact, _state(segment, look.time)
-    assert contact is not None  # it has a gap
-    if not isnan(look.beyond):
-        rates = segment.phase.system.rates_of_numbers(t, state, segment.phase.parameters)
-        state = [value + look.beyond * rate for value, rate in zip(state, rates, strict=True)]
-    touch, arm_t, arm_n = _touch(case, state, contact)
-    return Landing(t, *_counted_on(case, contact, state[2], near), state[2], touch, arm_t, arm_n)
+def _poses(segment: Segment, times: np.ndarray) -> np.ndarray:
+    return segment.states(times)[:3]
 
 
 def _counted_on(case: Case, contact: Contact, theta: float, near: float) -> tuple[float, float]:

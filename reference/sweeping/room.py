@@ -14,7 +14,7 @@ from cases import Case, Curve, Gravity, Load
 from cases.geometry import pose
 from cases.overlap import first_overlap
 
-from ..minimal.overlap import fits, fits_everywhere
+from ..minimal.room import fits, fits_everywhere
 from .geometry import energy, places
 from .scenes import Scenes
 

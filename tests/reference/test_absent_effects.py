@@ -128,8 +128,8 @@ class Calls:
 
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_absent_effects_are_asked_nothing(monkeypatch, method):
-    landings, impacts, guards = Calls(hybrid.first_landing), Calls(hybrid.collide), Calls(dop853._guards_at_nodes)
-    monkeypatch.setattr(hybrid, "first_landing", landings)
+    landings, impacts, guards = Calls(hybrid.Landings), Calls(hybrid.collide), Calls(dop853._guards_at_nodes)
+    monkeypatch.setattr(hybrid, "Landings", landings)
     monkeypatch.setattr(hybrid, "collide", impacts)
     monkeypatch.setattr(dop853, "_guards_at_nodes", guards)
     decisions = Calls(hybrid.decide)

@@ -1,0 +1,258 @@
+"""Boxes of time, track and outline, and what excludes that the plate meets its track in one.
+
+At a meeting the two points coincide, their tangents are parallel, the outline bends more than the track and the gap
+closes. Over a box each of these is bounded by its value in the middle and by how far it can change, to second order in
+the lengths of the pieces. Of a disc its centre is looked at and not its outline.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Curve
+
+from .pieces import (
+    ABOVE,
+    AHEAD,
+    BACK,
+    BELOW,
+    BEND_HIGH,
+    BEND_LOW,
+    HIGH,
+    LOW,
+    REACH,
+    TURN,
+    TX,
+    TY,
+    Pieces,
+    X,
+    Y,
+)
+from .windows import EPS, Windows
+
+# Of the gap, which is worked out in some tens of operations from places.
+ROUNDINGS = 32
+# The tangents of a box that holds one meeting at most turn by less than this, rad.
+STRAIGHT = 0.5
+
+
+class Boxes(NamedTuple):
+    """n boxes: the numbers of their windows and of their pieces of track and outline, and their stretches of time."""
+
+    window: np.ndarray
+    track: np.ndarray
+    outline: np.ndarray
+    start: np.ndarray
+    end: np.ndarray
+
+    def some(self, which: np.ndarray) -> Boxes:
+        return Boxes(*(column[which] for column in self))
+
+    @property
+    def number(self) -> int:
+        return len(self.window)
+
+
+class Cores(NamedTuple):
+    """For each of n windows the stretches of track and outline, (2, n) each, around a pair of points that is known: no
+    other pair in them meets."""
+
+    track: np.ndarray
+    outline: np.ndarray
+
+
+class Bounds(NamedTuple):
+    """What is known of n boxes: which may hold a meeting, and when; by how much time, track and outline blur the gap, m
+    (3, n); which hold one meeting at most; and the gap's rounding, m."""
+
+    possible: np.ndarray
+    start: np.ndarray
+    end: np.ndarray
+    blur: np.ndarray
+    single: np.ndarray
+    rounding: np.ndarray
+
+
+class _Seen(NamedTuple):
+    """The outline's pieces as the middles of the track's see them.
+
+    Their middles' offset along the tangent and the normal, and its rate; how far they reach from there along both; how
+    far their points are from their middle, and that from the centre of mass; bounds on their curvature; by how much the
+    tangents of both pieces turn; whether they may be parallel; by how much time, track and outline blur the gap.
+    """
+
+    off: np.ndarray
+    gap: np.ndarray
+    slip: np.ndarray
+    lift: np.ndarray
+    back: np.ndarray
+    ahead: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    loose: np.ndarray
+    lever: np.ndarray
+    bend_low: np.ndarray
+    bend_high: np.ndarray
+    bent: np.ndarray
+    parallel: np.ndarray
+    blur: np.ndarray
+
+
+class Geometry:
+    """The curves of a case in pieces, and the bounds on boxes of them."""
+
+    def __init__(self, case: Case, track: Pieces, outline: Pieces):
+        self.case, self.track, self.outline = case, track, outline
+        self.radius, self.reach = case.plate.radius, case.plate.reach
+        whole = outline.table(outline.roots)
+        self.farthest = float((np.hypot(whole[X], whole[Y]) + whole[REACH]).max())  # point of the outline, m
+
+    def bounds(self, motion: Windows, boxes: Boxes) -> Bounds:
+        """What excludes a meeting, box by box. A bound that is infinite excludes nothing."""
+        with np.errstate(all="ignore"):
+            return self._bounds(motion, boxes)
+
+    def _bounds(self, motion: Windows, boxes: Boxes) -> Bounds:
+        w, t = boxes.window, self.track.table(boxes.track)
+        middle, half = 0.5 * (boxes.start + boxes.end), 0.5 * (boxes.end - boxes.start)
+        place, rate = motion.at(w, middle)
+        spin = motion.spin[w]
+        o = self._disc(t, place, rate) if self.radius is not None else self._outline(t, boxes, place, rate, spin * half)
+        rounding = motion.error[w] + ROUNDINGS * EPS * (np.abs(place[0]) + np.abs(place[1]) + self.reach)
+        pull = motion.pull[w] + (motion.swing[w] + spin * spin) * o.lever
+        later = 0.5 * pull * half * half
+        rest = later + rounding
+        closest = o.gap + o.below - t[ABOVE] - rest, o.gap + o.above - t[BELOW] + rest
+        aside = o.off + o.back - t[AHEAD] - rest, o.off + o.ahead - t[BACK] + rest
+        start, end = -half, half
+        for offset, speed in ((closest, o.lift), (aside, o.slip)):
+            start, end = _while_across(*offset, speed, start, end)
+        # The gap's rate is the middles' but for the normal's turn, the spin of the outline's piece, and the time.
+        tilt = np.abs(o.slip) * _sine(t[TURN]) + spin * o.loose + pull * half
+        level = o.lift * np.cos(np.minimum(t[TURN], pi))
+        opens, closes = np.minimum(o.lift, level) > tilt, np.maximum(o.lift, level) < -tilt
+        possible = ~((start > end) | opens | (o.bend_high < t[BEND_LOW]) | ~o.parallel)
+        # Both as graphs over the tangent of the track's middle, where y'' is the curvature over cos³ of the angle.
+        steep = np.cos(np.minimum(o.bent, STRAIGHT)) ** -3
+        bends = _stretched(-o.bend_low, steep), _stretched(t[BEND_HIGH], steep)
+        single = closes & (o.bent < STRAIGHT) & (-bends[0] > bends[1])
+        blur = o.blur + np.array([np.abs(o.lift) * half + later, t[ABOVE] - t[BELOW], 0.0 * half])
+        return Bounds(possible, middle + start, middle + end, blur, single, rounding)
+
+    def _disc(self, t: np.ndarray, place: np.ndarray, rate: np.ndarray) -> _Seen:
+        """A disc's point with the track's tangent is a radius off its centre along the track's normal."""
+        dx, dy, r, none = place[0] - t[X], place[1] - t[Y], float(self.radius or 0.0), np.zeros(t.shape[1])
+        level, side = r * np.cos(np.minimum(t[TURN], pi)), r * _sine(t[TURN])
+        return _Seen(
+            dx * t[TX] + dy * t[TY], dy * t[TX] - dx * t[TY],
+            rate[0] * t[TX] + rate[1] * t[TY], rate[1] * t[TX] - rate[0] * t[TY],
+            -side, side, none - r, -level, none, none, none + 1.0 / r, none + 1.0 / r, 2.0 * t[TURN], none == 0.0,
+            np.array([none, r - level, none]),
+        )  # fmt: skip
+
+    def _outline(self, t: np.ndarray, boxes: Boxes, place: np.ndarray, rate: np.ndarray, turned: np.ndarray) -> _Seen:
+        """Pieces of the outline, which turn by up to `turned` (rad) with the plate."""
+        o = self.outline.table(boxes.outline)
+        (x, y, theta), (vx, vy, omega) = place, rate
+        c, s = np.cos(theta), np.sin(theta)
+        rx, ry = c * o[X] - s * o[Y], s * o[X] + c * o[Y]
+        ox, oy = c * o[TX] - s * o[TY], s * o[TX] + c * o[TY]
+        dx, dy, ux, uy = x + rx - t[X], y + ry - t[Y], vx - omega * ry, vy + omega * rx
+        cosine, sine = t[TX] * ox + t[TY] * oy, t[TX] * oy - t[TY] * ox
+        bent = t[TURN] + o[TURN] + turned
+        loose = o[REACH] * np.minimum(turned, 2.0)
+        long, wide = (o[BACK], o[AHEAD]), (o[BELOW], o[ABOVE])
+        along, across = _sum(_times(long, cosine), _times(wide, -sine)), _sum(_times(long, sine), _times(wide, cosine))
+        return _Seen(
+            dx * t[TX] + dy * t[TY], dy * t[TX] - dx * t[TY], ux * t[TX] + uy * t[TY], uy * t[TX] - ux * t[TY],
+            along[0] - loose, along[1] + loose, across[0] - loose, across[1] + loose,
+            o[REACH], np.hypot(o[X], o[Y]), o[BEND_LOW], o[BEND_HIGH], bent,
+            ~(np.abs(np.arctan2(sine, cosine)) > bent + ROUNDINGS * EPS),
+            np.array([
+                loose,
+                o[REACH] * np.minimum(t[TURN], 1.0),
+                o[ABOVE] - o[BELOW] + o[REACH] * np.minimum(o[TURN], 1.0),
+            ]),
+        )  # fmt: skip
+
+    def against(self, boxes: Boxes, cores: Cores) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Which boxes lie in their window's core; which are neither in it nor apart from it; and by how much the pieces
+        of these blur the gap that a plate has next to its contact, m (3, n)."""
+        w = boxes.window
+        places = [(self.case.track, self.track.table(boxes.track), cores.track)]
+        if self.radius is None:
+            places.append((self.case.plate.outline, self.outline.table(boxes.outline), cores.outline))
+        inside, meets = np.ones(boxes.number, dtype=bool), np.ones(boxes.number, dtype=bool)
+        blur = np.zeros((3, boxes.number))
+        for i, (curve, table, core) in enumerate(places):
+            within, beside = _placed(curve, table[LOW], table[HIGH], core[:, w])
+            inside &= within
+            meets &= ~beside
+            blur[1 + i] = np.where(within, 0.0, table[REACH] ** 2 / self.reach)
+        return inside, meets & ~inside, blur
+
+    def divided(self, boxes: Boxes, blur: np.ndarray) -> Boxes:
+        """The boxes with the stretch halved that blurs the gap most. Raises `pieces.TooFine`."""
+        widest = np.argmax(blur, axis=0)
+        time, track, outline = (np.flatnonzero(widest == which) for which in range(3))
+        lots = []
+        if time.size:
+            some = boxes.some(time)
+            middle = 0.5 * (some.start + some.end)
+            lots += [some._replace(end=middle), some._replace(start=middle)]
+        if track.size:
+            some = boxes.some(track)
+            first = self.track.halves(some.track)
+            lots += [some._replace(track=first), some._replace(track=first + 1)]
+        if outline.size:
+            some = boxes.some(outline)
+            first = self.outline.halves(some.outline)
+            lots += [some._replace(outline=first), some._replace(outline=first + 1)]
+        return Boxes(*(np.concatenate(columns) for columns in zip(*lots, strict=True)))
+
+
+def _sine(turn: np.ndarray) -> np.ndarray:
+    """The greatest sine of an angle up to that."""
+    return np.where(turn < 0.5 * pi, np.sin(turn), 1.0)
+
+
+def _stretched(bend: np.ndarray, steep: np.ndarray) -> np.ndarray:
+    """A bound on y'' above, from one on the curvature."""
+    return bend * np.where(bend > 0.0, steep, 1.0)
+
+
+Range = tuple[np.ndarray, np.ndarray]
+
+
+def _times(one: Range, factor: np.ndarray) -> Range:
+    ends = one[0] * factor, one[1] * factor
+    return np.minimum(*ends), np.maximum(*ends)
+
+
+def _sum(one: Range, other: Range) -> Range:
+    return one[0] + other[0], one[1] + other[1]
+
+
+def _while_across(
+    lowest: np.ndarray, highest: np.ndarray, speed: np.ndarray, start: np.ndarray, end: np.ndarray
+) -> Range:
+    """The part of (start, end) in which zero lies between two offsets that both change with that speed."""
+    first, last = -highest / speed, -lowest / speed
+    first, last = np.where(speed > 0.0, first, last), np.where(speed > 0.0, last, first)
+    still = ~(np.abs(speed) > 0.0)
+    never = still & ((lowest > 0.0) | (highest < 0.0))
+    return (
+        np.where(never, np.inf, np.where(still, start, np.fmax(start, first))),
+        np.where(still, end, np.fmin(end, last)),
+    )
+
+
+def _placed(curve: Curve, low: np.ndarray, high: np.ndarray, core: np.ndarray) -> Range:
+    """Which stretches of the parameter lie in a core, and which apart from it, whole turns aside."""
+    if curve.period:
+        turns = np.round((core.mean(axis=0) - 0.5 * (low + high)) / curve.period)
+        low, high = low + turns * curve.period, high + turns * curve.period
+    return (core[0] <= low) & (high <= core[1]), (high < core[0]) | (core[1] < low)

@@ -1,0 +1,218 @@
+"""Where a moving plate first meets its track: branch and bound over time, track and outline.
+
+Boxes in which a meeting is excluded are left out; the times of the others are narrowed (an interval Newton step), and
+what blurs the gap most in them is halved. So nothing is passed over, however fine it is. Where the outline bends more
+than the track and the gap closes throughout a box there is one meeting at most, and Newton's method finds it.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case
+
+from .boxes import Bounds, Boxes, Cores, Geometry
+from .pieces import HIGH, LOW, REACH, Pieces, TooMuch, X, Y
+from .windows import EPS, Windows
+
+# Boxes looked at in one motion: half a minute.
+MOST_BOXES = 10_000_000
+# What Newton's method in one box costs, in boxes that are looked at together.
+ONE_BY_ONE = 100
+# Boxes looked at together: a hundred megabytes.
+TOGETHER = 60_000
+# Newton's method is tried in so many boxes between two looks, and takes so many steps.
+TRIED, STEPS = 4, 20
+# A meeting outside a box by this part of it is its own: its neighbour may take it to be this one's.
+BEYOND = 1e-6
+
+
+class Meeting(NamedTuple):
+    """When (s) and where the outline meets the track; `xi2` is NaN for a disc."""
+
+    time: float
+    xi1: float
+    xi2: float
+
+
+class Search:
+    """Searches for first meetings in the motion of one case, and the work that they took."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        self.geometry = Geometry(case, Pieces(case.track), Pieces(case.plate.outline))
+        self.done = 0
+
+    def first(self, motion: Windows, cores: Cores | None = None) -> Meeting | None:
+        """The first meeting in the windows outside the cores, to the accuracy of their polynomials; None if there is
+        none. Raises TooMuch."""
+        found: Meeting | None = None
+        todo = [self._begun(motion)]
+        while todo:
+            boxes = todo.pop()
+            if found:
+                boxes = boxes.some(boxes.start < found.time)
+            if not boxes.number:
+                continue
+            if boxes.number > TOGETHER:
+                order = np.argsort(boxes.start, kind="stable")
+                todo += [boxes.some(part) for part in reversed(np.array_split(order, 2))]
+                continue
+            self._spend(boxes.number)
+            known = self.geometry.bounds(motion, boxes)
+            if cores is not None:
+                known = self._outside(boxes, known, cores)
+            rest = np.flatnonzero(known.possible)
+            boxes = boxes.some(rest)._replace(start=known.start[rest], end=known.end[rest])
+            settled, found = self._settled(motion, boxes, known, rest, found)
+            some = np.flatnonzero(~settled)
+            if some.size:
+                todo.append(self.geometry.divided(boxes.some(some), known.blur[:, rest[some]]))
+        return found
+
+    def _spend(self, boxes: int) -> None:
+        self.done += boxes
+        if self.done > MOST_BOXES:
+            raise TooMuch
+
+    def _begun(self, motion: Windows) -> Boxes:
+        """The curves' first pieces, of the track those that the plate may reach in a window."""
+        track, outline = self.geometry.track, self.geometry.outline
+        (x, y, _), _ = motion.at(np.arange(len(motion.start)), 0.5 * (motion.start + motion.end))
+        reach = self.geometry.farthest + 0.5 * (motion.end - motion.start) * motion.speed
+        roots = track.around(x, y, reach)
+        t = track.table(roots)
+        away = np.hypot(x[:, None] - t[X], y[:, None] - t[Y])
+        window, i = np.nonzero(~(away > (1.0 + 1e-12) * (t[REACH] + reach[:, None])))
+        places = outline.roots[:1] if self.geometry.radius is not None else outline.roots
+        i, j = np.repeat(roots[i], len(places)), np.tile(places, len(window))
+        window = np.repeat(window, len(places))
+        return Boxes(window, i, j, motion.start[window], motion.end[window])
+
+    def _outside(self, boxes: Boxes, known: Bounds, cores: Cores) -> Bounds:
+        """What is known of boxes without those inside the cores; one that is partly inside is divided until it is
+        not."""
+        inside, across, blur = self.geometry.against(boxes, cores)
+        return known._replace(
+            possible=known.possible & ~inside,
+            single=known.single & ~across,
+            blur=np.where(across, np.maximum(known.blur, blur), known.blur),
+        )
+
+    def _settled(
+        self, motion: Windows, boxes: Boxes, known: Bounds, rest: np.ndarray, found: Meeting | None
+    ) -> tuple[np.ndarray, Meeting | None]:
+        """Which boxes need no more division, and the first meeting known by now."""
+        settled = np.zeros(boxes.number, dtype=bool)
+        order = np.argsort(boxes.start, kind="stable")
+        for k in order[known.single[rest][order]][:TRIED].tolist():
+            meeting = self._located(motion, boxes, k)
+            settled[k] = meeting is not None
+            found = _first(found, meeting)
+        # Bounds that are no wider than rounding tell no more.
+        narrow = ~settled & (known.blur[:, rest].sum(axis=0) <= known.rounding[rest])
+        for k in order[narrow[order]].tolist():
+            if found and boxes.start[k] >= found.time:
+                break
+            found = _first(found, self._touching(motion, boxes, k))
+        return settled | narrow, found
+
+    # --- one box ------------------------------------------------------------------------------------------------------
+
+    def _located(self, motion: Windows, boxes: Boxes, k: int) -> Meeting | None:
+        """The meeting in one box by Newton's method; None if it does not find it there."""
+        low, high = self._corners(boxes, k)
+        wide = high - low
+        at = 0.5 * (low + high)
+        window = int(boxes.window[k])
+        for _ in range(STEPS):
+            step = self._step(motion, window, at)
+            if step is None:
+                return None
+            at = at + step
+            if np.any(np.abs(at - 0.5 * (low + high)) > 2.0 * wide + 1e-9 * np.abs(at)):
+                return None
+            if np.all(np.abs(step) <= 1e-10 * wide + 4.0 * EPS * np.abs(at)):
+                beyond = BEYOND * wide + 8.0 * EPS * np.abs(at)
+                inside = np.all((low - beyond <= at) & (at <= high + beyond))
+                return self._meeting(at) if inside else None
+        return None
+
+    def _touching(self, motion: Windows, boxes: Boxes, k: int) -> Meeting | None:
+        """The middle of a box in which the gap is nothing but rounding, if the gap does not grow there."""
+        self._spend(ONE_BY_ONE)
+        low, high = self._corners(boxes, k)
+        at = 0.5 * (low + high)
+        for _ in range(STEPS):
+            step = self._step(motion, int(boxes.window[k]), at, still=True)
+            if step is None:
+                break
+            at = np.clip(at + step, low, high)
+        return self._meeting(at) if self._lift(motion, int(boxes.window[k]), at) <= 0.0 else None
+
+    def _corners(self, boxes: Boxes, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """The ranges of time, track and (unless it is a disc's) outline of one box."""
+        tables = [self.geometry.track.table(boxes.track[k : k + 1])]
+        if self.geometry.radius is None:
+            tables.append(self.geometry.outline.table(boxes.outline[k : k + 1]))
+        low = [float(boxes.start[k]), *(float(table[LOW, 0]) for table in tables)]
+        high = [float(boxes.end[k]), *(float(table[HIGH, 0]) for table in tables)]
+        return np.array(low), np.array(high)
+
+    def _meeting(self, at: np.ndarray) -> Meeting:
+        return Meeting(float(at[0]), float(at[1]), float(at[2]) if len(at) > 2 else np.nan)
+
+    def _step(self, motion: Windows, window: int, at: np.ndarray, still: bool = False) -> np.ndarray | None:
+        """Newton's step for the time and the parameters at which the two points coincide with parallel tangents; if
+        `still`, for the parameters at which the points lie across from each other at that time. None: there is none."""
+        (x, y, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
+        X0, Y0, Xp, Yp, Xs, Ys, _, _ = self.case.track.jet(float(at[1]))
+        P = hypot(Xp, Yp)
+        bend = (Xp * Ys - Yp * Xs) / P**3
+        tx, ty = Xp / P, Yp / P
+        if self.geometry.radius is not None:
+            r = self.geometry.radius
+            off = np.array([(x - X0) * tx + (y - Y0) * ty, (y - Y0) * tx - (x - X0) * ty - r])
+            rates = np.array(
+                [[vx * tx + vy * ty, P * (bend * (off[1] + r) - 1.0)], [vy * tx - vx * ty, -P * bend * off[0]]]
+            )
+        else:
+            a, b, ap, bp, as_, bs, _, _ = self.case.plate.outline.jet(float(at[2]))
+            c, s, p = cos(theta), sin(theta), hypot(ap, bp)
+            rx, ry, ox, oy = c * a - s * b, s * a + c * b, c * ap - s * bp, s * ap + c * bp
+            dx, dy, ux, uy = x + rx - X0, y + ry - Y0, vx - omega * ry, vy + omega * rx
+            off = np.array([
+                dx * tx + dy * ty, dy * tx - dx * ty, atan2(tx * oy - ty * ox, tx * ox + ty * oy)
+            ])  # fmt: skip
+            rates = np.array([
+                [ux * tx + uy * ty, P * (bend * off[1] - 1.0), tx * ox + ty * oy],
+                [uy * tx - ux * ty, -P * bend * off[0], tx * oy - ty * ox],
+                [omega, -P * bend, (ap * bs - bp * as_) / p**2],
+            ])  # fmt: skip
+        if still:  # the time stays, and what the gap is
+            rates[:, 0], rates[1], off[1] = 0.0, 0.0, 0.0
+            rates[1, 0] = 1.0
+        try:
+            step = np.linalg.solve(rates, -off)
+        except np.linalg.LinAlgError:
+            return None
+        return step if np.isfinite(step).all() else None
+
+    def _lift(self, motion: Windows, window: int, at: np.ndarray) -> float:
+        """The gap's rate, m/s."""
+        (_, _, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
+        _, _, Xp, Yp, *_ = self.case.track.jet(float(at[1]))
+        if self.geometry.radius is None:
+            a, b, *_ = self.case.plate.outline.jet(float(at[2]))
+            c, s = cos(theta), sin(theta)
+            vx, vy = vx - omega * (s * a + c * b), vy + omega * (c * a - s * b)
+        return (vy * Xp - vx * Yp) / hypot(Xp, Yp)
+
+
+def _first(one: Meeting | None, other: Meeting | None) -> Meeting | None:
+    if one is None or other is None:
+        return one or other
+    return one if one.time <= other.time else other

@@ -1,0 +1,158 @@
+"""A curve in pieces, with bounds on where each lies, how it turns and how it bends; divided as finely as is asked for.
+
+The bounds come from interval arithmetic on the curve's own formula: the mean value theorem and Taylor's theorem about
+the middle of a piece, whichever is narrower. Half as long a piece has a quarter of the sagitta. Halves are kept for
+the rest of a search, and no longer: what a motion may take does not depend on earlier ones.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cases import Curve
+
+from .intervals import Interval, bounds
+
+# Rows of a table of pieces: the parameter's range; the middle's place and unit tangent; how far the piece reaches from
+# there along the tangent and along the left normal; by how much its tangent turns from the middle's at most (rad); its
+# curvature; its greatest distance from the middle.
+LOW, HIGH, X, Y, TX, TY, BACK, AHEAD, BELOW, ABOVE, TURN, BEND_LOW, BEND_HIGH, REACH = range(14)
+ROWS = 14
+# Pieces that a closed or bounded curve begins with, and each doubling of one without ends on each side.
+FIRST = 16
+# More pieces than this of one curve take a hundred megabytes; a plate that is farther away than so many doublings is
+# lost.
+MOST_PIECES, MOST_DOUBLINGS = 1_000_000, 60
+
+
+class TooMuch(Exception):
+    """A search took all the work that it may, or a curve has more detail than pieces are made for."""
+
+
+class Pieces:
+    """The pieces of one curve. A piece is a number; its bounds are a column of `table`."""
+
+    def __init__(self, curve: Curve):
+        self.curve = curve
+        self._table = np.empty((ROWS, 64))
+        self._halves = np.full(64, -1)
+        self._count = 0
+        low, high = curve.span
+        # The first pieces; of a curve without ends also those of each doubling of what is looked at.
+        self._roots = [self._added(*_parted(low, high, FIRST))]
+        self._ends = [(low, high)]
+
+    @property
+    def roots(self) -> np.ndarray:
+        """The pieces that together are what is looked at of the curve without being asked for more."""
+        return self._roots[0]
+
+    def table(self, some: np.ndarray) -> np.ndarray:
+        """The bounds of some pieces, shape (ROWS, n)."""
+        return self._table[:, some]
+
+    def halves(self, some: np.ndarray) -> np.ndarray:
+        """The first halves of some pieces; the second half's number is one more. Raises TooMuch."""
+        first = self._halves[some]
+        missing = first < 0
+        if missing.any():
+            whole = np.unique(some[missing])
+            if self._count + 2 * len(whole) > MOST_PIECES:
+                raise TooMuch
+            low, high = self._table[LOW, whole], self._table[HIGH, whole]
+            middle = 0.5 * (low + high)
+            made = self._added(np.column_stack([low, middle]).ravel(), np.column_stack([middle, high]).ravel())
+            self._halves[whole] = made[::2]
+            first = self._halves[some]
+        return first
+
+    def around(self, x: np.ndarray, y: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """Pieces that together are all of the curve; of one without ends, all that comes within `reach` of the places
+        (x, y), each of shape (n,). Raises TooMuch.
+
+        It is looked at twice as far as long as its outer half comes as near as that, or nearer than the inner half.
+        """
+        roots = self._roots[0]
+        if self.curve.domain is not None or self.curve.period:
+            return roots
+        for doublings in range(MOST_DOUBLINGS):
+            if doublings:
+                roots = np.concatenate([self._doubled(doublings)[:FIRST], roots, self._doubled(doublings)[FIRST:]])
+            if not self._ends_near(roots, self._ends[doublings], x, y, reach):
+                return roots
+        raise TooMuch
+
+    def _ends_near(
+        self, roots: np.ndarray, ends: tuple[float, float], x: np.ndarray, y: np.ndarray, reach: np.ndarray
+    ) -> bool:
+        table = self.table(roots)
+        away = np.hypot(x[:, None] - table[X], y[:, None] - table[Y]) - table[REACH]
+        middle, width = 0.5 * (ends[0] + ends[1]), ends[1] - ends[0]
+        inner = np.abs(0.5 * (table[LOW] + table[HIGH]) - middle) < 0.25 * width
+        outside, inside = away[:, ~inner].min(axis=1), away[:, inner].min(axis=1)
+        return bool((outside < np.maximum(reach, inside)).any())
+
+    def _doubled(self, number: int) -> np.ndarray:
+        """The pieces that a doubling adds, on the left and on the right."""
+        while len(self._roots) <= number:
+            low, high = self._ends[-1]
+            half = 0.5 * (high - low)
+            left, right = _parted(low - half, low, FIRST), _parted(high, high + half, FIRST)
+            self._roots.append(np.concatenate([self._added(*left), self._added(*right)]))
+            self._ends.append((low - half, high + half))
+        return self._roots[number]
+
+    def _added(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """The numbers of new pieces."""
+        made = np.arange(self._count, self._count + len(low))
+        while self._count + len(low) > self._table.shape[1]:
+            self._table = np.concatenate([self._table, np.empty_like(self._table)], axis=1)
+            self._halves = np.concatenate([self._halves, np.full_like(self._halves, -1)])
+        self._table[:, made] = bounded(self.curve, low, high)
+        self._count += len(low)
+        return made
+
+
+def _parted(low: float, high: float, parts: int) -> tuple[np.ndarray, np.ndarray]:
+    edges = np.linspace(low, high, parts + 1)
+    return edges[:-1], edges[1:]
+
+
+def bounded(curve: Curve, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The bounds on the pieces of a curve between `low` and `high`, shape (ROWS, n): infinite where there are none."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    with np.errstate(all="ignore"):
+        at = curve.jets(middle)
+        speed = np.hypot(at[2], at[3])
+        tx, ty = at[2] / speed, at[3] / speed
+        x, y, xp, yp, xs, ys = (bounds(row, middle) for row in curve.jets_of(Interval(low, high), curve.constants)[:6])
+        both = Interval(-half, half)
+
+        def along(u: Interval, v: Interval) -> Interval:
+            return u * tx + v * ty
+
+        def across(u: Interval, v: Interval) -> Interval:
+            return v * tx - u * ty
+
+        second = along(xs, ys), across(xs, ys)
+        # The speed along the middle's tangent and across it: the formula's own bounds, and Taylor's.
+        ahead = along(xp, yp).within(second[0] * both + speed)
+        aside = across(xp, yp).within(second[1] * both)
+        offset = x - at[0], y - at[1]
+        reach = along(*offset).within(ahead * both)
+        sagitta = second[1] * (0.5 * half * half)
+        rise = across(*offset).within(aside * both)
+        rise = rise.within(Interval(np.minimum(sagitta.low, 0.0), np.maximum(sagitta.high, 0.0)))
+        turn = np.where(ahead.low > 0.0, np.arctan(aside.size / ahead.low), np.pi)
+        bend = (ahead * second[1] - aside * second[0]) / (ahead**2 + aside**2) ** 1.5
+        made = np.array([
+            low, high, at[0], at[1], tx, ty, reach.low, reach.high, rise.low, rise.high, turn, bend.low, bend.high,
+            np.hypot(reach.size, rise.size),
+        ])  # fmt: skip
+    unknown = ~np.isfinite(made[[X, Y, TX, TY]]).all(axis=0)
+    made[X:TX, unknown], made[TX, unknown], made[TY, unknown] = 0.0, 1.0, 0.0
+    for row, value in ((BACK, -np.inf), (AHEAD, np.inf), (BELOW, -np.inf), (ABOVE, np.inf), (TURN, np.pi)):
+        made[row, unknown | np.isnan(made[row])] = value
+    for row, value in ((BEND_LOW, -np.inf), (BEND_HIGH, np.inf), (REACH, np.inf)):
+        made[row, unknown | np.isnan(made[row])] = value
+    return made

@@ -1,0 +1,105 @@
+"""Whether a plate that touches or nearly touches its track has room everywhere else, by the curvatures alone.
+
+A convex outline lies inside the disc that touches it from within its place and has its smallest curvature (Blaschke's
+rolling theorem; known to us, not looked up), so that a disc is all that has to be asked for:
+
+- A closed convex track whose curvature is below the disc's everywhere is the same theorem again.
+- On a track that is the graph of a function along some direction, let its angle to that direction be φ(x). By
+  d(sin φ)/dx = κ, and the same of the disc's lower arc with its larger curvature, the arc is steeper than the track
+  everywhere beyond the contact and less steep before it: the track runs below the arc.
+
+Where the track bends to its right or not at all, the disc may be a half-plane: the tangent separates it from the plate.
+
+A plate at a distance g from its track touches it once it is grown by g, to curvatures κ/(1 + κ g). While that is still
+above the track's, the plate is nowhere nearer to its track than g: one pair of points with parallel tangents is the
+nearest, and the only one to follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from math import inf, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Curve
+from cases.overlap import span
+
+from .integrators.segment import Segment
+
+# A parabola through three even places goes beyond the middle one by up to an eighth of their second difference.
+BETWEEN = 0.25
+# Bounds on curvatures are as narrow as this part of the largest.
+KNOWN = 1e-7
+# So often stretches around an extreme are looked at more closely, in so many places: a part in 1e8 of a swing is left.
+CLOSER, PARTS = 3, 17
+
+
+class Room(NamedTuple):
+    """Up to which gap (m) a plate is nearest to its track in one place; the ranges of the curvatures, 1/m."""
+
+    gap: float
+    track: tuple[float, float]
+    outline: tuple[float, float]
+
+
+def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
+    """Whether a second contact is impossible on the way, by the curvatures alone."""
+    track, outline = case.track, case.plate.outline
+    xi1 = np.array([case.start.xi1])
+    if track.domain is None and not track.period:  # a stretch of it, as long as the motion
+        xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
+    return fits(track, outline, *span(track, xi1, case.plate.reach))
+
+
+def fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
+    """The same on a stretch of the track. An outline without an inside is only its contact arc."""
+    return not outline.period or room(track, outline, low, high).gap > 0.0
+
+
+@lru_cache(maxsize=256)
+def room(track: Curve, outline: Curve, low: float, high: float) -> Room:
+    """How much room there is on a stretch of the track; a gap of 0 says nothing."""
+    places = _places(track, low, high)
+    bend, bends = _range(track, places), _range(outline, _places(outline, *outline.span))
+    flat = KNOWN * bends[1]  # a flat side's curvature may be a little less than nothing
+    convex = bends[0] > max(bend[1], 0.0) or (bends[0] >= -flat and bend[1] < -flat)
+    if not outline.period or not convex:
+        return Room(0.0, bend, bends)  # not convex, or tighter than the track somewhere
+    angles = track.tangent_angle(places)
+    # A graph over the direction half-way between the extremes, or closed and convex.
+    closed = track.period is not None and (bend[0] >= 0.0 or bend[1] <= 0.0)
+    if not np.ptp(angles) < pi and not (closed and abs(angles[-1] - angles[0]) < 2.1 * pi):
+        return Room(0.0, bend, bends)
+    return Room(1.0 / bend[1] - 1.0 / bends[0] if bend[1] > 0.0 else inf, bend, bends)
+
+
+def _places(curve: Curve, low: float, high: float) -> np.ndarray:
+    """Parameters that show how the curve bends, (n,)."""
+    return curve.features.nodes(low, high) if curve.features else np.array([low, high])
+
+
+def _range(curve: Curve, places: np.ndarray) -> tuple[float, float]:
+    """Bounds on the curvature."""
+    return -_greatest(lambda s: -curve.curvature(s), places), _greatest(curve.curvature, places)
+
+
+def _greatest(function: Callable[[np.ndarray], np.ndarray], places: np.ndarray) -> float:
+    """A bound on a function that the places resolve: between two of them it goes beyond both by a part of how much its
+    slope changes there. Where that may be its maximum it is looked at more closely."""
+    stretches = places.reshape(1, -1)
+    for _ in range(CLOSER):
+        values = np.asarray(function(stretches.ravel())).reshape(stretches.shape)
+        swing = np.zeros_like(values)
+        if values.shape[1] > 2:
+            swing[:, 1:-1] = BETWEEN * np.abs(np.diff(values, 2, axis=1))
+            swing[:, [0, -1]] = swing[:, [1, -2]]
+        bounds = np.maximum(values[:, :-1], values[:, 1:]) + np.maximum(swing[:, :-1], swing[:, 1:])
+        if bounds.max() <= values.max():
+            break
+        row, first = np.nonzero(bounds > values.max())
+        low, high = stretches[row, first], stretches[row, first + 1]
+        stretches = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, PARTS)
+    return float(bounds.max())

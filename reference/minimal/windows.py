@@ -1,0 +1,148 @@
+"""A motion in short windows of time: where the plate is in each, as polynomials, and bounds on how that changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+EPS = float(np.finfo(float).eps)
+# Polynomials of this degree go through a window; a motion under constant forces is one of degree two.
+DEGREE, PARABOLA = 16, 2
+# A window whose last coefficients are larger than this part of the largest is halved, so many times at most.
+RESOLVED, HALVINGS = 1e-13, 8
+# Of a place worked out from some coefficients.
+ROUNDINGS = 16
+
+Poses = Callable[[np.ndarray], np.ndarray]
+
+
+class Windows(NamedTuple):
+    """n windows: when each starts and ends (s), the polynomials of x, y, θ in it, shape (n, 3, degree + 1), those of
+    their rates, and bounds: on the speed (m/s) and the spin (rad/s), on what changes these (m/s², rad/s²), and on the
+    polynomials' error (m)."""
+
+    start: np.ndarray
+    end: np.ndarray
+    places: np.ndarray
+    rates: np.ndarray
+    speed: np.ndarray
+    spin: np.ndarray
+    pull: np.ndarray
+    swing: np.ndarray
+    error: np.ndarray
+
+    def at(self, which: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(x, y, θ) and (vx, vy, ω) at a time in each of those windows, each of shape (3, m)."""
+        start, end = self.start[which], self.end[which]
+        z = (2.0 * times - start - end) / (end - start)
+        return _values(self.places[which], z), _values(self.rates[which], z)
+
+    def one(self, which: int, time: float) -> tuple[list[float], list[float]]:
+        """The same in one window at one time, as numbers."""
+        start, end = float(self.start[which]), float(self.end[which])
+        z = (2.0 * time - start - end) / (end - start)
+        return [_value(row, z) for row in self.places[which].tolist()], [
+            _value(row, z) for row in self.rates[which].tolist()
+        ]
+
+
+def windows(poses: Poses, edges: np.ndarray, size: float, degree: int = DEGREE) -> Windows:
+    """The windows between the times `edges`, halved where the polynomials need it. `poses` maps times (m,) to
+    (x, y, θ), shape (3, m); `size` (m) is the plate's, by which a turn moves its points."""
+    start, end = edges[:-1], edges[1:]
+    places = _fitted(poses, start, end, degree)
+    for _ in range(HALVINGS):
+        coarse = (_tail(places) > RESOLVED * _scale(places, size)).any(axis=1)
+        if degree < DEGREE or not coarse.any():
+            break
+        middle = 0.5 * (start[coarse] + end[coarse])
+        halves = np.concatenate([start[coarse], middle]), np.concatenate([middle, end[coarse]])
+        made = _fitted(poses, *halves, degree)
+        start, end, places = (
+            np.concatenate([kept[~coarse], new])
+            for kept, new in zip((start, end, places), (*halves, made), strict=True)
+        )
+    order = np.argsort(start)
+    start, end, places = start[order], end[order], places[order]
+    tail, scale = _tail(places) if degree == DEGREE else np.zeros((len(start), 3)), _scale(places, size)
+    error = np.max((tail + ROUNDINGS * EPS * scale) * np.array([1.0, 1.0, size]), axis=1)
+    places = places[:, :, : _needed(places)]
+    per_second = 2.0 / (end - start)[:, None, None]
+    rates = chebyshev.chebder(places, axis=2) * per_second
+    changes = np.abs(chebyshev.chebder(rates, axis=2) * per_second).sum(axis=2)
+    most = np.abs(rates).sum(axis=2)
+    return Windows(
+        start, end, places, rates, np.hypot(most[:, 0], most[:, 1]), most[:, 2],
+        np.hypot(changes[:, 0], changes[:, 1]), changes[:, 2], error,
+    )  # fmt: skip
+
+
+def _fitted(poses: Poses, start: np.ndarray, end: np.ndarray, degree: int) -> np.ndarray:
+    """Chebyshev coefficients of x, y, θ, shape (n, 3, degree + 1)."""
+    nodes, to_coefficients = _nodes(degree)
+    times = 0.5 * (start + end)[:, None] + 0.5 * (end - start)[:, None] * nodes
+    values = poses(times.ravel()).reshape(3, len(start), len(nodes))
+    return (values @ to_coefficients.T).transpose(1, 0, 2)
+
+
+_KNOWN: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+
+
+def _nodes(degree: int) -> tuple[np.ndarray, np.ndarray]:
+    """Chebyshev's nodes and the matrix from values there to coefficients."""
+    if degree not in _KNOWN:
+        nodes = chebyshev.chebpts1(degree + 1)
+        _KNOWN[degree] = nodes, np.linalg.inv(chebyshev.chebvander(nodes, degree))
+    return _KNOWN[degree]
+
+
+def _tail(places: np.ndarray) -> np.ndarray:
+    """The last two coefficients' size, (n, 3)."""
+    return np.abs(places[:, :, -2:]).sum(axis=2)
+
+
+def _scale(places: np.ndarray, size: float) -> np.ndarray:
+    """What the places and the angle are rounded by, (n, 3)."""
+    rows = np.abs(places).sum(axis=2)
+    far = rows[:, 0] + rows[:, 1] + size
+    return np.array([far, far, 1.0 + rows[:, 2]]).T
+
+
+def _needed(places: np.ndarray) -> int:
+    """How many coefficients are more than rounding anywhere, two at least."""
+    large = np.abs(places) > 0.1 * EPS * np.abs(places).sum(axis=2)[:, :, None]
+    return max(2, int(np.flatnonzero(large.any(axis=(0, 1)))[-1]) + 1) if large.any() else 2
+
+
+def _values(coefficients: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Clenshaw's recurrence, one polynomial for each z: coefficients (m, 3, k), z (m,), values (3, m)."""
+    parts = coefficients.transpose(2, 1, 0)
+    if len(parts) == 1:
+        return parts[0] + 0.0 * z
+    b1, b2 = parts[-1], np.zeros_like(parts[0])
+    twice = 2.0 * z
+    for part in parts[-2:0:-1]:
+        b1, b2 = part + twice * b1 - b2, b1
+    return parts[0] + z * b1 - b2
+
+
+def _value(coefficients: list[float], z: float) -> float:
+    """The same recurrence for one number."""
+    b1 = b2 = 0.0
+    for part in coefficients[:0:-1]:
+        b1, b2 = part + 2.0 * z * b1 - b2, b1
+    return coefficients[0] + z * b1 - b2
+
+
+def joined(lots: list[Windows]) -> Windows:
+    """The windows of all lots, in their order."""
+    most = max(lot.places.shape[2] for lot in lots)
+
+    def padded(rows: np.ndarray, length: int) -> np.ndarray:
+        return np.concatenate([rows, np.zeros((*rows.shape[:2], length - rows.shape[2]))], axis=2)
+
+    full = [lot._replace(places=padded(lot.places, most), rates=padded(lot.rates, most - 1)) for lot in lots]
+    return Windows(*(np.concatenate(column) for column in zip(*full, strict=True)))

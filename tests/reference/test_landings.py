@@ -1,0 +1,251 @@
+"""Landings and second contacts on curves with fine features: no zero of the gap hides between two looks."""
+
+from __future__ import annotations
+
+import time
+from math import pi
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import reference
+from cases import (
+    Case,
+    Curve,
+    Flight,
+    Gravity,
+    Impact,
+    PerfectlyRough,
+    Plate,
+    Start,
+    Unilateral,
+    disc,
+)
+from cases.contact import find, start_motion
+from cases.library import line
+from reference import contact_frame
+from tests.scenes.ripples import G, closest, rippled
+
+FLYING = (Unilateral(), Flight(), Impact(0.0))
+
+
+def first(case: Case) -> float:
+    return reference.simulate(case, rtol=1e-13).transitions[0].time
+
+
+def second(case: Case) -> float:
+    return contact_frame.solve(case, rtol=1e-13).transitions[0].time
+
+
+FORMULATIONS = pytest.mark.parametrize("solve", [first], ids=["first"])
+
+
+# --- closed forms with many digits ------------------------------------------------------------------------------------
+
+
+def over_ripples(height: float, length: float, gap: float, g: float = 0.0) -> Case:
+    """A disc at 5 m/s that sinks at 2 mm/s over y = height cos(2 pi x/length), from a gap over a crest."""
+    track = Curve(("s", f"{height!r}*cos({2 * pi / length!r}*s)"), (-1, 1))
+    effects = (*FLYING, Gravity(g)) if g else FLYING
+    return Case(track, disc(0.1, 1.0), effects, Start(0.0, gap=gap, slip=5.0, gap_rate=-0.002), 0.05)
+
+
+def exact_over_ripples(case: Case, height: float, length: float, g: float) -> mp.mpf:
+    """When the disc's centre crosses the curve parallel to the ripples, 30 digits.
+
+    The centre is above the parallel curve's place of parameter s at one time, and so high above it: a function of s,
+    looked at in a thousand places to a ripple.
+    """
+    begun = start_motion(case)
+    with mp.workdps(40):
+        a, k, r = mp.mpf(height), mp.mpf(2 * pi / length), mp.mpf("0.1")
+
+        def parallel(s):
+            slope = -a * k * mp.sin(k * s)
+            speed = mp.sqrt(1 + slope**2)
+            return s - r * slope / speed, a * mp.cos(k * s) + r / speed
+
+        def above(s):
+            x, y = parallel(s)
+            t = (x - mp.mpf(begun.x)) / mp.mpf(begun.vx)
+            return mp.mpf(begun.y) + mp.mpf(begun.vy) * t - mp.mpf(g) * t**2 / 2 - y, t
+
+        places = [mp.mpf(length) * n / 1000 for n in range(40_000)]
+        low = next(s for s, following in zip(places, places[1:], strict=False) if above(following)[0] < 0)
+        s = mp.findroot(lambda s: above(s)[0], (low, low + mp.mpf(length) / 1000), solver="anderson")
+        return +above(s)[1]
+
+
+RIPPLES = {
+    # height (m), length (m), gap (m), g: the disc's curvature is 10 1/m, the ripples' up to 6.3, 8.1 and 9.9.
+    "1 um by 2.5 mm": (1e-6, 2.5e-3, 1.5e-6, 0.0),
+    "1 um by 2.5 mm, under gravity": (1e-6, 2.5e-3, 2.5e-6, 9.81),
+    "10 um by 7 mm": (1e-5, 7e-3, 3e-5, 0.0),
+    "10 um by 7 mm, from higher": (1e-5, 7e-3, 5.2e-5, 0.0),
+    "1 nm by 63 um": (1e-9, 6.3e-5, 7.1e-9, 0.0),
+}
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("name", RIPPLES)
+def test_a_landing_on_fine_ripples_is_the_first_crossing_of_their_parallel_curve(solve, name, accuracy):
+    height, length, gap, g = RIPPLES[name]
+    case = over_ripples(*RIPPLES[name])
+    exact = exact_over_ripples(case, height, length, g)
+    # A micrometre is known to 1e-16 m, and closes at 2 mm/s at least.
+    accuracy(
+        case=name, solver="reference", route=solve.__name__, quantity="landing / s",
+        error=float(solve(case) - exact), tolerance=2e-13,
+    )  # fmt: skip
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("above", [1e-11, -1e-11])
+def test_a_disc_that_flies_past_a_crest_touches_it_or_not_by_a_hundredth_of_a_nanometre(solve, above):
+    height, wide = 1e-5, 1e-4
+    track = Curve(("s", f"{height}*exp(-(s/{wide})**2)"), (-1, 1))
+    start = Start(-0.2, gap=height + above, slip=3.0)
+    case = Case(track, disc(0.1, 1.0), FLYING, start, 0.2)
+    if above > 0.0:
+        assert reference.simulate(case).transitions == ()
+        return
+    with mp.workdps(40):
+        h, w, r, up = mp.mpf(height), mp.mpf(wide), mp.mpf("0.1"), mp.mpf(height) + mp.mpf("0.1") + mp.mpf(above)
+
+        def touches(s):
+            y = h * mp.exp(-((s / w) ** 2))
+            slope = -2 * s / w**2 * y
+            return up - y - r / mp.sqrt(1 + slope**2)
+
+        s = mp.findroot(touches, (-mp.mpf("2e-8"), -mp.mpf("1e-9")), solver="anderson")
+        y = h * mp.exp(-((s / w) ** 2))
+        slope = -2 * s / w**2 * y
+        exact = (s - r * slope / mp.sqrt(1 + slope**2) + mp.mpf("0.2")) / 3
+    assert solve(case) == pytest.approx(float(exact), abs=1e-9)
+
+
+@FORMULATIONS
+def test_a_plate_of_a_hundred_lobes_lands_on_the_first_that_comes_down(solve, accuracy):
+    """Its lowest point is that whose tangent is level; lobes of 10 µm come by 160 times a second."""
+    lobes, low, spin, fall = 100, 1e-4, 10.0, 0.003
+    radius = f"0.1*(1+{low!r}*cos({lobes}*s))"
+    plate = Plate(Curve((f"{radius}*cos(s)", f"{radius}*sin(s)")), 1.0, 0.005)
+    case = Case(line(), plate, FLYING, Start(0.0, -pi / 2, gap=1e-4, gap_rate=-fall, omega=spin), 0.1)
+    begun = start_motion(case)
+    with mp.workdps(40):
+
+        def outline(s):
+            r, slope = mp.mpf("0.1") * (1 + low * mp.cos(lobes * s)), -mp.mpf("0.1") * low * lobes * mp.sin(lobes * s)
+            angle = mp.atan2(slope * mp.sin(s) + r * mp.cos(s), slope * mp.cos(s) - r * mp.sin(s))
+            return r, angle
+
+        def above(s):
+            r, angle = outline(s)
+            turned = -angle - mp.mpf(begun.theta)
+            turned -= 2 * mp.pi * mp.floor((turned + mp.pi / 2) / (2 * mp.pi))
+            t = turned / spin
+            return mp.mpf(begun.y) + mp.mpf(begun.vy) * t + r * mp.sin(s - angle), t
+
+        places = [-mp.pi / 2 - mp.mpf(n) / 20_000 for n in range(1, 8000)]
+        at = next(s for s in places if above(s)[0] < 0)
+        s = mp.findroot(lambda s: above(s)[0], (at + mp.mpf(1) / 20_000, at), solver="anderson")
+        exact = above(s)[1]
+    accuracy(
+        case="a plate of 100 lobes", solver="reference", route=solve.__name__, quantity="landing / s",
+        error=float(solve(case) - exact), tolerance=1e-12,
+    )  # fmt: skip
+
+
+def rolls_onto_a_bump() -> Case:
+    """A disc that rolls towards a bump a tenth of a millimetre wide and a micrometre high."""
+    track = Curve(("s", "1e-6*exp(-((s-0.3)/1e-4)**2)"), (-1, 1))
+    return Case(track, disc(0.1, 1.0), (Gravity(G), PerfectlyRough(), Unilateral()), Start(0.0, omega=-10.0), 0.5)
+
+
+def first_end(case: Case) -> tuple[str, float]:
+    motion = reference.simulate(case, rtol=1e-13)
+    return motion.status, float(motion.t[-1])
+
+
+def second_end(case: Case) -> tuple[str, float]:
+    answer = contact_frame.solve(case, rtol=1e-13, looks=300, overlaps=True)
+    return answer.status, answer.end
+
+
+@pytest.mark.parametrize("solve", [first_end])
+def test_a_fine_bump_ahead_is_a_second_contact_where_the_disc_meets_it(solve):
+    # The centre goes at 1 m/s, 0.1 m above the line (the bump is nothing there), until it is 0.1 m from the bump.
+    with mp.workdps(40):
+        h, w, c, r = mp.mpf("1e-6"), mp.mpf("1e-4"), mp.mpf("0.3"), mp.mpf("0.1")
+
+        def meets(s):
+            y = h * mp.exp(-(((s - c) / w) ** 2))
+            slope = -2 * (s - c) / w**2 * y
+            return y + r / mp.sqrt(1 + slope**2) - r
+
+        # Of all places of the bump the first to be met: before its crest, where the parallel curve is as high.
+        grid = [c - w * mp.mpf(n) / 1000 for n in range(1, 4000)]
+        s = mp.findroot(meets, next((a, b) for a, b in zip(grid[1:], grid, strict=False) if meets(a) * meets(b) < 0))
+        y = h * mp.exp(-(((s - c) / w) ** 2))
+        slope = -2 * (s - c) / w**2 * y
+        exact = s - r * slope / mp.sqrt(1 + slope**2)
+    status, end = solve(rolls_onto_a_bump())
+    assert status == "second_contact" and end == pytest.approx(float(exact), abs=1e-11)
+
+
+# --- random flights ---------------------------------------------------------------------------------------------------
+
+# CPU seconds that a flight over ripples may take with all that follows its landing.
+LIMIT = 20.0
+
+
+def check(seed: int) -> None:
+    """One random flight: it is answered in time, and a disc touches its track where it lands and nowhere before."""
+    scene = rippled(seed)
+    begun = time.process_time()
+    motion = reference.simulate(scene.case)
+    assert time.process_time() - begun < LIMIT, seed
+    assert motion.status in ("completed", "landing", "second_contact", "no_fit", "track_end"), (seed, motion.status)
+    at = motion.transitions[0].time if motion.transitions else float(motion.t[-1])
+    if motion.transitions:
+        place, state = motion.transitions[0], motion(at)
+        contact = find(scene.case, state.x, state.y, state.theta, (place.xi1, place.xi2))
+        assert abs(contact.gap) < 1e-14, seed
+    if motion.status == "landing" and scene.shape == "disc":
+        assert abs(closest(scene, at).apart) < 1e-14, seed
+    if scene.shape == "disc":
+        # A ten-millionth before, the gap is more than rounding.
+        before = closest(scene, at * (1.0 - 1e-7) - 1e-13) if at > 1e-12 else None
+        assert before is None or before.apart > -1e-14, (seed, at, before)
+    else:
+        _clear(scene.case, at, seed)
+
+
+def _clear(case: Case, at: float, seed: int) -> None:
+    """No point of the outline is below the ripples before the landing, at random times (tracks y = f(x) alone)."""
+    x_of, f = case.track.expression
+    if str(x_of) != "s":
+        return
+    begun, random = start_motion(case), np.random.default_rng(seed)
+    t = at * (1.0 - 10.0 ** random.uniform(-9, 0, 300))
+    u, v = case.plate.outline.point(np.linspace(*case.plate.outline.span, 6001))
+    theta = (begun.theta + begun.omega * t)[:, None]
+    x = begun.x + (begun.vx * t)[:, None] + np.cos(theta) * u - np.sin(theta) * v
+    y = begun.y + (begun.vy * t - 0.5 * G * t * t)[:, None] + np.sin(theta) * u + np.cos(theta) * v
+    low, high = case.track.span
+    inside = (x > low) & (x < high)
+    above = y[inside] - case.track.point(x[inside])[1]
+    assert above.min(initial=1.0) > -1e-14, seed
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_flight_over_ripples_ends_where_it_first_touches(seed):
+    check(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lot", range(20))
+def test_two_thousand_flights_over_ripples_end_where_they_first_touch(lot):
+    for seed in range(100 * lot, 100 * (lot + 1)):
+        check(seed)
