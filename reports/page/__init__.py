@@ -1,1 +1,1 @@
-"""What people read: the page, its texts and tables, the folder they stand in."""
+"""The report for readers: the page, its texts and tables, and the folder that holds them."""

@@ -1,4 +1,4 @@
-"""The chapter "What accuracy costs in time": the answer first, then how it came about."""
+"""The chapter "What accuracy costs in time": the answer first, then the measurements behind it."""
 
 from __future__ import annotations
 
@@ -18,36 +18,38 @@ from .pieces import picture, records, switch, table
 if TYPE_CHECKING:
     import pandas as pd
 
-# Parts of a warm run, and whole calls, with the heads of their columns.
+# Parts of a warm run, and whole calls, with the headings of their columns.
 _PARTS = {
-    "engine_s": "engine alone", "binding_s": "its binding", "callback_s": "our callback", "notes_s": "our notes",
-    "cpu_s": "run, warm", "call_s": "whole call, warm", "first_call_s": "one call from cold",
+    "engine_s": "engine", "binding_s": "its binding", "callback_s": "our callback", "notes_s": "our recording",
+    "cpu_s": "run, warm", "call_s": "whole call, warm", "first_call_s": "whole call, cold start",
 }  # fmt: skip
-# Columns of fits that say nothing to a reader.
+# Columns of the fits that the page leaves out.
 _HIDDEN = ("settings_used", "settings")
 
 
 def section(
-    measured: Measured, frames: Mapping[str, pd.DataFrame], drawn: Sequence[Drawn], figures: Path
+    measured: Measured, frames: Mapping[str, pd.DataFrame], figure_entries: Sequence[Drawn], figures: Path
 ) -> dict[str, Any] | None:
-    """What the chapter's template takes; None where nothing was timed."""
+    """Data for the chapter's template; None if nothing was timed."""
     if not measured.cases:
         return None
-    answers, told, points = (records(frames[name]) for name in ("which_engine", "time_to_accuracy", "work_precision"))
-    said = conclusions.headline(answers, told)
-    lead = [row for row in told if row["lead"]]
+    answers, accuracy_rows, points = (
+        records(frames[name]) for name in ("which_engine", "time_to_accuracy", "work_precision")
+    )
+    headline = conclusions.headline(answers, accuracy_rows)
+    lead = [row for row in accuracy_rows if row["lead"]]
     fits, main = frames["work_precision_fits"], {row["case"]: row["quantity"] for row in lead}
     fits = fits[[main.get(row["case"]) == row["quantity"] for row in records(fits)]] if len(fits) else fits
     return {
-        "first": said.first,
-        "rest": f"{said.rest} {conclusions.set_up(points)}",
+        "first": headline.first,
+        "rest": f"{headline.rest} {conclusions.set_up(points)}",
         "asked": level(conclusions.ASKED),
-        "runs": ["once, from cold" if runs == 1 else f"{runs:,} times" for runs in which_engine.RUNS],
+        "runs": ["first run (cold start)" if runs == 1 else f"{runs:,} runs" for runs in which_engine.RUNS],
         "answers": _answers(answers),
         "failed": list(measured.failures.items()),
         "shares": _shares(lead),
         "levels": _levels(lead),
-        "pictures": [picture(d, figures) for d in drawn if d.name == "work_precision"],
+        "pictures": [picture(d, figures) for d in figure_entries if d.name == "work_precision"],
         "fits": table(fits, _named(fits)),
         "nulls": table(frames["null_scores"], _named(frames["null_scores"])),
         "tables": list(cost_tables.HOLDS),
@@ -59,52 +61,54 @@ def _named(frame: pd.DataFrame) -> dict[str, str]:
 
 
 def _answers(answers: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each case at the accuracy that is asked for: once and a thousand times, engine and reference."""
-    found = []
+    """A row for each case at the requested accuracy: first run and 1,000 runs, engine and reference."""
+    table_rows = []
     for (case,), rows in groups([r for r in answers if r["accuracy"] == conclusions.ASKED], "case").items():
         runs = rows[0]["break_even_runs"]
         even = f"{runs:,.0f} runs" if isfinite(runs) else ("never" if rows[0]["cheaper"] else "")
-        sides = [_side(row, who) for row in sorted(rows, key=lambda r: r["runs"]) for who in ("engine", "reference")]
-        told = {"case": case, "quantity": quantity(rows[0]["quantity"]), "sides": sides, "even": even}
-        found.append(told | {"order": _order(runs)})
-    return found
+        sides = [
+            _side(row, party) for row in sorted(rows, key=lambda r: r["runs"]) for party in ("engine", "reference")
+        ]
+        cells = {"case": case, "quantity": quantity(rows[0]["quantity"]), "sides": sides, "even": even}
+        table_rows.append(cells | {"order": _order(runs)})
+    return table_rows
 
 
-def _side(row: dict[str, Any], who: str) -> dict[str, Any]:
-    """One side's cheapest and its time, or why there is none."""
-    if not row[who]:
-        # Of two reasons the engines' comes first.
-        return {"reason": row["reason"].split("; ")[0 if who == "engine" else -1], "order": ""}
-    spent = row[f"{who}_total_s"]
-    told = {"reason": "", "who": row[who], "time": seconds(spent), "order": _order(spent)}
-    ahead = row["cheaper"] == row[who]
-    return told | {"ahead": ahead, "factor": times(row["factor"]) if ahead else ""}
+def _side(row: dict[str, Any], party: str) -> dict[str, Any]:
+    """The fastest route of the engines or of the reference with its time, or the reason why there is none."""
+    if not row[party]:
+        # If there are two reasons, the engines' is the first.
+        return {"reason": row["reason"].split("; ")[0 if party == "engine" else -1], "order": ""}
+    total = row[f"{party}_total_s"]
+    side = {"reason": "", "route": row[party], "time": seconds(total), "order": _order(total)}
+    ahead = row["cheaper"] == row[party]
+    return side | {"ahead": ahead, "factor": times(row["factor"]) if ahead else ""}
 
 
 def _shares(lead: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Of the settings that reach the accuracy asked for: the parts of a warm run, the whole call, the cold one."""
+    """Settings that reach the requested accuracy: the parts of a warm run, the whole call, the cold start."""
     rows = []
-    chosen = [r for r in lead if r["award"] == REACHED and r["accuracy"] == conclusions.ASKED]
-    for (case,), group in groups(chosen, "case").items():
+    reaching = [r for r in lead if r["award"] == REACHED and r["accuracy"] == conclusions.ASKED]
+    for (case,), group in groups(reaching, "case").items():
         for row in sorted(group, key=lambda r: r["call_s"]):
             cells = [_text(f"{case}, {level(row['accuracy'])}{unit(row['unit'])}"), _text(_who(row))]
             cells += [_time(row[name]) for name in _PARTS]
             runs = row["break_even_runs"]
             cells.append(_number(f"{runs:,.0f}" if isfinite(runs) else "", runs))
             rows.append(_row(row, cells))
-    return {"heads": _heads("case", "route", *_PARTS.values(), "reference cheaper from, runs"), "rows": rows}
+    return {"heads": _heads("case", "route", *_PARTS.values(), "reference faster from, runs"), "rows": rows}
 
 
 def _levels(lead: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Cases and routes against accuracies, in the quantity that leads each case."""
+    """Cases and routes against accuracies, in the main quantity of each case."""
     rows = []
     for _, group in groups(lead, "case", "solver", "route").items():
-        one = group[0]
+        first = group[0]
         by_level = {row["accuracy"]: row for row in group}
-        name = f"{one['case']}: {quantity(one['quantity'])} / {one['unit']}"
-        cells = [_text(name), _text(_who(one))]
+        name = f"{first['case']}: {quantity(first['quantity'])} / {first['unit']}"
+        cells = [_text(name), _text(_who(first))]
         cells += [_reached(by_level[a]) if a in by_level else _text("") for a in ACCURACIES]
-        rows.append(_row(one, cells))
+        rows.append(_row(first, cells))
     return {"heads": _heads("case", "route", *map(level, ACCURACIES)), "rows": rows}
 
 
@@ -121,7 +125,7 @@ def _who(row: Mapping[str, Any]) -> str:
 
 
 def _heads(*names: str) -> list[dict[str, Any]]:
-    """The first two columns are words, the others numbers."""
+    """Headings of a table whose first two columns are text and whose others are numbers."""
     return [{"title": name, "number": place > 1, "tip": ""} for place, name in enumerate(names)]
 
 
@@ -138,7 +142,7 @@ def _time(value: float) -> dict[str, Any]:
 
 
 def _number(text: str, value: float) -> dict[str, Any]:
-    """A cell that is sorted by a number; where there is none it stands behind all."""
+    """A cell that is sorted by a number; a cell without one is sorted last."""
     return {"text": text, "kind": "number", "order": _order(value) or "1e308"}
 
 

@@ -1,4 +1,4 @@
-"""What the columns of all tables mean: `columns.md` for people, `datapackage.json` for programs (a Data Package:
+"""The data dictionary of all tables: `columns.md` for readers, `datapackage.json` for programs (a Data Package:
 https://datapackage.org/standard/data-package/, each table a resource with its schema)."""
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ NAMES = ("columns.md", "datapackage.json")
 
 
 def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str) -> list[Path]:
-    """Both files for all tables in a folder; returns them. Raises ValueError for a column without words."""
+    """Write both files for all tables to a folder; returns them. Raises ValueError for a column without description."""
     for name, frame in tables.items():
-        silent = [c for c in frame.columns if not words[name].columns.get(str(c))]
-        if silent:
-            raise ValueError(f"nothing is said of {', '.join(map(str, silent))} in the table {name}")
+        undescribed = [c for c in frame.columns if not words[name].columns.get(str(c))]
+        if undescribed:
+            raise ValueError(f"no description of {', '.join(map(str, undescribed))} in the table {name}")
     files = [folder / name for name in NAMES]
     files[0].write_text(_for_people(tables, words, command), encoding="utf-8")
     package = {"name": "slip-to-roll-tables", "resources": [_resource(n, f, words[n]) for n, f in tables.items()]}
@@ -32,7 +32,7 @@ def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder
 
 
 def _for_people(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], command: str) -> str:
-    parts = ["# What the columns mean\n\nAn empty cell is no number: none was measured, or there is none.\n"]
+    parts = ["# What the columns mean\n\nEmpty: not measured or not applicable.\n"]
     for name, frame in tables.items():
         rows = "".join(f"- `{c}`: {words[name].columns[str(c)]}\n" for c in frame.columns)
         parts.append(f"## {name}.csv\n\n{words[name].holds}.\n\n{rows}")
@@ -43,7 +43,7 @@ def _resource(name: str, frame: pd.DataFrame, words: Table) -> dict[str, Any]:
     fields = []
     for column in map(str, frame.columns):
         field = {"name": column, "type": kind(frame[column]), "description": words.columns[column]}
-        # A unit is no word of the standard's; it leaves room for such.
+        # The standard has no property for units, but allows additional properties.
         fields.append(field | ({"unit": unit_of(column)} if unit_of(column) else {}))
     return {
         "name": name,
@@ -57,7 +57,7 @@ def _resource(name: str, frame: pd.DataFrame, words: Table) -> dict[str, Any]:
 
 
 def kind(values: pd.Series) -> str:
-    """The type of a column in the standard's words: boolean, integer, number or string."""
+    """The type of a column by the standard's names: boolean, integer, number or string."""
     if not len(values):
         return "string"
     if all(isinstance(v, bool | np.bool_) for v in values):

@@ -1,4 +1,4 @@
-"""The first screen: what was compared, the answer table, the paper's disc in motion."""
+"""The first screen of the page: what was compared, the answer table, the motion of the paper's disc."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .text import lost_words
 if TYPE_CHECKING:
     import pandas as pd
 
-# The paper's application, if the report has it.
+# The paper's application; shown if the report contains it.
 _HERO = "disc_in_circle[mu=0.2]"
 
 
@@ -29,15 +29,15 @@ def screen(
     timed: bool,
     manifest: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """What the template of the first screen takes."""
-    told = records(frames["answers"])
-    hard, costs = _has_hard(told), _has_costs(told)
+    """Data for the template of the first screen."""
+    answers = records(frames["answers"])
+    hard, costs = _has_hard(answers), _has_costs(answers)
     hero = next((m for m in moving if m["label"] == _HERO), moving[0] if moving else None)
     case = next((c for c in experiment.cases if hero and c.label == hero["label"]), None)
-    rows = [row for row in told if row["route"]]
+    rows = [row for row in answers if row["route"]]
     return {
         "compared": _compared(experiment),
-        "sentences": advice.sentences(told),
+        "sentences": advice.sentences(answers),
         "lost": lost_words(manifest["lost"]),
         "warnings": [
             {"case": label, "why": truth.failure} for label, truth in experiment.truths.items() if truth.failure
@@ -56,71 +56,78 @@ def screen(
 
 
 def _compared(experiment: Experiment) -> str:
-    """One sentence of what was compared."""
+    """One sentence about what was compared."""
     solvers = dict.fromkeys(solver for _, solver, route in routes(experiment.runs) if route and solver != REFERENCE)
     counts = tables.outcome_counts(experiment)
-    asked = {name: sum(counts[name][word] for word in ("right", "wrong", "crashed", "timed_out")) for name in solvers}
+    attempts = {
+        name: sum(counts[name][word] for word in ("right", "wrong", "crashed", "timed_out")) for name in solvers
+    }
     wrong = {name: counts[name]["wrong"] for name in solvers}
-    engines = ", ".join(f"{name} ({wrong[name]} of {asked[name]} motions wrong)" for name in solvers) or "no engine"
+    engines = ", ".join(f"{name} ({wrong[name]} of {attempts[name]} motions wrong)" for name in solvers) or "no engine"
     many = len(experiment.cases)
     return (
         f"{many} scene{'s' * (many != 1)} of one rigid plate on one fixed curve with Coulomb friction, in "
-        f"{len(experiment.runs):,} runs: {engines}, held against a motion computed from the equations of Ogaru and "
+        f"{len(experiment.runs):,} runs: {engines}, compared with a motion computed from the equations of Ogaru and "
         "Pandrea and certified to the last digits."
     )
 
 
 def _row(row: Mapping[str, Any], hard: bool, costs: bool) -> dict[str, Any]:
-    cells = [{"head": "as it comes", "text": _error(row["middle_default_error"]), "small": ""}]
+    cells = [{"head": "default", "text": _error(row["middle_default_error"]), "small": ""}]
     cells.append({"head": "finest", "text": _finest(row), "small": _wrong(row)})
     for accuracy, column in advice.COLUMN.items():
-        name, reached = level(accuracy), _reached(row, column)
+        name, reached_count = level(accuracy), _reached(row, column)
         if not costs:
-            cells.append({"head": f"reaches {name}", "text": reached, "small": ""})
+            cells.append({"head": f"reaches {name}", "text": reached_count, "small": ""})
             continue
         once, many = (_cost(row, column, word) for word in advice.RUNS)
-        cells.append({"head": f"{name} once", "text": once, "small": reached})
-        cells.append({"head": f"{name} 1,000 ×", "text": many, "small": ""})
+        cells.append({"head": f"{name} first run", "text": once, "small": reached_count})
+        cells.append({"head": f"{name} 1,000 runs", "text": many, "small": ""})
     if hard:
         cells.append({"head": "hard scenes", "text": _of_hard(row), "small": ""})
     return {"solver": row["solver"], "route": row["route"], "id": identifier(row["solver"]), "cells": cells}
 
 
-def in_terminal(told: Sequence[Mapping[str, Any]]) -> str:
-    """The answer for a terminal, from rows of `advice`: the first screen's sentences, numbers and words."""
+def in_terminal(answers: Sequence[Mapping[str, Any]]) -> str:
+    """The answer table for the terminal, from rows of `advice`: the same numbers and words as the first screen."""
     from tabulate import tabulate
 
-    costs, lines = _has_costs(told), []
-    for row in told:
+    costs, lines = _has_costs(answers), []
+    for row in answers:
         line = {"": f"{row['solver']} {row['route']}"}
         line |= {word: str(row[word]) for word in ("right", "wrong", "refused", "failed")}
-        line |= {"as it comes": _error(row["middle_default_error"]), "finest": _finest(row)}
+        line |= {"default": _error(row["middle_default_error"]), "finest": _finest(row)}
         for accuracy, column in advice.COLUMN.items():
             line[f"reaches {level(accuracy)}"] = _reached(row, column)
             if costs:
-                line[f"{level(accuracy)} once"] = _cost(row, column, "once")
-                line[f"{level(accuracy)} 1,000 ×"] = _cost(row, column, "thousand")
-        if _has_hard(told):
+                line[f"{level(accuracy)} first run"] = _cost(row, column, "once")
+                line[f"{level(accuracy)} 1,000 runs"] = _cost(row, column, "thousand")
+        if _has_hard(answers):
             line["hard scenes"] = _of_hard(row)
         lines.append(line)
     return tabulate(lines, headers="keys", tablefmt="plain", disable_numparse=True, stralign="right")
 
 
-def notes(told: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What the columns of `in_terminal` mean."""
-    said = ["as it comes, finest: error of the first transition's time, s, the median of the cases"]
-    said += ["reaches: in how many of the cases that roll; failed: crashed or timed out"]
-    if _has_costs(told):
-        said += [f"once, 1,000 ×: whole calls from Python, the first from cold, on {told[0]['cost_case']}"]
-    return said
+def notes(answers: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Explanations of the columns of `in_terminal`."""
+    lines = [
+        "default, finest: error of the first transition's time, s, with default settings and at the finest setting"
+    ]
+    lines[0] += " run; median of the cases"
+    lines += ["reaches: number of rolling cases within this tolerance; failed: crashed or timed out"]
+    if _has_costs(answers):
+        lines += [
+            f"first run, 1,000 runs: whole calls from Python, the first a cold start, on {answers[0]['cost_case']}"
+        ]
+    return lines
 
 
-def _has_costs(told: Sequence[Mapping[str, Any]]) -> bool:
-    return any(isfinite(row[f"once_{column}_s"]) for row in told for column in advice.COLUMN.values())
+def _has_costs(answers: Sequence[Mapping[str, Any]]) -> bool:
+    return any(isfinite(row[f"once_{column}_s"]) for row in answers for column in advice.COLUMN.values())
 
 
-def _has_hard(told: Sequence[Mapping[str, Any]]) -> bool:
-    return any("hard_right" in row for row in told)
+def _has_hard(answers: Sequence[Mapping[str, Any]]) -> bool:
+    return any("hard_right" in row for row in answers)
 
 
 def _finest(row: Mapping[str, Any]) -> str:
@@ -137,9 +144,9 @@ def _of_hard(row: Mapping[str, Any]) -> str:
 
 
 def _cost(row: Mapping[str, Any], column: str, word: str) -> str:
-    """The time, or why there is none on the case that is timed."""
-    spent, award = row[f"{word}_{column}_s"], row[f"award_{column}"]
-    return seconds(spent) if isfinite(spent) else "not timed" if award == REACHED else award or "–"
+    """The time on the timed case, or the reason why there is none."""
+    total, award = row[f"{word}_{column}_s"], row[f"award_{column}"]
+    return seconds(total) if isfinite(total) else "not timed" if award == REACHED else award or "–"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:
@@ -147,12 +154,12 @@ def _wrong(row: Mapping[str, Any]) -> str:
 
 
 def _error(value: float) -> str:
-    """An error as people write it: 38 ns of them would be unread, 3.8e-8 is what a reader compares."""
+    """An error in scientific notation if it is small: 3.8e-8 rather than 38 ns, so that errors compare at a glance."""
     if not isfinite(value):
         return "–"
     return number(value) if value >= 1e-2 else f"{value:.1e}".replace("e-0", "e-") if value else "0"
 
 
 def identifier(name: str) -> str:
-    """A solver's name as part of a name in CSS."""
+    """A solver's name with only the characters that a CSS identifier allows."""
     return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in name)

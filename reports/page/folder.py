@@ -1,4 +1,4 @@
-"""The folder of a report, of a study, and of a report that is published; `manifest.json` says what made it."""
+"""The folders of a report, of a study and of a published report; `manifest.json` records how each was made."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ FIGURES = ("svg", "png", "pdf")
 
 
 def of_report(path: Path, kind: str = "report") -> OwnedFolder:
-    """The folder of a report; without page or manifest it counts as unfinished."""
+    """The folder of a report; it counts as unfinished without page or manifest."""
     return OwnedFolder(path, kind, (PAGE, MANIFEST, "tables/*", "figures/*"), (PAGE, MANIFEST))
 
 
 def of_study(path: Path) -> OwnedFolder:
-    """The folder of one study, without folders inside."""
+    """The folder of one study, without subfolders."""
     return OwnedFolder(path, "study", [f"*.{ending}" for ending in (*TABLES, *FIGURES)], (MANIFEST,))
 
 
-def sign(folder: Path, told: dict[str, Any]) -> None:
-    """Write the manifest: what made the files."""
-    text = json.dumps({"made_by": MADE_BY, **told}, indent=1, ensure_ascii=False) + "\n"
+def sign(folder: Path, facts: dict[str, Any]) -> None:
+    """Write the manifest: `facts` about how the files were made."""
+    text = json.dumps({"made_by": MADE_BY, **facts}, indent=1, ensure_ascii=False) + "\n"
     (folder / MANIFEST).write_text(text, encoding="utf-8", errors="backslashreplace")

@@ -1,4 +1,4 @@
-"""Rows, figures and motions -> one self-contained page: style, scripts and pictures inside, no network."""
+"""The self-contained HTML page made of rows, figures and motions: style, scripts and pictures are inside it."""
 
 from __future__ import annotations
 
@@ -25,11 +25,10 @@ if TYPE_CHECKING:
     from ..studies import Result
 
 _STATIC = Path(__file__).parent / "static"
-# In the order in which they need each other.
+# In order of their dependencies.
 _SCRIPTS = ("state.js", "player.js", "plots.js", "precision.js", "tables.js", "chapters.js")
 _LIBRARIES = ("uplot.min.js", "datatables.min.js")
-# Rows of a table that are shown on the page, where it is shown for itself and where it stands among all; the files hold
-# the rest.
+# Rows shown on the page: of a study's table, and of a table in the chapter of all tables. The files hold all rows.
 _STUDY_ROWS, _SHOWN_ROWS = 600, 30
 _SHORT = {
     "stability": "Hard scenes", "effect_costs": "Effects", "error_parts": "Error parts", "formulations": "Formulations",
@@ -43,69 +42,74 @@ def render(
     measured: Measured,
     frames: Mapping[str, pd.DataFrame],
     words: Mapping[str, Table],
-    drawn: Sequence[Drawn],
-    studied: Sequence[Result],
+    figure_entries: Sequence[Drawn],
+    results: Sequence[Result],
     of_studies: Mapping[str, Sequence[Drawn]],
     moving: Sequence[dict[str, Any]],
     figures: Path,
     manifest: dict[str, Any],
 ) -> str:
-    """The page as text. `words` are said of each table, `of_studies` are the studies' pictures by name, `moving` the
-    motions for the player; `figures` is the folder with the drawn SVG files; `manifest` as written beside the page."""
+    """Return the page as HTML text.
+
+    `words`: descriptions of each table; `of_studies`: the studies' pictures by name; `moving`: motions for the player;
+    `figures`: folder of the SVG files; `manifest`: as written next to the page.
+    """
     command = manifest["command"]
     solvers = _solvers(experiment)
-    shown_by_studies = {name for result in studied for name in result.frames}
+    study_tables = {name for result in results for name in result.frames}
     parts = {
         "command": command,
         "style": Markup(_style(solvers)),
         "script": Markup(_script()),
-        "chapters": _chapters(studied),
+        "chapters": _chapters(results),
         "solvers": solvers,
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
         **first.screen(experiment, frames, moving, bool(measured.cases), manifest),
-        **chapters.cases(experiment, frames, drawn, figures, manifest, {told["label"] for told in moving}),
-        "headline": chapters.headline(frames["headline"], drawn, figures),
-        "cost": cost.section(measured, frames, drawn, figures),
+        **chapters.cases(experiment, frames, figure_entries, figures, manifest, {motion["label"] for motion in moving}),
+        "headline": chapters.headline(frames["headline"], figure_entries, figures),
+        "cost": cost.section(measured, frames, figure_entries, figures),
         "precision_points": _points(frames.get("work_precision"), manifest),
-        "studies": [_study(result, of_studies[result.name], figures) for result in studied],
+        "studies": [_study(result, of_studies[result.name], figures) for result in results],
         "failures": chapters.failures(frames["trajectories"]) + chapters.left_out(frames),
         "tables": [
             {"name": n, "holds": words[n].holds, "count": len(f)}
-            | ({"rows": []} if n in shown_by_studies else table(f.head(_SHOWN_ROWS), _named(f), words[n].columns))
+            | ({"rows": []} if n in study_tables else table(f.head(_SHOWN_ROWS), _named(f), words[n].columns))
             for n, f in frames.items()
         ],
         "made": chapters.made(manifest),
-        "vendored": [one | {"text": _licence(one)} for one in vendor.vendored()],
-        "motions": [{"label": told["label"], "data": Markup(_json(told))} for told in moving],
+        "vendored": [entry | {"text": _licence(entry)} for entry in vendor.vendored()],
+        "motions": [{"label": motion["label"], "data": Markup(_json(motion))} for motion in moving],
         "truth_rtol": f"{TRUTH_RTOL:g}",
         "limit": f"{manifest['limit_seconds']:g}",
     }
     return environment().get_template("page.html").render(parts)
 
 
-def _chapters(studied: Sequence[Result]) -> list[dict[str, str]]:
-    """Chapters by their places and short names."""
-    named = [("answer", "Answer"), ("motions", "Motion"), ("headline", "All cases"), ("precision", "Cost")]
-    named += [(result.name, _SHORT.get(result.name, result.study.TITLE)) for result in studied]
-    named += [("failures", "Failures"), ("definitions", "Words"), ("tables", "Tables"), ("made", "Made")]
-    return [{"id": place, "name": name} for place, name in named]
+def _chapters(results: Sequence[Result]) -> list[dict[str, str]]:
+    """Chapters with their anchors and short names."""
+    names = [("answer", "Answer"), ("motions", "Motion"), ("headline", "All cases"), ("precision", "Cost")]
+    names += [(result.name, _SHORT.get(result.name, result.study.TITLE)) for result in results]
+    names += [("failures", "Failures"), ("definitions", "Words"), ("tables", "Tables"), ("made", "Made")]
+    return [{"id": place, "name": name} for place, name in names]
 
 
 def _solvers(experiment: Experiment) -> list[dict[str, str]]:
-    """Who took part, with colours; the reference last."""
-    chosen = colours(dict.fromkeys(run.solver for run in experiment.runs if run.route))
-    told = [{"name": n, "id": first.identifier(n), "light": c.light, "dark": c.dark} for n, c in chosen.items()]
-    return sorted(told, key=lambda one: one["name"] == REFERENCE)
+    """Solvers of the experiment with their colours; the reference last."""
+    by_solver = colours(dict.fromkeys(run.solver for run in experiment.runs if run.route))
+    entries = [{"name": n, "id": first.identifier(n), "light": c.light, "dark": c.dark} for n, c in by_solver.items()]
+    return sorted(entries, key=lambda entry: entry["name"] == REFERENCE)
 
 
 def _style(solvers: Sequence[Mapping[str, str]]) -> str:
-    own = "".join(f"--of-{one['id']}: light-dark({one['light']}, {one['dark']}); " for one in solvers)
+    colour_variables = "".join(
+        f"--of-{entry['id']}: light-dark({entry['light']}, {entry['dark']}); " for entry in solvers
+    )
     library = (vendor.FOLDER / "uplot.min.css").read_text(encoding="utf-8")
-    return f"{library}\n:root {{ {own}}}\n{(_STATIC / 'page.css').read_text(encoding='utf-8')}"
+    return f"{library}\n:root {{ {colour_variables}}}\n{(_STATIC / 'page.css').read_text(encoding='utf-8')}"
 
 
 def _script() -> str:
-    """All scripts in one: libraries, then ours, which must see them."""
+    """All scripts joined: the libraries first, because our scripts use them."""
     texts = [(vendor.FOLDER / name).read_text(encoding="utf-8") for name in _LIBRARIES]
     texts += [(_STATIC / name).read_text(encoding="utf-8") for name in _SCRIPTS]
     return "\n;".join(texts).replace("</script", "<\\/script")
@@ -115,19 +119,19 @@ def _licence(package: Mapping[str, Any]) -> str:
     return (vendor.FOLDER / next(n for n in package["files"] if n.endswith("LICENSE"))).read_text(encoding="utf-8")
 
 
-def _json(told: Any) -> str:
-    """For a script of the page: no text in it may end it."""
-    return json.dumps(told, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+def _json(data: Any) -> str:
+    """JSON for a script element; "<" is escaped, so that no text can close the element."""
+    return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def _named(frame: pd.DataFrame) -> dict[str, str]:
-    """The columns as a table's heads; versions stand in the last chapter, and in the files."""
+    """Headings by column; versions are left out, because the last chapter and the files have them."""
     return {str(column): str(column).replace("_", " ") for column in frame.columns if column != "version"}
 
 
-def _study(result: Result, drawn: Sequence[Drawn], figures: Path) -> dict[str, Any]:
-    """A study as its template takes it: question, pictures, tables, or why it failed."""
-    told = [
+def _study(result: Result, figure_entries: Sequence[Drawn], figures: Path) -> dict[str, Any]:
+    """Data of a study for its template: question, pictures and tables, or the reason why it failed."""
+    tables = [
         {"name": name, "holds": result.words[name].holds, "count": len(frame)}
         | table(frame.head(_STUDY_ROWS), _named(frame), result.words[name].columns)
         for name, frame in result.frames.items()
@@ -138,13 +142,13 @@ def _study(result: Result, drawn: Sequence[Drawn], figures: Path) -> dict[str, A
         "question": result.study.QUESTION,
         "failure": result.failure,
         "command": result.command,
-        "pictures": [picture(d, figures) for d in drawn],
-        "tables": told,
+        "pictures": [picture(d, figures) for d in figure_entries],
+        "tables": tables,
     }
 
 
 def _points(frame: pd.DataFrame | None, manifest: Mapping[str, Any]) -> Markup | str:
-    """What the plot of work and precision shows, for its script."""
+    """The points of the work-precision plot as JSON for its script."""
     if frame is None or not len(frame):
         return ""
     names = ("case", "solver", "route", "setting", "quantity", "unit", "lead", "cpu_s", "steps", "absolute_error",
@@ -155,7 +159,7 @@ def _points(frame: pd.DataFrame | None, manifest: Mapping[str, Any]) -> Markup |
 
 
 def _plain(value: Any) -> Any:
-    """What JSON can hold: no number is null, numbers with four digits, as a picture shows them."""
+    """A value for JSON: null if it is not finite, otherwise with the four digits that a plot can show."""
     if isinstance(value, float):
         return float(f"{value:.4g}") if isfinite(value) else None
     return value if isinstance(value, bool | int) else str(value) if not hasattr(value, "item") else value.item()

@@ -1,5 +1,7 @@
-"""Motions as the page's player takes them: the true motion, and of every route its distance from it, as numbers that
-a browser can play. Small: 32 bits a number of which 16 are its mantissa's (five digits), compressed."""
+"""Motions for the page's player: the true motion, and the difference of every route from it.
+
+Numbers are compressed 32-bit floats whose mantissas are rounded to 16 bits (five digits), which keeps the page small.
+"""
 
 from __future__ import annotations
 
@@ -21,36 +23,35 @@ from ..running import per_solver
 from ..running.per_solver import LeftOut
 from ..running.records import REFERENCE, Experiment, Run, Truth, finest, routes
 
-# Samples of a motion, transitions among them: a player 800 points wide shows no more.
+# Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
 SAMPLES = 401
-# Of so many transitions, spread over all, the samples hold the very time.
+# The samples include the exact times of at most this many transitions, spread over all of them.
 _EXACT = 120
 TRUE = ("x", "y", "theta", "slip", "xi1", "xi2", "lambda", "normal_force", "friction_force")
-# Solver minus truth, by names of `distances.differences`; the force of friction as the solver tells it.
+# Solver minus truth, with the names of `distances.differences`; the friction force is the solver's own value.
 OFF = ("x", "y", "angle", "slip", "xi1", "xi2", "lambda")
 
 
 def motions(experiment: Experiment) -> tuple[list[dict[str, Any]], list[LeftOut]]:
-    """What the player of each case shows, and the solvers without whose motion it shows a case, since with it it
-    fails."""
-    found, left = [], []
+    """Data for the player of each case, and the solvers whose motions are omitted because they make it fail."""
+    data, omissions = [], []
     for case in experiment.cases:
         solvers = [run.solver for run in experiment.runs if run.case == case.label]
-        make = partial(lambda case, some: motion(some, case), case)
-        told, without = per_solver.made(make, (experiment,), solvers, f"player of {case.label}")
-        found += [told] if told else []
-        left += without
-    return found, left
+        make = partial(lambda case, reduced: motion(reduced, case), case)
+        motion_data, omitted = per_solver.made(make, (experiment,), solvers, f"player of {case.label}")
+        data += [motion_data] if motion_data else []
+        omissions += omitted
+    return data, omissions
 
 
 def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
-    """What the player of a case shows, for JSON; None for a case without a truth."""
+    """Data for the player of a case, ready for JSON; None for a case without a truth."""
     truth = experiment.truths[case.label]
     if truth.failure or not truth.samples:
         return None
     times = _times(truth)
     x, y, xi1 = (truth.samples[name] for name in ("x", "y", "xi1"))
-    shown_track = visible(case.scene, np.array([x, y]), xi1)
+    track_parameters = visible(case.scene, np.array([x, y]), xi1)
     return {
         "label": case.label,
         "down": case.scene.down,
@@ -59,10 +60,10 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         "end": float(times[-1]),
         "modes": _modes(truth),
         "track": {
-            "low": float(shown_track[0]),
-            "high": float(shown_track[-1]),
+            "low": float(track_parameters[0]),
+            "high": float(track_parameters[-1]),
             "period": bool(case.track.period),
-            "points": packed(case.track.point(shown_track)),
+            "points": packed(case.track.point(track_parameters)),
         },
         "outline": packed(case.scene.corners()),
         "truth": packed(np.array([_at(times, truth.samples, name) for name in TRUE])),
@@ -71,13 +72,13 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
 
 
 def shown(experiment: Experiment, label: str) -> list[Run]:
-    """The finest motion of every route but the reference's: those lie on the truth."""
-    found = map(finest, routes(run for run in experiment.runs if run.case == label).values())
-    return [run for run in found if run and run.solver != REFERENCE and len(run.samples.get("t", ())) > 1]
+    """The finest motion of every route except the reference's, which coincides with the truth."""
+    runs = map(finest, routes(run for run in experiment.runs if run.case == label).values())
+    return [run for run in runs if run and run.solver != REFERENCE and len(run.samples.get("t", ())) > 1]
 
 
 def family(case: Case) -> str:
-    """The family of a case: the file of the catalogue it stands in, in words; of another case "Your own"."""
+    """The family of a case: the name of its catalogue file in words; "Your own" for a case outside the catalogue."""
     if case.name not in cases.names():
         return "Your own"
     module = inspect.getmodule(cases.entry(case.name).function)
@@ -89,12 +90,12 @@ def _run(run: Run, times: np.ndarray) -> dict[str, Any]:
     off = {"t": run.off["t"], **{name: run.off[name] for name in OFF}}
     columns = [_at(times, off, name) for name in OFF] + [_at(times, run.samples, "friction_force")]
     events = [row.time for row in run.ledger if isfinite(row.time)]
-    told = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "outcome": run.outcome}
-    return told | {"events": events[:_EXACT], "data": packed(np.array(columns))}
+    facts = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "outcome": run.outcome}
+    return facts | {"events": events[:_EXACT], "data": packed(np.array(columns))}
 
 
 def _times(truth: Truth) -> np.ndarray:
-    """Even times, and the transitions' own."""
+    """Evenly spaced times, and the times of the transitions."""
     t, events = truth.samples["t"], np.array([event.time for event in truth.transitions])
     if len(events) > _EXACT:
         events = events[np.linspace(0, len(events) - 1, _EXACT).astype(int)]
@@ -102,7 +103,7 @@ def _times(truth: Truth) -> np.ndarray:
 
 
 def _at(times: np.ndarray, samples: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """A quantity at these times, NaN beyond its motion's end."""
+    """A quantity interpolated at these times; NaN outside the motion."""
     t, values = samples["t"], samples[name]
     if not len(t):
         return np.full(len(times), np.nan)
@@ -110,14 +111,16 @@ def _at(times: np.ndarray, samples: Mapping[str, np.ndarray], name: str) -> np.n
 
 
 def _modes(truth: Truth) -> list[tuple[float, str, str]]:
-    """When each mode begins, which, and what caused it."""
+    """Start time, name and cause of each mode."""
     first = (float(truth.samples["t"][0]), str(truth.first_mode), "")
     return [first, *((event.time, str(event.after), event.cause) for event in truth.transitions)]
 
 
 def packed(values: np.ndarray, whole: bool = False) -> str:
-    """Numbers as text: 32-bit floats, of their mantissa 16 bits if not the `whole`, first bytes first, compressed, in
-    base64. Times are whole: a transition is looked at closely."""
+    """Numbers as base64 text of compressed 32-bit floats, grouped by byte position.
+
+    The mantissa is rounded to 16 bits unless `whole`, which is for times: users zoom in on transitions.
+    """
     bits = np.ascontiguousarray(values, dtype="<f4").view("<u4").ravel()
     if not whole:
         bits = ((bits.astype(np.uint64) + 0x40) & 0xFFFFFF80).astype("<u4")

@@ -1,4 +1,4 @@
-"""All pictures of a report, drawn in workers beside each other: of cases, of what accuracy costs, of studies."""
+"""All figures of a report, drawn in parallel workers: of cases, of timings, of studies."""
 
 from __future__ import annotations
 
@@ -14,34 +14,39 @@ from ..running.calls import Calls
 from ..running.records import Experiment
 from ..running.serving import settle
 from ..studies import Result, study
-from ..studies import draw as written
+from ..studies import draw as draw_study
 
-# Wall seconds for the pictures of one study or of all timings: the latter take some six, and longer on a busy machine.
+# Wall-clock limit in seconds for the figures of one study or of all timings. The latter take about 6 s, longer on a
+# busy machine.
 _PATIENCE = 300.0
 _TIMINGS = ""
 
 
 def draw(
-    shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result], folder: Path, calls: Calls
+    shown: Experiment, ran: Experiment, measured: Measured, results: Sequence[Result], folder: Path, calls: Calls
 ) -> tuple[list[Drawn], dict[str, list[Drawn]]]:
-    """Write every picture into the folder: what was written of cases and timings, and of each study by its name."""
-    drawn = list(of_cases.draw(shown, folder, calls))
-    # The longest first. Samples of motions are not drawn there, and need not travel.
+    """Write every figure to the folder; returns those of cases and timings, and those of each study by name."""
+    figures = list(of_cases.draw(shown, folder, calls))
+    # The longest first. These figures do not show samples of motions, so the samples are not sent to the workers.
     bare = replace(ran, runs=tuple(replace(run, samples={}, off={}) for run in ran.runs))
-    asked: list[tuple] = [(_TIMINGS, printed(), bare, measured)] if measured.cases else []
-    asked += [(result.name, printed(), result.found) for result in studied if not result.failure]
-    written: dict[str, list[Drawn]] = {result.name: [] for result in studied}
-    for (name, *_), answer in zip(asked, calls.all("other figures", drawn_of, asked, limit=_PATIENCE), strict=True):
+    requests: list[tuple] = [(_TIMINGS, printed(), bare, measured)] if measured.cases else []
+    requests += [(result.name, printed(), result.found) for result in results if not result.failure]
+    by_study: dict[str, list[Drawn]] = {result.name: [] for result in results}
+    for (name, *_), answer in zip(
+        requests, calls.all("other figures", drawn_of, requests, limit=_PATIENCE), strict=True
+    ):
         if answer.outcome == "done":
-            written[name] = [picture.write(folder) for picture in answer.value]
+            by_study[name] = [picture.write(folder) for picture in answer.value]
         else:
-            written[name] = [Drawn("", "", "Pictures", f"They could not be drawn: {answer.failure[1]}")]
-    return drawn + written.pop(_TIMINGS, []), written
+            by_study[name] = [Drawn("", "", "Pictures", f"They could not be drawn: {answer.failure[1]}")]
+    return figures + by_study.pop(_TIMINGS, []), by_study
 
 
-def drawn_of(name: str, paper: bool, *made_from: Any) -> list[Picture]:
-    """In a worker, whose folder is empty: the pictures of a study from what it found, or of the timings;
-    `paper`: also as PDF. Where they fail with the results of a solver, they are drawn without them."""
+def drawn_of(name: str, paper: bool, *inputs: Any) -> list[Picture]:
+    """Draw the figures of a study from its result, or of the timings, in a worker with an empty folder.
+
+    `paper`: also as PDF. If the results of a solver make a figure fail, it is drawn without them.
+    """
     folder = Path.cwd()
     if name == _TIMINGS:
         from ..drawing import work_precision
@@ -52,4 +57,4 @@ def drawn_of(name: str, paper: bool, *made_from: Any) -> list[Picture]:
         draw = study(name).draw
         settle(name)
     with for_print(paper):
-        return [Picture.read(one, folder) for one in written(name or "timings", draw, made_from, folder)]
+        return [Picture.read(figure, folder) for figure in draw_study(name or "timings", draw, inputs, folder)]

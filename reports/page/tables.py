@@ -1,4 +1,4 @@
-"""The tables of a report, written one after the other; one that fails with a solver's rows is made without them."""
+"""The tables of a report. A table that fails with a solver's rows is made without these rows."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from ..studies import Result
 
 LEFT_OUT = "left_out"
-HOLDS = "Tables and figures that were made without the results of a solver, since with them they fail"
+HOLDS = "Tables and figures that were made without the results of a solver, because they fail with them"
 
 
 class Tables:
-    """Tables of a report by name, what is said of each, and which were made without a solver's rows.
+    """Tables of a report by name, their descriptions, and the list of omitted solvers.
 
-    `folder`: where they are written; `command` makes the report again; `versions`: of the solvers; `paper`: TeX, too.
+    `folder`: output folder; `command` reproduces the report; `versions`: of the solvers; `paper`: also write TeX.
     """
 
     def __init__(self, folder: Path, command: str, versions: Mapping[str, str], paper: bool = False):
@@ -44,21 +44,23 @@ class Tables:
         command: str = "",
         words: Mapping[str, Table] | None = None,
     ) -> None:
-        """Write the tables that `make` makes of the records; `holds` says what is in each, or `words` all of it."""
+        """Write the tables that `make` returns for the records; described by `holds` (content only) or by `words`."""
 
-        def written(*some: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
-            frames = {name: with_version(frame, self.versions) for name, frame in make(*some).items()}
-            said = words or {name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
-            text.write(frames, said, self.folder, command or self.command, self.paper)
-            return frames, said
+        def written(*args: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
+            frames = {name: with_version(frame, self.versions) for name, frame in make(*args).items()}
+            descriptions = words or {
+                name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()
+            }
+            text.write(frames, descriptions, self.folder, command or self.command, self.paper)
+            return frames, descriptions
 
-        (frames, said), left = per_solver.made(written, records, per_solver.solvers_of(records), item)
+        (frames, descriptions), omitted = per_solver.made(written, records, per_solver.solvers_of(records), item)
         self.frames |= frames
-        self.words |= said
-        self.left_out += left
+        self.words |= descriptions
+        self.left_out += omitted
 
     def note(self, left_out: Iterable[LeftOut]) -> None:
-        """Write the table of what was left out again, with more rows."""
+        """Add rows to the table of omitted results and write it again."""
         import pandas as pd
 
         self.left_out = list(dict.fromkeys([*self.left_out, *left_out]))
@@ -68,33 +70,35 @@ class Tables:
 
 
 def write(
-    made: Tables, shown: Experiment, ran: Experiment, measured: Measured, studied: Sequence[Result]
+    output: Tables, shown: Experiment, ran: Experiment, measured: Measured, results: Sequence[Result]
 ) -> list[dict]:
-    """All tables of a report but that of what was left out; returns the rows of the answer table. `ran`: what was run
-    here, without what is external."""
+    """Write all tables of a report except that of omitted results; returns the rows of the answer table.
+
+    `ran`: the experiment without external motions.
+    """
     import pandas as pd
 
-    made.add(cost_tables.frames, (ran, measured), cost_tables.HOLDS, "tables of cost")
+    output.add(cost_tables.frames, (ran, measured), cost_tables.HOLDS, "tables of cost")
     for name, rows in tables.TABLES.items():
         make = lambda experiment, name=name, rows=rows: {name: pd.DataFrame(rows(experiment))}  # noqa: E731
-        made.add(make, (shown,), tables.HOLDS, f"table {name}")
-    for result in studied:
-        made.left_out += result.left_out
-        made.add(dict, (result.frames,), {}, f"tables of {result.name}", result.command, result.words)
+        output.add(make, (shown,), tables.HOLDS, f"table {name}")
+    for result in results:
+        output.left_out += result.left_out
+        output.add(dict, (result.frames,), {}, f"tables of {result.name}", result.command, result.words)
 
     answers: list[dict[str, Any]] = []
 
-    def answered(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+    def make_answers(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
         answers[:] = advice.rows(experiment, frames)
-        # What the terminal is told of them is made here as well: a row that cannot be told is left out of both.
+        # The terminal's text is made here as well, so that a row that fails there is omitted from both.
         first.in_terminal(answers), first.notes(answers), advice.sentences(answers)
         return {"answers": pd.DataFrame(answers)}
 
-    made.add(answered, (shown, made.frames), {"answers": advice.HOLDS}, "table answers")
-    made.frames = {"answers": made.frames.pop("answers")} | made.frames
+    output.add(make_answers, (shown, output.frames), {"answers": advice.HOLDS}, "table answers")
+    output.frames = {"answers": output.frames.pop("answers")} | output.frames
     return answers
 
 
-def describe(made: Tables) -> None:
-    """Write the dictionary of all columns."""
-    dictionary.write(made.frames, made.words, made.folder, made.command)
+def describe(output: Tables) -> None:
+    """Write the data dictionary of all columns."""
+    dictionary.write(output.frames, output.words, output.folder, output.command)

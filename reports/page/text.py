@@ -1,4 +1,4 @@
-"""Tables and numbers as people read them: files of comma-separated values and Markdown, shortened numbers."""
+"""Tables as files of comma-separated values, Markdown and TeX, and numbers rounded for reading."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ if TYPE_CHECKING:
 _ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt", "accuracy")
 
 
-def lost_words(lost: Sequence[str]) -> str:
-    """What is said of calls that something outside ended, "" where there are none."""
-    if not lost:
+def lost_words(lost_calls: Sequence[str]) -> str:
+    """A sentence about calls whose processes were ended from outside; "" if there are none."""
+    if not lost_calls:
         return ""
-    count = "1 call was" if len(lost) == 1 else f"{len(lost)} calls were"
-    return f"{count} ended from outside, and again when made once more ({lost[0]}); the same command makes up for it"
+    count = "1 call was" if len(lost_calls) == 1 else f"{len(lost_calls)} calls were"
+    return f"{count} ended from outside twice ({lost_calls[0]}); run the same command again to complete the report"
 
 
 def error_text(row: Mapping[str, Any], which: str) -> str:
-    """The error of the first transition's time of a headline row with its sign, or in words where there is none;
-    `which` is "default" or "finest".
+    """The signed error of the first transition's time of a headline row, or words if there is none; `which` is
+    "default" or "finest".
 
-    No more is claimed than the truth's error bar allows; without a transition the centre's error stands instead.
+    An error within the truth's error bar is written as less than the bar. Without a transition, the text is the error
+    of the centre.
     """
     words = _no_error(row, which)
     if words is not None:
@@ -46,7 +47,7 @@ def error_text(row: Mapping[str, Any], which: str) -> str:
 
 
 def lead_text(row: Mapping[str, Any], which: str) -> str:
-    """The error of the quantity that leads the case, with its unit, or in words where there is none."""
+    """The error of the case's main quantity with its unit, or words if there is none."""
     words = _no_error(row, which)
     if words is not None:
         return words
@@ -69,15 +70,15 @@ def _unsure(row: Mapping[str, Any], which: str) -> str:
 
 
 def reached_text(row: Mapping[str, Any]) -> str:
-    """The finest accuracy a route reached, or what no rung finer than another contradicts: none."""
+    """The best accuracy that a route reaches; "" if it reaches none."""
     return level(row["reached"]) if isfinite(row["reached"]) else ""
 
 
 def write(
     tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str, paper: bool = False
 ) -> list[Path]:
-    """Each table as NAME.csv (all rows, all digits) and NAME.md (for reading: the top of it, with the words for its
-    columns and the command that makes it again), for a paper also as NAME.tex; returns the files.
+    """Write each table as NAME.csv (all rows, all digits) and NAME.md (first rows, descriptions of the columns, and the
+    command that reproduces it), for a paper also as NAME.tex; returns the files.
 
     Raises ValueError for an infinite result.
     """
@@ -86,7 +87,9 @@ def write(
     for name, frame in tables.items():
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
         if infinite(frame):
-            raise ValueError(f"the table {name} has an infinite result in {', '.join(infinite(frame))}; a word is due")
+            raise ValueError(
+                f"the table {name} has an infinite result in {', '.join(infinite(frame))}; use a word instead"
+            )
         inert(frame).to_csv(files[-2], index=False, errors="backslashreplace")
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{words[name].holds}.\n\n{top(name, frame)}\n" + (f"\n{meanings}" if meanings else "")
@@ -97,14 +100,14 @@ def write(
     return files
 
 
-# What a spreadsheet takes for a formula, or skips to reach one.
+# Text that a spreadsheet reads as a formula, with the white space that it skips.
 _FORMULA = re.compile(r"\s*[=+\-@]")
-# What a reader of Markdown may take for HTML.
+# Text that a Markdown renderer may read as HTML.
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")
 
 
 def inert(frame: pd.DataFrame) -> pd.DataFrame:
-    """The table with an apostrophe before each text that a spreadsheet would work out; a number in words is none."""
+    """The table with an apostrophe before each text that a spreadsheet would evaluate; texts of numbers stay as is."""
     texts = [column for column in frame.columns if frame[column].dtype == object or str(frame[column].dtype) == "str"]
     return frame.assign(**{column: [_inert(value) for value in frame[column]] for column in texts})
 
@@ -119,24 +122,24 @@ def _inert(value: Any) -> Any:
     return value
 
 
-# What is read of a table: so many rows, and of a cell so many characters; the rest is in the file beside it.
+# Limits of a Markdown table: rows, and characters of a cell. The CSV file next to it has everything.
 TOP_ROWS, _CELL = 20, 60
 
 
 def top(name: str, frame: pd.DataFrame) -> str:
-    """The first rows of a table as Markdown, and where the others are."""
+    """The first rows of a table as Markdown, with a link to the complete file."""
     more = len(frame) - TOP_ROWS
     rest = f"\n\nThe first {TOP_ROWS} of {len(frame)} rows; all of them: [{name}.csv]({name}.csv)." if more > 0 else ""
     return markdown(frame.head(TOP_ROWS)) + rest
 
 
 def markdown(frame: pd.DataFrame) -> str:
-    """The table as a Markdown pipe table, numbers and long words shortened for reading."""
+    """The table as a Markdown pipe table; numbers and long texts are shortened."""
     if frame.empty:
         return "No rows."
     columns = [str(column) for column in frame.columns]
     rows = [[_cell(row[c], c) for c in columns] for row in frame.to_dict("records")]
-    # As narrow as it gets: padding is for the terminal.
+    # Without padding, which only a terminal needs.
     return "\n".join(f"| {' | '.join(line)} |" for line in (columns, ["---"] * len(columns), *rows))
 
 
@@ -145,7 +148,7 @@ def _clipped(text: str) -> str:
 
 
 def latex(frame: pd.DataFrame) -> str:
-    """The table as a LaTeX `longtable`, numbers shortened for reading."""
+    """The table as a LaTeX `longtable`; numbers are rounded."""
     from tabulate import tabulate
 
     columns = [str(column) for column in frame.columns]
@@ -158,7 +161,7 @@ def _cell(value: Any, column: str) -> str:
 
 
 def plain(frame: pd.DataFrame) -> str:
-    """The table for the terminal, numbers shortened."""
+    """The table as text for the terminal; numbers are rounded."""
     from tabulate import tabulate
 
     columns = [str(column) for column in frame.columns]
@@ -167,7 +170,7 @@ def plain(frame: pd.DataFrame) -> str:
 
 
 def shorten(value: Any, column: str) -> str:
-    """A value as people read it: times with nine digits, errors with two, an empty cell where there is nothing."""
+    """A value rounded for reading: times to nine digits, errors to two; empty if there is no value."""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else ""
     if isinstance(value, float | np.floating):
@@ -182,6 +185,6 @@ def shorten(value: Any, column: str) -> str:
             return f"{value:.1e}"
         if column.startswith("order"):
             return f"{value:.2f}"
-        # Powers of ten for what is very small alone: 1,700, not 1.7e+03.
+        # Scientific notation only for small numbers: 1,700, not 1.7e+03.
         return number(value) if abs(value) >= 100.0 else f"{value:.2g}"
     return "" if value is None else str(value)

@@ -1,7 +1,7 @@
-"""The libraries inside the page: npm packages, fetched by `python -m reports.page.vendor` (which needs npm).
+"""The JavaScript libraries inside the page: npm packages, fetched by `python -m reports.page.vendor` (needs npm).
 
-`vendor/packages.json` says which versions; beside it stand the files that the page takes in, each package's licence,
-and `vendored.json`: what they are and their digests, which a test compares.
+`vendor/packages.json` lists their versions. The same folder holds the files that the page includes, each package's
+licence, and `vendored.json` with versions and digests, which a test compares with the files.
 """
 
 from __future__ import annotations
@@ -22,36 +22,40 @@ ASKED, TOLD = FOLDER / "packages.json", FOLDER / "vendored.json"
 
 
 def update(latest: bool = False) -> list[dict[str, Any]]:
-    """Fetch every package in its version, or in its latest one, and write its files; what was written. Raises OSError
-    if npm is not there, CalledProcessError if it cannot fetch, KeyError if a package no longer has such a file."""
-    asked = json.loads(ASKED.read_text(encoding="utf-8"))
-    told = [_fetched(name, "latest" if latest else wish["version"], wish["files"]) for name, wish in asked.items()]
-    for one in told:
-        asked[one["package"]]["version"] = one["version"]
-    for file, content in ((ASKED, asked), (TOLD, told)):
+    """Fetch every package in its listed or latest version and write its files; returns what was written.
+
+    Raises OSError if npm is missing, CalledProcessError if npm fails, KeyError if a package no longer has a file.
+    """
+    request = json.loads(ASKED.read_text(encoding="utf-8"))
+    packages = [
+        _fetched(name, "latest" if latest else entry["version"], entry["files"]) for name, entry in request.items()
+    ]
+    for package in packages:
+        request[package["package"]]["version"] = package["version"]
+    for file, content in ((ASKED, request), (TOLD, packages)):
         write(file, json.dumps(content, indent=1) + "\n")
-    return told
+    return packages
 
 
 def vendored() -> list[dict[str, Any]]:
-    """The packages as they stand here: package, version, licence, homepage, files with their digests."""
+    """The packages in the folder: package, version, licence, homepage, files with their digests."""
     return json.loads(TOLD.read_text(encoding="utf-8"))
 
 
 def _fetched(name: str, version: str, files: dict[str, str]) -> dict[str, Any]:
-    """One package; `files`: names here by paths there."""
+    """Fetch one package; `files`: local file names by path in the package."""
     with tempfile.TemporaryDirectory() as place:
-        told = subprocess.run(
+        packed = subprocess.run(
             ["npm", "pack", "--silent", f"{name}@{version}"], cwd=place, check=True, capture_output=True, text=True
         )
-        with tarfile.open(Path(place) / told.stdout.split()[-1]) as archive:
-            held = {m.name.partition("/")[2]: archive.extractfile(m) for m in archive.getmembers() if m.isfile()}
-            about = json.loads(held["package.json"].read())  # type: ignore[union-attr]
+        with tarfile.open(Path(place) / packed.stdout.split()[-1]) as archive:
+            members = {m.name.partition("/")[2]: archive.extractfile(m) for m in archive.getmembers() if m.isfile()}
+            about = json.loads(members["package.json"].read())  # type: ignore[union-attr]
             digests = {}
-            for path, own in files.items():
-                data = held[path].read()  # type: ignore[union-attr]
-                write(FOLDER / own, data)
-                digests[own] = hashlib.sha256(data).hexdigest()
+            for path, file_name in files.items():
+                data = members[path].read()  # type: ignore[union-attr]
+                write(FOLDER / file_name, data)
+                digests[file_name] = hashlib.sha256(data).hexdigest()
     return {
         "package": name,
         "version": about["version"],

@@ -269,11 +269,11 @@ def test_a_point_of_the_precision_plot_tells_its_setting_and_command(open_page):
     )
     assert page.locator(".precision circle").count() == 2
     page.hover(".precision circle >> nth=1")
-    told = page.inner_text(".precision .told")
+    told = page.inner_text(".precision .details")
     assert "h=0.001" in told and 'python -m reports.build --case "a case" --solver pymunk' in told
     page.focus(".precision svg")
     page.keyboard.press("ArrowLeft")
-    assert "h=0.01:" in page.inner_text(".precision .told")
+    assert "h=0.01:" in page.inner_text(".precision .details")
     page.uncheck("input[data-switch=solver][value=pymunk]")
     assert page.locator(".precision circle").count() == 0
 

@@ -353,7 +353,7 @@ def test_a_report_of_failures_is_complete(failing):
     for _, reason in FATES.values():
         assert escape(reason) in page
     assert "no_such_engine" in page
-    assert "1 call was ended from outside, and again when made once more (runs, disc_on_line[mu=0.1] fake" in page
+    assert "1 call was ended from outside twice (runs, disc_on_line[mu=0.1] fake" in page
 
 
 def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it():

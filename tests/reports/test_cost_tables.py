@@ -237,7 +237,7 @@ def test_an_infinite_result_is_not_written(tmp_path):
 
 def test_a_column_without_words_is_not_written(tmp_path):
     frame = pd.DataFrame([{"case": "c", "secret": 1.0}])
-    with pytest.raises(ValueError, match="nothing is said of secret in the table t"):
+    with pytest.raises(ValueError, match="no description of secret in the table t"):
         dictionary.write({"t": frame}, {"t": columns.Table("t", {"case": "the case"})}, tmp_path, "make it")
 
 

@@ -67,7 +67,14 @@ def test_the_answer_counts_the_cases_that_roll_and_tells_costs_of_one_of_them():
 def test_the_terminal_says_what_the_page_says():
     rows = advice.rows(experiment(), frames())
     head, sure, fast, ghost, _ = [re.split(r" {2,}", line.strip()) for line in first.in_terminal(rows).splitlines()]
-    assert head[-6:] == ["reaches 0.01", "0.01 once", "0.01 1,000 ×", "reaches 1e-4", "1e-4 once", "1e-4 1,000 ×"]
+    assert head[-6:] == [
+        "reaches 0.01",
+        "0.01 first run",
+        "0.01 1,000 runs",
+        "reaches 1e-4",
+        "1e-4 first run",
+        "1e-4 1,000 runs",
+    ]
     assert sure[-3:] == ["2 of 2", "2 s", "500 s"]
     assert fast[-6:] == ["2 of 2", "0.5 s", "100 s", "0 of 2", "by chance", "by chance"]
     assert ghost[:5] == ["ghost", "0", "0", "0", "1"]

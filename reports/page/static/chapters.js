@@ -1,4 +1,4 @@
-// One chapter at a time, one case at a time; what is seen first is woken first.
+// Show one chapter and one case at a time; each is initialised when it is first shown.
 (() => {
   const root = document.documentElement, chapters = [...document.querySelectorAll("main > .chapter")];
   const cases = [...document.querySelectorAll("#motions article")], links = [...document.querySelectorAll("nav.chapters a")];
@@ -9,7 +9,7 @@
     if (awake.has(node)) return;
     awake.add(node);
     for (const place of node.querySelectorAll(".player")) {
-      if (node.id === "motions") continue; // its articles wake their own
+      if (node.id === "motions") continue; // each article initialises its own players
       const player = await suite.player(place), plots = place.closest("article")?.querySelector(".plots");
       if (player && plots) suite.plots(plots, player);
     }
@@ -33,16 +33,16 @@
     if (scroll) { if (target && target !== chapter && target.tagName !== "ARTICLE") target.scrollIntoView(); else scrollTo(0, 0); }
   }
   addEventListener("hashchange", () => show());
-  // What the browser's own search finds in another chapter, it may show.
+  // When the browser's search finds text in another chapter, show that chapter.
   document.addEventListener("beforematch", (event) => {
-    const found = event.target.closest("article") ?? event.target.closest(".chapter");
-    if (found) { history.replaceState(null, "", `#${found.id}`); show(false); }
+    const section = event.target.closest("article") ?? event.target.closest(".chapter");
+    if (section) { history.replaceState(null, "", `#${section.id}`); show(false); }
   });
 
   const field = document.querySelector(".index input");
   field?.addEventListener("input", () => {
-    const asked = field.value.toLowerCase().split(/\s+/).filter(Boolean);
-    document.querySelectorAll(".index li").forEach((one) => { one.hidden = !asked.every((word) => one.dataset.words.includes(word)); });
+    const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+    document.querySelectorAll(".index li").forEach((one) => { one.hidden = !words.every((word) => one.dataset.words.includes(word)); });
     document.querySelectorAll(".index section").forEach((one) => { one.hidden = ![...one.querySelectorAll("li")].some((row) => !row.hidden); });
   });
 

@@ -1,4 +1,4 @@
-// A motion to look at: the plate on its track, every solver's as a ghost, a timeline of modes. By hand, in SVG.
+// Player of a motion in SVG: the plate on its track, every solver's plate as a ghost, and a timeline of modes.
 suite.player = async (place) => {
   const motion = await suite.motion(place.dataset.case);
   if (!motion) return null;
@@ -11,7 +11,7 @@ suite.player = async (place) => {
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   const span = motion.end - motion.start;
 
-  // --- what stands around the picture ---
+  // --- elements around the picture ---
   const icon = (path) => `<svg class="icon" viewBox="0 0 16 16" aria-hidden="true"><path d="${path}"/></svg>`;
   const ICONS = { play: icon("M3 2l11 6-11 6z"), pause: icon("M3 2h4v12H3zM9 2h4v12H9z"), back: icon("M2 2h2v12H2zM14 2v12L5 8z"), next: icon("M12 2h2v12h-2zM2 2v12l9-6z") };
   place.innerHTML = `
@@ -75,7 +75,7 @@ suite.player = async (place) => {
   const whole = [xs[0] - room, (up > 0 ? ys[0] : -ys[1]) - room, width + 2 * room, height + 2 * room];
   part(".follow").checked = Math.max(width, height) > 40 * reach;
 
-  // Where a contact parameter lies on the track, and the tangent there.
+  // The point of the track at a contact parameter, and the tangent there.
   const onTrack = (xi) => {
     if (!Number.isFinite(xi)) return null;
     const length = track.high - track.low, count = track.x.length - 1;
@@ -152,7 +152,7 @@ suite.player = async (place) => {
   function step(stamp) {
     if (!playing) return;
     if (!place.isConnected || place.offsetParent === null) return play(false);
-    // A page that was in the background goes on where it was.
+    // After the page was in the background, continue at the same time of the motion.
     const passed = before ? Math.min(0.1, (stamp - before) / 1000) : 0;
     before = stamp;
     time += passed * +speed.value;

@@ -1,4 +1,4 @@
-// The paper's quantities against time, and how far every solver is from the truth, tied to the player's time.
+// The paper's quantities and every solver's difference from the truth against time, linked to the player's time.
 suite.plots = (place, player) => {
   const { motion } = player, { truth, t, runs } = motion, drawn = [];
   const PANELS = [["slip", "v / (m/s)"], ["xi1", "ξ₁"], ["xi2", "ξ₂"], ["angle", "θ / rad"], ["x", "X / m"], ["y", "Y / m"], ["lambda", "λ"]];
@@ -12,18 +12,18 @@ suite.plots = (place, player) => {
     return off > 0 ? Math.max(off, 1e-18) : null;
   });
   const sum = (name, run) => times.map((_, i) => { const v = truth[name][i] + run.off[name][i]; return Number.isFinite(v) ? v : null; });
-  // Some four powers of ten on a logarithmic axis.
+  // About four powers of ten on a logarithmic axis.
   const powers = (_, __, low, high) => {
     const from = Math.ceil(Math.log10(low) - 1e-9), to = Math.floor(Math.log10(high) + 1e-9), step = Math.max(1, Math.ceil((to - from) / 4));
     return Array.from({ length: Math.floor((to - from) / step) + 1 }, (_, i) => 10 ** (from + i * step));
   };
   const power = (v) => `1e${Math.round(Math.log10(v))}`;
 
-  // The axis belongs to the truth: a noisy force of one engine must not flatten everyone's curve.
+  // The truth sets the axis range: a noisy force of one engine must not flatten all curves.
   const room = (values) => {
-    const known = values.filter((v) => v !== null), low = Math.min(...known), high = Math.max(...known);
+    const numbers = values.filter((v) => v !== null), low = Math.min(...numbers), high = Math.max(...numbers);
     const more = 0.08 * (high - low > 1e-6 * Math.abs(high) ? high - low : Math.abs(high) || 1);
-    return known.length ? [low - more, high + more] : [0, 1];
+    return numbers.length ? [low - more, high + more] : [0, 1];
   };
 
   function one(panel, title, data, series, logarithmic) {

@@ -1,4 +1,4 @@
-// Work and precision of the timed cases, logarithmic both ways; a point tells its setting and the command.
+// Work-precision plot of the timed cases, logarithmic on both axes; a point shows its setting and the command.
 suite.precision = (place) => {
   const block = document.getElementById("precision-points");
   if (!block) return;
@@ -10,25 +10,25 @@ suite.precision = (place) => {
     <label>error of <select class="quantity">${quantities.map((q) => `<option value="${q}">${q.replaceAll("_", " ")}</option>`).join("")}</select></label>
     <label>against <select class="work"><option value="cpu_s">CPU time of a run, s</option><option value="steps">steps</option></select></label></div>
     <svg viewBox="0 0 900 420" tabindex="0" role="application" aria-label="Error against work. Arrow keys go from point to point."></svg>
-    <p class="told" aria-live="polite">Point at a setting, or use the arrow keys: it and its command are told here.</p>`;
-  const svg = place.querySelector("svg"), told = place.querySelector(".told"), of = (name) => place.querySelector(`.${name}`).value;
+    <p class="details" aria-live="polite">Point at a setting, or use the arrow keys, to see it and its command here.</p>`;
+  const svg = place.querySelector("svg"), details = place.querySelector(".details"), of = (name) => place.querySelector(`.${name}`).value;
   const NS = "http://www.w3.org/2000/svg", box = { left: 70, right: 880, top: 14, bottom: 372 };
   const make = (name, attributes, parent = svg) => {
     const node = parent.appendChild(document.createElementNS(NS, name));
     for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
     return node;
   };
-  const asItComes = (p) => p.setting.startsWith("rung=defaults");
+  const isDefault = (p) => p.setting.startsWith("rung=defaults");
   let marks = [], chosen = -1;
 
-  function tell(i) {
+  function select(i) {
     marks.forEach(({ node }, k) => node.classList.toggle("chosen", k === i));
     chosen = i;
     const { p } = marks[i];
-    told.innerHTML = "";
-    const add = (name, text) => { const node = told.appendChild(document.createElement(name)); node.textContent = text; return node; };
+    details.innerHTML = "";
+    const add = (name, text) => { const node = details.appendChild(document.createElement(name)); node.textContent = text; return node; };
     add("strong", `${p.solver} ${p.route}, ${p.setting}`);
-    told.append(`: error ${suite.digits(p.absolute_error, 2)} ${p.unit}, ${suite.digits(p.cpu_s, 2)} s, ${p.steps} steps. `);
+    details.append(`: error ${suite.digits(p.absolute_error, 2)} ${p.unit}, ${suite.digits(p.cpu_s, 2)} s, ${p.steps} steps. `);
     add("code", `${command} --case "${p.case}" --solver ${p.solver}`);
   }
 
@@ -37,7 +37,7 @@ suite.precision = (place) => {
     marks = [];
     chosen = -1;
     const work = of("work"), shown = points.filter((p) => p.case === of("case") && p.quantity === of("quantity") && p[work] > 0 && p.absolute_error !== null && suite.on(p.solver, p.route));
-    if (!shown.length) { make("text", { x: 450, y: 190, "text-anchor": "middle" }).textContent = "nothing is timed here, or all is switched off"; return; }
+    if (!shown.length) { make("text", { x: 450, y: 190, "text-anchor": "middle" }).textContent = "no timings here, or all solvers are switched off"; return; }
     const least = 1e-17, value = (p) => Math.max(p.absolute_error, least);
     const bounds = (values) => { const logs = values.map(Math.log10); return [Math.floor(Math.min(...logs)), Math.max(Math.ceil(Math.max(...logs)), Math.floor(Math.min(...logs)) + 1)]; };
     const [x0, x1] = bounds(shown.map((p) => p[work])), [y0, y1] = bounds(shown.map(value));
@@ -48,25 +48,25 @@ suite.precision = (place) => {
     make("text", { x: 475, y: 412, "text-anchor": "middle" }).textContent = work === "steps" ? "steps" : "CPU time of a run / s";
     make("text", { x: 16, y: 195, "text-anchor": "middle", transform: "rotate(-90 16 195)" }).textContent = `error / ${shown[0].unit}`;
     const floor = shown[0].floor_error;
-    if (floor > 10 ** y0) make("rect", { x: box.left, width: box.right - box.left, y: Y(floor), height: box.bottom - Y(floor), class: "floor" }).appendChild(document.createElementNS(NS, "title")).textContent = "below this the truth is not known";
+    if (floor > 10 ** y0) make("rect", { x: box.left, width: box.right - box.left, y: Y(floor), height: box.bottom - Y(floor), class: "floor" }).appendChild(document.createElementNS(NS, "title")).textContent = "below the error bar of the truth";
     const routes = new Map();
     shown.forEach((p) => { const key = `${p.solver} ${p.route}`; routes.set(key, [...(routes.get(key) ?? []), p]); });
     for (const [, group] of routes) {
-      const colour = `var(--of-${group[0].solver.replace(/[^A-Za-z0-9_-]/g, "_")})`, ladder = group.filter((p) => !asItComes(p));
+      const colour = `var(--of-${group[0].solver.replace(/[^A-Za-z0-9_-]/g, "_")})`, ladder = group.filter((p) => !isDefault(p));
       make("path", { d: ladder.map((p, i) => `${i ? "L" : "M"}${X(p[work])} ${Y(value(p))}`).join(""), fill: "none", stroke: colour, "stroke-dasharray": group[0].route === "native" || group[0].solver === "reference" ? "none" : "6 3" });
       const last = group.reduce((a, b) => (value(b) < value(a) ? b : a));
       make("text", { x: Math.min(X(last[work]) + 8, box.right - 90), y: Y(value(last)) + 14, style: `fill:${colour}` }).textContent = `${last.solver} ${last.route}`;
       for (const p of group) {
-        const node = make("circle", { cx: X(p[work]), cy: Y(value(p)), r: 5, fill: asItComes(p) ? "var(--ground)" : colour, stroke: colour, class: "point" });
+        const node = make("circle", { cx: X(p[work]), cy: Y(value(p)), r: 5, fill: isDefault(p) ? "var(--ground)" : colour, stroke: colour, class: "point" });
         const i = marks.push({ p, node }) - 1;
         make("title", {}, node).textContent = `${p.solver} ${p.route}, ${p.setting}`;
-        node.addEventListener("pointerenter", () => tell(i));
+        node.addEventListener("pointerenter", () => select(i));
       }
     }
   }
   svg.addEventListener("keydown", (event) => {
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
-    if (step && marks.length) { event.preventDefault(); tell((chosen + step + marks.length) % marks.length); }
+    if (step && marks.length) { event.preventDefault(); select((chosen + step + marks.length) % marks.length); }
   });
   place.querySelectorAll("select").forEach((one) => one.addEventListener("change", draw));
   place.querySelector(".quantity").value = points.find((p) => p.case === cases[0] && p.lead)?.quantity ?? quantities[0];

@@ -1,4 +1,4 @@
-// What all parts of the page share: the motions' numbers, and which solvers and routes are switched on.
+// State shared by all parts of the page: the motions' numbers, and which solvers and routes are switched on.
 const suite = (() => {
   const hidden = { solver: new Set(), route: new Set() }, listeners = [];
   const style = document.head.appendChild(document.createElement("style"));
@@ -14,7 +14,7 @@ const suite = (() => {
     announce();
   }));
 
-  // A colour as a canvas takes it, from the page's own variables, light or dark.
+  // A colour for a canvas, computed from the page's CSS variables, light or dark.
   const probe = document.createElement("i");
   probe.hidden = true;
   document.body.append(probe);
@@ -24,7 +24,7 @@ const suite = (() => {
   };
   const colourOf = (solver) => colour(`--of-${solver.replace(/[^A-Za-z0-9_-]/g, "_")}`);
 
-  // Numbers as `packed` in Python writes them: base64, compressed, first bytes of all numbers first.
+  // Decode numbers from motions.py: base64, compressed, grouped by byte position.
   async function numbers(text) {
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -42,22 +42,22 @@ const suite = (() => {
 
   const TRUE = ["x", "y", "angle", "slip", "xi1", "xi2", "lambda", "normal", "friction"];
   const OFF = ["x", "y", "angle", "slip", "xi1", "xi2", "lambda", "friction"];
-  const kept = new Map();
+  const cache = new Map();
 
   async function read(label) {
     const block = [...document.querySelectorAll("script.motion")].find((one) => one.dataset.case === label);
     if (!block) return null;
-    const told = JSON.parse(block.textContent), t = await numbers(told.t);
-    const truth = columns(TRUE, await numbers(told.truth)), track = columns(["x", "y"], await numbers(told.track.points));
-    // Samples are even in 32 bits; the first and the last are the motion's own.
+    const data = JSON.parse(block.textContent), t = await numbers(data.t);
+    const truth = columns(TRUE, await numbers(data.truth)), track = columns(["x", "y"], await numbers(data.track.points));
+    // Sample times are rounded to 32 bits; start and end are exact.
     const runs = [];
-    for (const run of told.runs) runs.push({ ...run, off: columns(OFF, await numbers(run.data)) });
-    return { ...told, t, truth, runs, track: { ...told.track, ...track }, outline: columns(["x", "y"], await numbers(told.outline)) };
+    for (const run of data.runs) runs.push({ ...run, off: columns(OFF, await numbers(run.data)) });
+    return { ...data, t, truth, runs, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
   }
 
-  const motion = (label) => kept.get(label) ?? (kept.set(label, read(label)), kept.get(label));
+  const motion = (label) => cache.get(label) ?? (cache.set(label, read(label)), cache.get(label));
 
-  // A column's value between its samples.
+  // A column's value at a time, interpolated between its samples.
   function at(t, values, time) {
     let low = 0, high = t.length - 1;
     while (high - low > 1) {

@@ -1,4 +1,4 @@
-// Tables that sort, filter, copy and save as CSV what they show; each is woken when its chapter is first seen.
+// Tables that can be sorted, filtered, copied and saved as CSV; each is initialised when its chapter is first shown.
 suite.table = (table) => {
   if (table.dataset.awake) return;
   table.dataset.awake = "yes";
@@ -10,7 +10,7 @@ suite.table = (table) => {
   });
   const text = (cell) => cell.innerText.replace(/\s*\n\s*/g, " ").replace(/[⇅▲▼]/g, "").trim();
   const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
-  // What is shown, all digits where the cell knows them.
+  // The visible rows, with all digits if the cell has a sort key.
   const csv = () => [table.tHead.rows[table.tHead.rows.length - 1], ...table.tBodies[0].rows].filter((row) => getComputedStyle(row).display !== "none")
     .map((row) => [...row.cells].filter((cell) => getComputedStyle(cell).display !== "none").map((cell) => quoted(+cell.dataset.order < 1e300 ? cell.dataset.order : text(cell))).join(",")).join("\n") + "\n";
   const tools = document.createElement("div");
