@@ -167,13 +167,16 @@ def test_a_worker_that_has_grown_is_replaced():
     assert first == second != third
 
 
-def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle():
-    calls = [("a", 1), ("a", 2), ("b", 1), ("a", 3), ("b", 2), ("b", 3)]
-    told = {calls[i]: answer.value for i, answer in run(whose, calls, jobs=2)}
-    assert len({told["a", n] for n in (1, 2, 3)} | {told["b", n] for n in (1, 2, 3)}) == 2
-    assert len({told["a", n] for n in (1, 2)}) == len({told["b", n] for n in (1, 2)}) == 1
-    alone = [answer.value for _, answer in run(whose, [("a", n) for n in range(6)], jobs=2)]
-    assert len(set(alone)) == 2
+def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle(tmp_path):
+    """Calls of one number wait for each other, so that neither worker is ever ahead."""
+    order = [("a", 1), ("a", 2), ("b", 1), ("a", 3), ("b", 2), ("b", 3)]
+    other = {"a": "b", "b": "a"}
+    calls = [(thing, f"{thing}{n}", f"{other[thing]}{n}", tmp_path) for thing, n in order]
+    told = {order[i]: answer.value for i, answer in run(meet, calls, jobs=2)}
+    of_a, of_b = ({told[thing, n] for n in (1, 2, 3)} for thing in other)
+    assert len(of_a) == len(of_b) == 1 and of_a != of_b
+    alone = [("a", f"{n}", f"{n ^ 1}", tmp_path) for n in range(6)]
+    assert len({answer.value for _, answer in run(meet, alone, jobs=2)}) == 2
 
 
 def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
