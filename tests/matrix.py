@@ -1,11 +1,14 @@
 """The two commands in environments of their own: every Python, lowest and newest versions, with and without heyoka.
 
-    python3 tests/matrix.py           # each environment: make quick, make test; the table is kept in docs/install.md
-    python3 tests/matrix.py --part    # for .ci/run: import, exact tests and a quick report, in two environments
+    python3 tests/matrix.py               # each environment: make quick, make test; the table goes to docs/install.md
+    python3 tests/matrix.py --only 3.13   # only the environments whose name contains "3.13"
+    python3 tests/matrix.py --part        # for .ci/run: import, exact tests and a quick report, in two environments
 
-Each environment is a fresh clone of the last commit with an empty home folder. Where heyoka is left out, a constraint
-makes it impossible to install, as on a machine that it has no wheels for. Exit status: 0; 1 if anything failed in any
-environment; 2 if nothing can be run. Only the standard library is imported: it begins before anything is installed.
+Each environment is a fresh clone of the last commit with an empty home folder. Its row is saved as soon as it ends, and
+the next call runs only environments that have no row of the last commit; `--fresh` runs all of them again. Where heyoka
+is left out, a constraint makes it impossible to install, as on a machine that it has no wheels for. Exit status: 0; 1
+if anything failed in any environment; 2 if nothing can be run. Only the standard library is imported: it begins before
+anything is installed.
 """
 
 from __future__ import annotations
@@ -34,6 +37,11 @@ ASK = (
     "import ensurepip, json, platform, sys, venv; v = sys.version_info; "
     "print(json.dumps([platform.python_implementation(), sys.prefix == sys.base_prefix, list(v[:3]), v.releaselevel]))"
 )
+# Variables that would make an environment other than a user's.
+LEFT_OUT = (
+    "VIRTUAL_ENV", "PYTHONPATH", "PYTHONHOME", "PYTHONDONTWRITEBYTECODE", "MAKEFLAGS", "MFLAGS", "MAKELEVEL",
+    "SLIP_TO_ROLL_CACHE",
+)  # fmt: skip
 EXACT = "tests/reference/test_reference_exact.py"
 HEYOKA = "import importlib.util as u; print(u.find_spec('heyoka') is not None)"
 
@@ -77,10 +85,12 @@ class Outcome(NamedTuple):
 
 
 class Row(NamedTuple):
-    """The outcomes in one environment, by column."""
+    """The outcomes in one environment, by column; the commit that was tried, and the day."""
 
     environment: Environment
     outcomes: dict[str, Outcome]
+    commit: str = ""
+    day: str = ""
 
     @property
     def passed(self) -> bool:
@@ -163,8 +173,7 @@ def commands(environment: Environment, pinned: Path, partly: bool) -> list[Comma
 
 def run(command: Command, clone: Path, home: Path, log: Path) -> Outcome:
     """Run a command in the clone with that home folder; what it says goes to the end of `log`."""
-    leave_out = ("VIRTUAL_ENV", "PYTHONPATH", "PYTHONHOME", "MAKEFLAGS", "MFLAGS", "MAKELEVEL", "SLIP_TO_ROLL_CACHE")
-    variables = {name: value for name, value in os.environ.items() if name not in leave_out}
+    variables = {name: value for name, value in os.environ.items() if name not in LEFT_OUT}
     # What pip has downloaded serves all environments.
     variables |= {"HOME": str(home), "PIP_CACHE_DIR": os.environ.get("PIP_CACHE_DIR", str(Path.home() / ".cache/pip"))}
     began = time.monotonic()
@@ -194,7 +203,7 @@ def summary(column: str, status: int | None, said: str) -> str:
     return {"True": "yes", "False": "no"}.get(said.strip(), "passed") if column == "heyoka" else "passed"
 
 
-def row(environment: Environment, partly: bool, log: Path) -> Row:
+def row(environment: Environment, partly: bool, log: Path, commit: str = "") -> Row:
     """Everything in a fresh clone; after a failure only what does not need it is run."""
     outcomes: dict[str, Outcome] = {}
     with tempfile.TemporaryDirectory(prefix=f"{environment.name}-", dir=WORK) as folder:
@@ -206,7 +215,26 @@ def row(environment: Environment, partly: bool, log: Path) -> Row:
             outcomes[command.column] = run(command, clone, home, log)
             if command.column == "installation" and not outcomes[command.column].passed:
                 break
-    return Row(environment, outcomes)
+    return Row(environment, outcomes, commit, time.strftime("%Y-%m-%d"))
+
+
+# --- saved rows ------------------------------------------------------------------------------------------------------
+
+
+def save(one: Row) -> None:
+    """Write a row next to its log, so that an interrupted matrix goes on where it ended."""
+    text = json.dumps({"commit": one.commit, "day": one.day, "outcomes": one.outcomes}, indent=1)
+    (WORK / f"{one.environment.name}.json").write_text(text + "\n", encoding="utf-8")
+
+
+def saved(environment: Environment) -> Row | None:
+    """The last row of an environment; None if there is none."""
+    try:
+        found = json.loads((WORK / f"{environment.name}.json").read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    outcomes = {column: Outcome(*outcome) for column, outcome in found["outcomes"].items()}
+    return Row(environment, outcomes, found["commit"], found["day"])
 
 
 # --- the table --------------------------------------------------------------------------------------------------------
@@ -215,10 +243,10 @@ def row(environment: Environment, partly: bool, log: Path) -> Row:
 def table(rows: Sequence[Row]) -> str:
     """The rows as Markdown, what was not run as "–"."""
     columns = list(dict.fromkeys(column for one in rows for column in one.outcomes))
-    lines = [("Python", "versions", *columns), ("---",) * (len(columns) + 2)]
+    lines = [("Python", "versions", *columns, "commit", "date"), ("---",) * (len(columns) + 4)]
     for one in rows:
         cells = [_cell(one, column) for column in columns]
-        lines.append((one.environment.python.text, one.environment.versions, *cells))
+        lines.append((one.environment.python.text, one.environment.versions, *cells, one.commit, one.day))
     return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
@@ -249,6 +277,8 @@ def main(argv: Sequence[str] | None = None, say: Callable[[str], None] = lambda 
     parser = argparse.ArgumentParser(prog="make matrix", description=(__doc__ or "").partition("\n\n")[0])
     parser.add_argument("--part", action="store_true", help="import, exact tests and a quick report, twice")
     parser.add_argument("--python", nargs="+", type=Path, metavar="PATH", help="these interpreters and no others")
+    parser.add_argument("--only", nargs="+", default=[""], metavar="TEXT", help="environments whose name contains one")
+    parser.add_argument("--fresh", action="store_true", help="run environments again that have a row of this commit")
     given = parser.parse_args(argv)
     found = pythons(given.python or [Path(sys.executable), *candidates()])
     if not found:
@@ -266,18 +296,26 @@ def main(argv: Sequence[str] | None = None, say: Callable[[str], None] = lambda 
     if changed:
         say(f"what is not committed is not part of it: the last commit is {commit}")
     environments = part(found, sys.version_info[:2]) if given.part else whole(found)
+    wanted = [one for one in environments if any(text in one.name for text in given.only)]
+    if not wanted and environments:
+        say(f"no environment's name contains that; they are {', '.join(one.name for one in environments)}")
+        return 2
     WORK.mkdir(parents=True, exist_ok=True)
-    rows: list[Row] = []
-    for number, environment in enumerate(environments, start=1):
+    rows = {} if given.part else {one: old for one in environments if (old := saved(one))}
+    for number, environment in enumerate(wanted, start=1):
         log = WORK / f"{environment.name}.log"
+        if environment in rows and rows[environment].commit == commit and not given.fresh:
+            say(f"{number} of {len(wanted)}, {environment.name} has a row of commit {commit}; --fresh runs it again")
+            continue
         log.unlink(missing_ok=True)
-        say(f"{number} of {len(environments)}, {environment.name} begins; what it says: {log}")
-        rows.append(row(environment, given.part, log))
-        say("  " + "; ".join(f"{column}: {_cell(rows[-1], column)}" for column in rows[-1].outcomes))
+        say(f"{number} of {len(wanted)}, {environment.name} begins; what it says: {log}")
+        rows[environment] = done = row(environment, given.part, log, commit)
+        say("  " + "; ".join(f"{column}: {_cell(done, column)}" for column in done.outcomes))
         if not given.part:
-            keep(f"Commit {commit}, {time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores:\n\n{table(rows)}")
-    say(table(rows).rstrip())
-    return 0 if all(one.passed for one in rows) else 1
+            save(done)
+            keep(f"{os.cpu_count()} cores:\n\n{table([rows[one] for one in environments if one in rows])}")
+    say(table([rows[one] for one in environments if one in rows]).rstrip())
+    return 0 if all(rows[one].passed for one in wanted) else 1
 
 
 if __name__ == "__main__":

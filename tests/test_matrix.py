@@ -143,12 +143,15 @@ def test_a_command_that_hangs_is_a_row(tmp_path, monkeypatch):
 
 def test_the_table_has_a_row_for_each_environment_and_is_kept_in_its_place(tmp_path):
     done = {"heyoka": Outcome(True, "yes", 1.0), "tests": Outcome(True, "3 passed", 61.2)}
-    rows = [Row(Environment(P11, "newest", True), done), Row(Environment(P12, "lowest", False), done)]
+    rows = [
+        Row(Environment(P11, "newest", True), done, "abc", "2026-11-22"),
+        Row(Environment(P12, "lowest", False), done),
+    ]
     rows.append(Row(Environment(P13, "lowest", True), {"installation": Outcome(False, "failed (exit status 2)", 3.0)}))
     lines = matrix.table(rows).splitlines()
-    assert lines[0] == "| Python | versions | heyoka | tests | installation |"
-    assert lines[2] == "| 3.11.1 | newest | yes | 3 passed, 61 s | – |"
-    assert "yes, though left out" in lines[3] and lines[4].endswith("| – | – | failed (exit status 2), 3 s |")
+    assert lines[0] == "| Python | versions | heyoka | tests | installation | commit | date |"
+    assert lines[2] == "| 3.11.1 | newest | yes | 3 passed, 61 s | – | abc | 2026-11-22 |"
+    assert "yes, though left out" in lines[3] and "| – | – | failed (exit status 2), 3 s |" in lines[4]
     page = tmp_path / "page.md"
     page.write_text(f"before\n{matrix.BEGIN}\nold\n{matrix.END}\nafter\n")
     matrix.keep("new\n", page)
@@ -157,6 +160,36 @@ def test_the_table_has_a_row_for_each_environment_and_is_kept_in_its_place(tmp_p
     page.write_text("nothing")
     with pytest.raises(ValueError, match="put both lines"):
         matrix.keep("new", page)
+
+
+def test_an_interrupted_matrix_goes_on_with_the_environments_that_have_no_row(tmp_path, monkeypatch):
+    tried, head, ends_at = [], ["abc"], ["3.12.1-lowest-with-heyoka"]
+
+    def row(environment, partly, log, commit):
+        if environment.name in ends_at:
+            raise KeyboardInterrupt
+        tried.append(environment.name)
+        return Row(environment, {"tests": Outcome(True, "3 passed", 1.0)}, commit, "2026-11-22")
+
+    kept: list[str] = []
+    monkeypatch.setattr(matrix, "WORK", tmp_path / "work")
+    monkeypatch.setattr(matrix, "pythons", lambda paths: [P11, P12])
+    monkeypatch.setattr(matrix, "row", row)
+    monkeypatch.setattr(matrix, "keep", kept.append)
+    monkeypatch.setattr(matrix, "_git", lambda *words: "" if words[0] == "status" else head[0])
+    with pytest.raises(KeyboardInterrupt):
+        matrix.main([], kept.append)
+    ends_at.clear()
+    first, names = list(tried), [one.name for one in matrix.whole([P11, P12])]
+    assert first == names[:4]
+    assert matrix.main([], kept.append) == 0 and tried == names
+    assert all(f"| {one.python.text} | {one.versions} |" in kept[-1] for one in matrix.whole([P11, P12]))
+    assert matrix.main([], kept.append) == 0 and tried == names
+    head[0] = "def"
+    assert matrix.main(["--only", "3.12.1-newest"], kept.append) == 0 and tried == [*names, *names[-2:]]
+    assert kept[-1].count("| abc |") == 6 and kept[-1].count("| def |") == 2
+    assert matrix.main(["--only", "newest-with-", "--fresh"], kept.append) == 0 and len(tried) == 12
+    assert matrix.main(["--only", "3.10"], kept.append) == 2 and "3.11.1-lowest-with-heyoka" in kept[-1]
 
 
 def test_an_environment_that_cannot_be_installed_is_a_row_and_a_status(tmp_path, monkeypatch):

@@ -30,14 +30,16 @@ Call = Callable[[], object]
 @dataclass(frozen=True)
 class Kind:
     """`draw` makes an input from a source of chance: what it is, in words, and the call that tries it. `found` are
-    inputs that once did neither run nor say what is wrong: they are always tried. `whole` inputs are drawn in
-    `make test-all`, `sample` in `make test`. The result of a call that ran may be looked at by `check`."""
+    inputs that once did neither run nor say what is wrong: they are always tried, and `long` ones, which take ten
+    seconds and more, in `make test-all`. `whole` inputs are drawn in `make test-all`, `sample` in `make test`. The
+    result of a call that ran may be looked at by `check`."""
 
     name: str
     draw: Callable[[random.Random], tuple[str, Call]]
     whole: int
     sample: int
     found: tuple[tuple[str, Call], ...] = ()
+    long: tuple[tuple[str, Call], ...] = ()
 
 
 class Late(KeyboardInterrupt):
@@ -119,17 +121,19 @@ def kinds() -> tuple[Kind, ...]:
 
 def trial(kind: Kind, number: int, chosen: int) -> tuple[str, Call]:
     """One input again: its number in the kind under a seed."""
-    if number < len(kind.found):
-        return kind.found[number]
+    kept = kind.found + kind.long
+    if number < len(kept):
+        return kept[number]
     return kind.draw(random.Random(f"{kind.name} {chosen} {number}"))
 
 
-def sweep(kind: Kind, count: int, chosen: int) -> tuple[Counter[str], list[str]]:
-    """Try the kept inputs of a kind and `count` drawn ones: how many ran, were refused or did neither ("else"), and a
-    line for each of these."""
+def sweep(kind: Kind, count: int, chosen: int, long: bool) -> tuple[Counter[str], list[str]]:
+    """Try the kept inputs of a kind, the long ones too if `long`, and `count` drawn ones: how many ran, were refused or
+    did neither ("else"), and a line for each of these."""
     table: Counter[str] = Counter()
     failures = []
-    for number in range(len(kind.found) + count):
+    found, kept = len(kind.found), len(kind.found) + len(kind.long)
+    for number in (*range(kept if long else found), *range(kept, kept + count)):
         words, call = trial(kind, number, chosen)
         try:
             table[tried(call)] += 1

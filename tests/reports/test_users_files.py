@@ -154,9 +154,13 @@ def digest_of(file: Path) -> str:
     return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
 
 
+# Quick: the examples that are written down. Drawn ones as well: where another profile is chosen, as with a seed.
+PHASES = (Phase.explicit,) if QUICK else (Phase.explicit, Phase.reuse, Phase.generate)
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 @settings(
-    max_examples=1 if QUICK else 100, deadline=None, phases=(Phase.explicit, Phase.reuse, Phase.generate),
+    max_examples=100, deadline=None, phases=PHASES,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow, HealthCheck.data_too_large],
 )  # fmt: skip
 @given(

@@ -15,6 +15,7 @@ from .called import (
     ends_itself_at_first,
     grow,
     leave_behind,
+    meet,
     misbehave,
     prepared,
     reserve,
