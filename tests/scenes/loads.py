@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import sqrt
+from collections.abc import Callable, Sequence
+from math import asinh, atan, erf, exp, log1p, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -28,14 +28,41 @@ SHAPES = {
 }
 
 
+# The integrals of the shapes of size 1 and width 1 about zero.
+INTEGRALS: dict[str, Callable[[float], float]] = {
+    "gauss": lambda u: 0.5 * sqrt(pi) * erf(u),
+    "tanh": lambda u: abs(u) + log1p(exp(-2.0 * abs(u))),
+    "lorentz": atan,
+    "soft wall": lambda u: 0.5 * (u * u + u * sqrt(1.0 + u * u) + asinh(u)),
+}
+# The place along which a component does work.
+ALONG = {"fx": "x", "fy": "y", "moment": "theta"}
+
+
 class Term(NamedTuple):
-    """One term of a load: the component it belongs to, its formula, and its variable, centre and width."""
+    """One term of a load: the component it belongs to, its shape, size, variable, centre and width."""
 
     component: str
-    formula: str
+    shape: str
+    size: float
     variable: str
     centre: float
     width: float
+
+    @property
+    def formula(self) -> str:
+        """The term as text."""
+        return SHAPES[self.shape].format(q=self.variable, a=self.size, c=self.centre, w=self.width)
+
+    @property
+    def conservative(self) -> bool:
+        """Whether it depends on nothing but the place along which it does work."""
+        return ALONG[self.component] == self.variable
+
+    def work(self, start: float, end: float) -> float:
+        """What it does between two places if it is conservative, J."""
+        high, low = (INTEGRALS[self.shape]((place - self.centre) / self.width) for place in (end, start))
+        return self.size * self.width * (high - low)
 
 
 def term(rng: np.random.Generator, flies: bool) -> Term:
@@ -44,6 +71,8 @@ def term(rng: np.random.Generator, flies: bool) -> Term:
     shape = str(rng.choice(list(SHAPES)))
     width = SIZES[variable] * 10 ** rng.uniform(-3, 1)
     component = str(rng.choice(["fx", "fy", "moment"], p=[0.5, 0.2, 0.3]))
+    if rng.integers(2):  # half of those that can be are conservative
+        component = next((c for c, place in ALONG.items() if place == variable), component)
     # A force of about a weight; of a narrow one as much as changes speeds by about a metre per second.
     a = float(rng.choice([-1, 1])) * rng.uniform(0.2, 1.5) * G * (RADIUS if component == "moment" else 1.0)
     if shape in ("gauss", "lorentz") and variable in ("t", "x", "y", "theta"):
@@ -53,8 +82,7 @@ def term(rng: np.random.Generator, flies: bool) -> Term:
     middle = {"t": 1.0, "x": 1.5, "y": 0.5, "theta": -6.0, "vx": 1.0, "vy": -1.0, "omega": -4.0}[variable]
     centre = middle + rng.uniform(-0.5, 0.5) * abs(middle)
     a, centre, width = float(f"{a:.6g}"), float(f"{centre:.6g}"), float(f"{width:.6g}")
-    formula = SHAPES[shape].format(q=variable, a=a, c=centre, w=width)
-    return Term(component, formula, variable, centre, width)
+    return Term(component, shape, a, variable, centre, width)
 
 
 def scene(rng: np.random.Generator, *further) -> tuple[Case, list[Term]]:

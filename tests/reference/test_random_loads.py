@@ -1,0 +1,76 @@
+"""Random loads of every width in every variable: motions end within a CPU limit, conserve energy and agree with a fine
+integration."""
+
+import numpy as np
+import pytest
+
+import reference
+from cases.contact import start_motion
+from reference import contact_frame
+from tests.scenes.limits import cpu_limit
+from tests.scenes.loads import ALONG, G, by_hand, distance, growth, scene
+
+# CPU seconds for one motion, with what it derives and compiles; most take half of one.
+PATIENCE = 40.0
+NAMES = ("x", "y", "theta", "vx", "vy", "omega")
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+
+
+def check(seed: int, second: bool = False) -> None:
+    """Hold one random load's motion, by both methods and at a random tolerance, to the motion by hand and to energy.
+    `second`: by the second formulation too."""
+    rng = np.random.default_rng(seed)
+    case, terms = scene(rng)
+    rtol = float(rng.choice(TOLERANCES))
+    begin = start_motion(case)
+    with cpu_limit(2.0 * PATIENCE):
+        hand = by_hand(case, terms)
+    allowed = 30.0 * rtol + 1e-10
+    for method in (*reference.METHODS, *(["second"] if second else [])):
+        about = (seed, method, rtol, [(term.component, term.formula) for term in terms])
+        with cpu_limit(PATIENCE):
+            if method == "second":
+                status, time, state = by_second(case, rtol)
+            else:
+                motion = reference.simulate(case, rtol=rtol, method=method)
+                status, time = motion.status, float(motion.t[-1])
+                state = [float(getattr(motion(motion.t[-1]), name)) for name in NAMES]
+        if status == "unfinished":  # it ended with a sentence, and is held to energy up to there
+            assert rtol <= 1e-10, about
+        else:
+            assert status == hand.status, about
+            # A speed of the centre is a difference of two in the contact, which turn with the angle and its rounding.
+            allowed = max(allowed, 4.0 * np.finfo(float).eps * abs(hand.state[2]))
+            off = distance(hand, state, time)
+            assert off <= allowed or off <= allowed * growth(case, terms, hand), (off, about)
+        if all(term.conservative for term in terms):
+            places = {name: (float(getattr(begin, name)), state[NAMES.index(name)]) for name in ALONG.values()}
+            work = [term.work(*places[term.variable]) for term in terms]
+            first, last = (energy(case, values) for values in ([getattr(begin, n) for n in NAMES], state))
+            size = abs(first) + abs(last) + sum(map(abs, work))
+            assert abs(last - first - sum(work)) <= 10.0 * allowed * size, (last - first - sum(work), about)
+
+
+def by_second(case, rtol: float) -> tuple[str, float, list[float]]:
+    """Status, end (s) and state there by the second formulation."""
+    answer = contact_frame.solve(case, rtol=rtol)
+    last = contact_frame.solve(case, rtol=rtol, times=[answer.end]).motions[: len(NAMES), 0]
+    return answer.status, answer.end, last.tolist()
+
+
+def energy(case, state) -> float:
+    """Kinetic energy and that of the height, J."""
+    _, y, _, vx, vy, omega = state
+    return 0.5 * case.plate.mass * (vx**2 + vy**2 + 2.0 * G * y) + 0.5 * case.plate.inertia * omega**2
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_motions_under_random_loads(seed):
+    check(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(40))
+def test_motions_under_two_thousand_random_loads(block):
+    for seed in range(100 + 50 * block, 150 + 50 * block):
+        check(seed, second=seed % 10 == 0)
