@@ -155,7 +155,7 @@ def test_the_engine_on_the_page_is_right_and_its_cost_is_what_it_says(registered
 @node
 def test_the_engine_on_the_page_refuses_what_it_does_not_know(registered):
     found = row(registered("my_engine", example()), "disc_in_circle[mu=0.2]")
-    assert (found.outcome, found.reason) == ("refused", "It knows discs on level lines alone.")
+    assert (found.outcome, found.reason) == ("refused", "Only discs on level lines are supported.")
 
 
 @node
