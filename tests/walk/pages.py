@@ -213,6 +213,15 @@ WALK = {
             Left(".venv/bin/python -m pytest tests/browser", CLONE),
         )
     ),
+    "paper.md": Page(
+        (
+            Step(
+                "python -m reports.study paper",
+                (r"^written: .*paper/paper_remark\.csv$",),
+                ("paper/paper_remark.csv", "paper/paper_remark.svg"),
+            ),
+        )
+    ),
     "process_protocol.md": Page(
         (
             Step(
