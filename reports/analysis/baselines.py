@@ -7,18 +7,17 @@ that the certificate does not keep.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 
 import reference
-from cases import Case, CaseError, CoulombFriction, Trajectory, Transition
-from cases.contact import start_motion
+from cases import Case, CaseError, Trajectory, Transition
 
-from ..judging import distances
+from ..judging import distances, null_motions
 from ..judging.distances import Distance
+from ..judging.null_motions import NULL_MOTIONS
 from ..running.calls import Calls
 from ..running.records import TRUTH_RTOL
 from . import quantities
@@ -46,43 +45,8 @@ def measure(cases: Sequence[Case], calls: Calls) -> dict[str, Baseline]:
 def baseline(case: Case) -> Baseline:
     """Both for a case; the null motions' rows hold an error for each quantity of `quantities.UNITS`."""
     truth = reference.simulate(case, rtol=TRUTH_RTOL)
-    rows = [_row(case, truth, name, motion) for name, motion in MOTIONS.items()]
+    rows = [_row(case, truth, name, motion) for name, motion in NULL_MOTIONS.items()]
     return Baseline(tuple(rows), _witnessed(case, truth))
-
-
-def frictionless(case: Case) -> Trajectory:
-    """The motion without friction; raises CaseError if the case has none to leave out."""
-    if case.effect(CoulombFriction) is None:
-        raise CaseError("the case has no friction to leave out")
-    return reference.simulate(
-        replace(case, effects=tuple(e for e in case.effects if not isinstance(e, CoulombFriction)))
-    )
-
-
-def rolling(case: Case) -> Trajectory:
-    """The motion with friction that never gives way, its centre as fast as at the start; CaseError but for a disc."""
-    if case.plate.radius is None or case.effect(CoulombFriction) is None:
-        raise CaseError("only a disc with friction has a rolling twin here")
-    # Far beyond every cone a disc's rolling friction asks for, where the normal force stays positive.
-    strong = tuple(CoulombFriction(1e3) if isinstance(e, CoulombFriction) else e for e in case.effects)
-    omega = case.start.omega - case.start.slip / case.plate.radius
-    return reference.simulate(replace(case, effects=strong, start=replace(case.start, slip=0.0, omega=omega)))
-
-
-def resting(case: Case) -> Trajectory:
-    """The plate stays where it is at the start; nothing is said about forces."""
-    start = start_motion(case)
-    here = dict(x=start.x, y=start.y, theta=start.theta, xi1=start.xi1, xi2=start.xi2)
-    still = dict(vx=0.0, vy=0.0, omega=0.0, slip=0.0, normal_force=nan, friction_force=nan)
-    columns: dict[str, Any] = {name: np.full(2, value) for name, value in (here | still).items()}
-    return Trajectory(t=np.array([0.0, case.duration]), **columns)
-
-
-MOTIONS: dict[str, Callable[[Case], Trajectory]] = {
-    "never moves": resting,
-    "no friction": frictionless,
-    "rolls from the start": rolling,
-}
 
 
 def _row(case: Case, truth: Trajectory, name: str, motion: Callable[[Case], Trajectory]) -> dict[str, Any]:
@@ -95,7 +59,7 @@ def _row(case: Case, truth: Trajectory, name: str, motion: Callable[[Case], Traj
     note = "" if end == truth.t[-1] else f"until {end:.4g} s, where it ends: {other.status}"
     found = distance(case, other, truth, end)
     errors = {q: quantities.from_distance(found, q) for q in quantities.UNITS if q not in quantities.TIMES}
-    if motion is rolling:
+    if motion is null_motions.rolling:
         errors |= _as_if_at_once(truth.transitions)
     return _scored(case.label, name, errors, note)
 

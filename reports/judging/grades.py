@@ -1,0 +1,88 @@
+"""Grades: a score in words, with the reason for it."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from math import isfinite
+
+from .score import Scale, Score
+
+
+class Grade(StrEnum):
+    """How far a motion is from the truth, in words; the limits are in `LIMITS`."""
+
+    EXCELLENT = "excellent"
+    VERY_GOOD = "very good"
+    GOOD = "good"
+    ROUGH = "rough"
+    POOR = "poor"
+    UNUSABLE = "unusable"
+
+
+# The largest score of each grade; above the last a motion is about as far off as one that ignores friction's law. A
+# score of 0.01 is about what a coefficient of friction wrong by 1 % makes.
+LIMITS = {
+    Grade.EXCELLENT: 1e-4,
+    Grade.VERY_GOOD: 1e-3,
+    Grade.GOOD: 1e-2,
+    Grade.ROUGH: 0.1,
+    Grade.POOR: 0.5,
+}
+# Sequences that agree only without phases as long as this part of the motion do not agree.
+_LONGEST = 0.1
+# A friction × within these limits is not a reason for a grade.
+_USUAL_FRICTION = (0.9, 1.1)
+
+
+def grade(off: float) -> Grade:
+    """The grade of a score `off`; a score that is no number is unusable."""
+    return next((name for name, limit in LIMITS.items() if off <= limit), Grade.UNUSABLE)
+
+
+def sequence_note(score: Score, scale: Scale) -> str:
+    """How the sequence of modes of a motion agrees with the truth's."""
+    if not score.sequence <= max(_LONGEST * scale.end, score.resolution):
+        return "another sequence of modes"
+    if score.sequence <= score.resolution:
+        return "same sequence"
+    if score.missing:
+        return f"misses phases of up to {duration(score.sequence)}"
+    return f"same sequence down to {duration(score.sequence)}"
+
+
+def reason(score: Score, scale: Scale, friction: float) -> str:
+    """Why a motion has its grade: which of the scores is the largest, and what explains it. `friction`: its friction ×,
+    NaN where that is not known."""
+    phrases = [_largest(score, scale)]
+    note = sequence_note(score, scale)
+    if note != "same sequence":
+        phrases.append(note)
+    if isfinite(friction) and not _USUAL_FRICTION[0] <= friction <= _USUAL_FRICTION[1]:
+        phrases.append(f"friction and other losses are {friction:.2g} times those of the law")
+    if grade(score.off + score.doubt) is not grade(score.off):
+        phrases.append(f"its samples leave {percent(score.doubt)} in doubt")
+    return "; ".join(phrases)
+
+
+def _largest(score: Score, scale: Scale) -> str:
+    """The largest of the three scores, in words."""
+    if score.off == score.pose:
+        return f"pose: {percent(score.pose)} of the error of ignoring friction"
+    if score.off == score.mode:
+        return f"modes: {duration(score.mode * scale.time)} in another mode than the truth"
+    return f"slip velocity: {percent(score.slip)} of the error of ignoring friction"
+
+
+def percent(share: float) -> str:
+    """A share as text: 0.0123 is "1.2 %"."""
+    if share < 1e-6:
+        return "less than 0.0001 %"
+    return f"{100.0 * share:.2g} %" if share < 1.0 else f"{100.0 * share:.0f} %"
+
+
+def duration(seconds: float) -> str:
+    """A time as text in a fitting unit: 6.2e-6 is "6.2 µs"."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds / 1e-9:.2g} ns"

@@ -1,0 +1,141 @@
+"""Phases of a motion, one for each mode it passes through, and how two sequences of phases differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Mode, Transition
+
+
+class Phase(NamedTuple):
+    """A mode and the times between which it lasts, s."""
+
+    mode: Mode
+    begin: float
+    end: float
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return self.end - self.begin
+
+
+def phases_of(first: Mode | None, transitions: Sequence[Transition], end: float) -> tuple[Phase, ...]:
+    """The phases of a motion up to the time `end`; flights between impacts are one phase.
+
+    Phases without duration are left out, unless there is no other. Where the first mode is not known, it is the one
+    before the first transition.
+    """
+    if first is None:
+        if not transitions:
+            return ()
+        first = transitions[0].before
+    times = np.maximum.accumulate([0.0, *(min(t.time, end) for t in transitions), end]).tolist()
+    modes = [first, *(t.after for t in transitions)]
+    whole = [Phase(mode, a, b) for mode, a, b in zip(modes, times[:-1], times[1:], strict=True)]
+    return _joined(phase for phase in whole if phase.duration > 0.0) or tuple(whole[-1:])
+
+
+def _joined(phases: Iterable[Phase]) -> tuple[Phase, ...]:
+    """The phases with neighbours of one mode joined."""
+    joined: list[Phase] = []
+    for phase in phases:
+        if joined and joined[-1].mode == phase.mode:
+            joined[-1] = joined[-1]._replace(end=phase.end)
+        else:
+            joined.append(phase)
+    return tuple(joined)
+
+
+def outside(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]) -> tuple[Phase, ...]:
+    """The parts of the phases that are in none of the time spans."""
+    left = list(phases)
+    for begin, end in spans:
+        before = [p._replace(end=min(p.end, begin)) for p in left]
+        after = [p._replace(begin=max(p.begin, end)) for p in left]
+        left = sorted((p for p in (*before, *after) if p.duration > 0.0), key=lambda p: p.begin)
+    return tuple(left)
+
+
+def time_by_mode(phases: Sequence[Phase]) -> dict[Mode, float]:
+    """Seconds in each mode."""
+    times: dict[Mode, float] = {}
+    for phase in phases:
+        times[phase.mode] = times.get(phase.mode, 0.0) + phase.duration
+    return times
+
+
+def time_in_another_mode(phases: Sequence[Phase], truth: Sequence[Phase], end: float) -> float:
+    """Seconds up to `end` in which the two sequences are not in the same mode; time without a phase counts."""
+    edges = np.unique([0.0, end, *(t for p in (*phases, *truth) for t in (p.begin, p.end))])
+    edges = edges[(edges >= 0.0) & (edges <= end)]
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    return float(np.sum(np.diff(edges)[_modes_at(phases, middle) != _modes_at(truth, middle)]))
+
+
+def _modes_at(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
+    """The modes at the times; "" where there is no phase."""
+    if not phases:
+        return np.full(times.shape, "", dtype=object)
+    begins, ends = np.array([(p.begin, p.end) for p in phases]).T
+    latest = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, None)
+    modes = np.array([str(p.mode) for p in phases], dtype=object)[latest]
+    modes[(times < begins[0]) | (times > ends[latest])] = ""
+    return modes
+
+
+class _Merging:
+    """A sequence of phases from which the shortest are removed one by one, and their neighbours joined."""
+
+    def __init__(self, phases: Sequence[Phase]):
+        self.phases = list(phases)
+        self.durations = np.array([p.duration for p in phases])
+
+    def shortest(self) -> float:
+        """The duration of the phase that is removed next; infinite if only one is left."""
+        return float(self.durations.min()) if len(self.phases) > 1 else inf
+
+    def remove_up_to(self, longest: float) -> None:
+        """Remove all phases of no more than `longest` seconds, the shortest first, but not the last one left."""
+        while self.shortest() <= longest:
+            self._remove(int(self.durations.argmin()))
+
+    def _remove(self, i: int) -> None:
+        gone = self.phases.pop(i)
+        if i == 0:
+            self.phases[0] = self.phases[0]._replace(begin=gone.begin)
+        elif i == len(self.phases):
+            self.phases[-1] = self.phases[-1]._replace(end=gone.end)
+        elif self.phases[i - 1].mode == self.phases[i].mode:
+            self.phases[i - 1 : i + 1] = [self.phases[i - 1]._replace(end=self.phases[i].end)]
+        else:
+            middle = 0.5 * (gone.begin + gone.end)
+            self.phases[i - 1] = self.phases[i - 1]._replace(end=middle)
+            self.phases[i] = self.phases[i]._replace(begin=middle)
+        self.durations = np.array([p.duration for p in self.phases])
+
+    def modes(self) -> list[Mode]:
+        """The modes in order."""
+        return [p.mode for p in self.phases]
+
+
+def agreement(phases: Sequence[Phase], truth: Sequence[Phase]) -> tuple[float, bool]:
+    """The least duration x, s, such that both sequences of modes agree once phases of no more than x are removed, and
+    whether phases of the truth are among those removed. Infinite where they agree for no x."""
+    if not phases or not truth:
+        return inf, False
+    ours, true = _Merging(phases), _Merging(truth)
+    longest = 0.0
+    for _ in range(len(phases) + len(truth)):  # each round removes a phase
+        if ours.modes() == true.modes():
+            return longest, len(true.phases) < len(truth)
+        longest = max(longest, min(ours.shortest(), true.shortest()))
+        if longest == inf:
+            break
+        ours.remove_up_to(longest)
+        true.remove_up_to(longest)
+    return inf, False

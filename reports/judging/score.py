@@ -1,0 +1,264 @@
+"""How far a motion is from the truth, as a share of what a motion that ignores friction's law is: one number, `off`.
+
+    off = max(pose score, mode score, slip score)
+
+Each score is an error divided by the smallest error of the case's null motions (`null_motions`), so that it has no unit
+and means the same in every case: 0 is the truth, 1 is no better than ignoring friction's law, and 0.01 is about what a
+coefficient of friction wrong by 1 % makes. Pure functions; SI units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Mode, Trajectory, Transition
+
+from . import doubts, transitions
+from .distances import differences
+from .phases import Phase, agreement, outside, phases_of, time_by_mode, time_in_another_mode
+from .slip_phases import RESOLVABLE_GAPS, Reading
+from .soundness import LAST_STEPS, LONG_STEPS, SHORT_PART
+
+# What differs from the truth by less than this part of its path (or of the plate) is the truth; slip below this part of
+# its speed is none. Single precision resolves no more.
+_SAME = 1e-6
+# The time in a wrong mode is measured against this part of the motion at least: else the score of a case that changes
+# its mode for an instant would depend on that instant alone.
+_LEAST_TIME = 0.25
+# Slip below this part of the truth's fastest may count as none, whatever the engine's creep is.
+_MOST_CREEP = 0.01
+# Creep is this quantile of the slip in the middle half of the truth's rolls: at their ends slip ends and begins.
+_CREEP_QUANTILE, _END_OF_ROLL, _FEWEST = 0.95, 0.25, 3
+# Even times at which the truth is looked at where a motion has no samples.
+_EVEN = 1001
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What the errors of a case are measured by: `pose` (m) and `slip` (m/s), the smallest error of a null motion, and
+    `time` (s) for the time in a wrong mode.
+
+    `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each, `fastest_slip` (m/s) in all of them,
+    or the fastest speed where nothing slips. `null_motion` names the null motion with the smallest pose error; it is ""
+    where none differs from the truth, and `pose` is then the plate's reach.
+    """
+
+    pose: float
+    slip: float
+    time: float
+    end: float
+    phases: tuple[Phase, ...]
+    slips: tuple[float, ...]
+    fastest_slip: float
+    null_motion: str
+
+
+class Score(NamedTuple):
+    """How far a motion is from the truth. `off`: the largest of `pose`, `mode` and `slip`, shares of the error of
+    ignoring friction's law. `doubt`: how much of `off` may be due to the motion's samples. `creep` (m/s): slip where
+    the truth rolls, NaN where it does not roll. `sequence`: the least duration (s) such that the modes agree once
+    phases no longer than that are removed, infinite where they agree for none; `resolution` (s): phases shorter than
+    that are not resolved by the samples; `missing`: whether phases of the truth are among the removed ones."""
+
+    off: float
+    doubt: float
+    pose: float
+    mode: float
+    slip: float
+    creep: float
+    sequence: float
+    resolution: float
+    missing: bool
+
+
+def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls: Mapping[str, Trajectory]) -> Scale:
+    """The scale of a case: `truth` is its motion, known at every time, `events` its transitions, `nulls` its null
+    motions by name."""
+    end = float(truth.t[-1])
+    state = truth(np.linspace(0.0, end, _EVEN))
+    path = float(np.hypot(np.ptp(state.x), np.ptp(state.y)))
+    moves = path > _SAME * case.plate.reach
+    speed = float(np.hypot(state.vx, state.vy).max()) if moves else case.plate.reach / case.duration
+    slowest = _SAME * speed
+    phases = phases_of(truth.first_mode, events, end)
+    slips = tuple(_largest_slip(truth, phase) for phase in phases)
+    # The mode of a slip that nobody can tell from a roll is a roll's.
+    phases = tuple(
+        phase._replace(mode=Mode.ROLL) if phase.mode in _SLIPS and largest <= slowest else phase
+        for phase, largest in zip(phases, slips, strict=True)
+    )
+    fastest_slip = max(slips, default=0.0) if max(slips, default=0.0) > slowest else speed
+    errors = {name: _errors(motion, truth, differences(motion, truth, case), case) for name, motion in nulls.items()}
+    real = {name: found for name, found in errors.items() if found[0] > _SAME * max(path, case.plate.reach)}
+    nearest = min(real, key=lambda name: real[name][0], default="")
+    others = end - max(time_by_mode(phases).values(), default=end)
+    return Scale(
+        pose=real[nearest][0] if nearest else case.plate.reach,
+        slip=min((slip for _, slip in real.values() if slip > _SAME * fastest_slip), default=fastest_slip),
+        time=(max(others, _LEAST_TIME * end) if others > 0.0 else end) or case.duration,
+        end=end,
+        phases=phases,
+        slips=slips,
+        fastest_slip=fastest_slip,
+        null_motion=nearest,
+    )
+
+
+_SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
+
+
+def _largest_slip(truth: Trajectory, phase: Phase) -> float:
+    """The largest slip of the truth in a phase, m/s."""
+    slip = np.abs(np.asarray(truth(np.linspace(phase.begin, phase.end, 33)[1:-1]).slip))
+    return float(np.max(slip, initial=0.0, where=np.isfinite(slip)))
+
+
+def score(
+    case: Case, motion: Trajectory, truth: Trajectory, scale: Scale, off: Mapping[str, np.ndarray] | None = None
+) -> Score:
+    """The score of a sound motion. `off`: `distances.differences` of motion and truth, where they are known already."""
+    errors = _errors(motion, truth, differences(motion, truth, case) if off is None else off, case)
+    pose, slip = (
+        error / size if size > 0.0 else 0.0 for error, size in zip(errors, (scale.pose, scale.slip), strict=True)
+    )
+    creep = _creep(motion, scale)
+    located = motion.first_mode is not None
+    resolution = 0.0 if located else RESOLVABLE_GAPS * doubts.gap(motion)
+    unresolved = 0.0 if located else doubts.unresolved(motion, scale.phases, scale.slips)
+    noise = 0.0 if located or scale.slip == 0.0 else doubts.roughness(motion.t, motion.slip) / scale.slip
+    best: _Modes | None = None
+    for reading in _readings(case, motion, scale, creep):
+        phases = outside(phases_of(reading.first_mode, reading.transitions, _last(motion, scale.end)), _omitted(motion))
+        wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
+        if best is None or wrong < best.wrong * (1.0 - _SAME):
+            doubt = (unresolved + doubts.time(motion, reading, case.plate.reach)) / scale.time
+            best = _Modes(wrong, doubt, *agreement(phases, scale.phases))
+        # Another threshold cannot make a difference that counts.
+        if best.wrong <= max(best.doubt, pose, slip) and best.longest <= resolution:
+            break
+    assert best is not None, "a motion has one reading at least"
+    doubt = min(max(best.doubt, noise), 1.0)
+    worst = max(pose, best.wrong, slip)
+    return Score(worst, doubt, pose, best.wrong, slip, creep, best.longest, resolution, best.missing)
+
+
+class _Modes(NamedTuple):
+    """The result of one reading of a motion's modes: the mode score, its doubt, and how the sequences agree."""
+
+    wrong: float
+    doubt: float
+    longest: float
+    missing: bool
+
+
+def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Iterator[Reading]:
+    """The motion's modes by several thresholds of slip; its own where it locates its transitions itself.
+
+    A single threshold fails both ways: one that is too large loses short rolls and slow slips, one that is too small
+    takes creep and noise for slip.
+    """
+    if motion.first_mode is not None:
+        own = tuple(motion.transitions)
+        yield Reading(motion.first_mode, own, (float("nan"),) * len(own))
+        return
+    cap = _MOST_CREEP * scale.fastest_slip
+    multiples = (2.0 * creep, creep, 4.0 * creep) if np.isfinite(creep) else ()
+    thresholds = dict.fromkeys(min(t, cap) for t in (motion.slip_resolution, *multiples, 0.0, cap / 8.0, cap))
+    for threshold in thresholds:
+        yield transitions.read_motion(case, replace(motion, slip_resolution=threshold))
+
+
+def _creep(motion: Trajectory, scale: Scale) -> float:
+    """The slip of a motion where the truth rolls or rests, m/s; NaN where it does not, or for too short a time."""
+    rolls = np.zeros(len(motion.t), dtype=bool)
+    for phase in scale.phases:
+        if phase.mode in (Mode.ROLL, Mode.REST):
+            edge = _END_OF_ROLL * phase.duration
+            rolls |= (motion.t > phase.begin + edge) & (motion.t < phase.end - edge)
+    slip = np.abs(motion.slip[rolls & np.isfinite(motion.slip)])
+    return float(np.quantile(slip, _CREEP_QUANTILE)) if len(slip) >= _FEWEST else float("nan")
+
+
+# --- what a motion leaves out -----------------------------------------------------------------------------------------
+
+
+def _step(motion: Trajectory) -> float:
+    """The motion's usual step, s; the longest where it is known between its steps."""
+    steps = np.diff(motion.t)
+    steps = steps[steps > 0.0]
+    if not len(steps):
+        return 0.0
+    return float(np.median(steps) if motion.dense is None else steps.max())
+
+
+def _last(motion: Trajectory, end: float) -> float:
+    """The end of the time that the motion covers: the truth's, if it comes within a few steps of that, else its own."""
+    own = float(motion.t[-1])
+    return end if own >= end - LAST_STEPS * _step(motion) else own
+
+
+def _omitted(motion: Trajectory) -> list[tuple[float, float]]:
+    """The spans at the beginning and between samples, s, of which the motion says nothing."""
+    spans, step = [], _step(motion)
+    if motion.t[0] > LAST_STEPS * step:
+        spans.append((0.0, float(motion.t[0])))
+    if motion.dense is None:
+        long = max(LONG_STEPS * step, SHORT_PART * float(motion.t[-1] - motion.t[0]))
+        spans += [(float(a), float(b)) for a, b in pairwise(motion.t) if b - a > long]
+    return spans
+
+
+def _errors(motion: Trajectory, truth: Trajectory, off: Mapping[str, np.ndarray], case: Case) -> tuple[float, float]:
+    """Root-mean-square pose error, m, and mean slip error, m/s, over the truth's time.
+
+    Where the motion says nothing the plate counts as standing still where it was last; where one of both is in flight
+    there is no slip error."""
+    end, t = float(truth.t[-1]), off["t"]
+    omitted = _omitted(motion)
+    last = _last(motion, end)
+    spans = [*omitted, (last, end)] if last < end else omitted
+    square, slip, total = _integrals(t, off["pose"], off["slip"], omitted)
+    for begin, stop in spans:
+        a, b = min(begin, end), min(stop, end)
+        if b > a:
+            times = np.linspace(a, b, _EVEN)
+            pose, still = _standing(motion, truth, times, begin, case)
+            more = _integrals(times, pose, still, [])
+            square, slip, total = square + more[0], slip + more[1], total + more[2]
+    if total == 0.0:  # the truth ends where it begins
+        return float(np.max(off["pose"], initial=0.0)), 0.0
+    return float(np.sqrt(square / total)), slip / total
+
+
+def _integrals(
+    t: np.ndarray, pose: np.ndarray, slip: np.ndarray, omitted: Sequence[tuple[float, float]]
+) -> tuple[float, float, float]:
+    """Integrals over time of the squared pose error and of the size of the slip error, and the time, by trapezoids."""
+    h = np.diff(t)
+    for begin, stop in omitted:
+        h = np.where((t[:-1] >= begin) & (t[1:] <= stop), 0.0, h)
+    square, size = pose**2, np.abs(slip)
+    slips = 0.5 * (size[:-1] + size[1:])
+    return (
+        float(np.sum(0.5 * (square[:-1] + square[1:]) * h)),
+        float(np.sum(np.where(np.isfinite(slips), slips, 0.0) * h)),
+        float(np.sum(h)),
+    )
+
+
+def _standing(
+    motion: Trajectory, truth: Trajectory, times: np.ndarray, begin: float, case: Case
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pose and slip errors at the times of a plate that stands still where it was last at the time `begin`."""
+    true = truth(times)
+    i = max(int(np.searchsorted(motion.t, begin, side="right")) - 1, 0)
+    first = truth(float(np.clip(motion.t[0], 0.0, truth.t[-1])))
+    turns = 2 * np.pi * np.round((motion.theta[0] - first.theta) / (2 * np.pi))
+    angle = motion.theta[i] - turns - np.asarray(true.theta)
+    centre = np.hypot(motion.x[i] - np.asarray(true.x), motion.y[i] - np.asarray(true.y))
+    return np.hypot(centre, case.plate.gyration * angle), np.asarray(true.slip)
