@@ -2,32 +2,62 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from cases import Case, CoulombFriction, Load, RollingResistance, Trajectory, Unilateral
 from cases.mechanics import energy, gravity, kinetic_energy
 
-# Where the law would take less than this part of the energy, the motion says nothing about friction: rounding and creep
-# are as large.
+# A case whose friction takes less than this part of its largest kinetic energy says nothing about friction: the errors
+# of an engine's energy are as large.
 _LEAST_LOSS = 1e-3
+# A motion that slips so little that its law would take less than this part of the truth's loss has no friction ×: an
+# engine with 10,000 times the friction is the last that has one.
+_LEAST_SLIP = 1e-4
 
 
-def friction_factor(case: Case, motion: Trajectory, end: float = np.inf) -> float:
-    """Energy lost up to the time `end` over the energy that the case's law of friction takes from this very motion,
-    Σ (μ|slip| + arm|ω|) N h: 1 for the law, 60 for an engine whose friction (and other losses) is 60 times as large.
+class Losses(NamedTuple):
+    """Energy that a motion lost, J, and what the case's law of friction takes from that very motion, J."""
+
+    lost: float
+    by_law: float
+
+
+def friction_factor(case: Case, motion: Trajectory, truth: Losses, end: float) -> float:
+    """Energy lost up to the time `end` over what the law of friction takes from this very motion: 1 for the law, 60 for
+    an engine whose friction (and other losses) is 60 times as large. `truth`: the losses of the true motion.
+
+    NaN where the losses are not known, and where friction takes next to nothing from the truth or from the motion.
+    """
+    own = losses(case, motion, end)
+    known = np.isfinite(own.by_law) and np.isfinite(truth.by_law)
+    if not known or own.by_law <= _LEAST_SLIP * truth.by_law or truth.by_law <= 0.0:
+        return np.nan
+    return own.lost / own.by_law
+
+
+def losses_of_truth(case: Case, truth: Trajectory) -> Losses:
+    """The losses of the true motion; none where friction takes next to nothing."""
+    times = np.linspace(truth.t[0], truth.t[-1], 4001)  # sums by trapezoids are good to 1e-4
+    found = losses(case, Trajectory(t=times, **truth(times)._asdict()), float(truth.t[-1]))
+    largest = float(np.max(kinetic_energy(case, truth)))
+    return found if found.by_law > _LEAST_LOSS * largest else Losses(found.lost, np.nan)
+
+
+def losses(case: Case, motion: Trajectory, end: float) -> Losses:
+    """The losses of a motion up to the time `end`: the law takes Σ (μ|slip| + arm|ω|) N h.
 
     The normal force N is that of the motion's own momentum, m (Δv/h − g) − load, along the track's normal. The work of
-    a load counts as energy given. NaN where the case has no Coulomb friction, where the plate flies (an impact loses
-    energy without duration), and where the law would take next to nothing.
+    a load counts as energy given. NaN where the case has no Coulomb friction, and where the plate flies: an impact
+    loses energy without duration.
     """
     friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
     inside = motion.t <= end
     if friction is None or inside.sum() < 2 or not np.isfinite(motion.xi1[inside]).all():
-        return np.nan
+        return Losses(np.nan, np.nan)
     h = np.diff(motion.t[inside])
-    x, y, vx, vy, omega, slip, xi1 = (
-        getattr(motion, name)[inside] for name in ("x", "y", "vx", "vy", "omega", "slip", "xi1")
-    )
+    vx, vy, omega, slip, xi1 = (getattr(motion, name)[inside] for name in ("vx", "vy", "omega", "slip", "xi1"))
     load = _loads(case, motion, inside)
     weight = case.plate.mass * gravity(case)
     # Impulses of the contact in each step, N s.
@@ -38,12 +68,9 @@ def friction_factor(case: Case, motion: Trajectory, end: float = np.inf) -> floa
     if case.effect(Unilateral) is None:
         pressed = np.abs(pressed)
     rates = friction.mu * np.abs(slip) + (resistance.arm * np.abs(omega) if resistance else 0.0)
-    by_law = float(np.sum(_middle(rates) * pressed))
-    given = float(np.sum(h * _middle(load[:, 0] * vx + load[:, 1] * vy + load[:, 2] * omega)))
+    given = np.sum(h * _middle(load[:, 0] * vx + load[:, 1] * vy + load[:, 2] * omega))
     total = energy(case, motion)[inside]
-    if not by_law > _LEAST_LOSS * float(np.max(kinetic_energy(case, motion)[inside])):
-        return np.nan
-    return float((total[0] - total[-1] + given) / by_law)
+    return Losses(float(total[0] - total[-1] + given), float(np.sum(_middle(rates) * pressed)))
 
 
 def _middle(values: np.ndarray) -> np.ndarray:

@@ -8,16 +8,18 @@ from cases import Case, CoulombFriction, Trajectory
 from .null_motions import with_friction
 from .score import Scale, score
 
-# The change of the coefficient: small enough for the score to be proportional to it, large beside the truth's error.
+# The change of the coefficient: small enough for the score to be proportional to it, far above the truth's error.
 CHANGE = 0.01
-# A case depends on friction's law if 1 % more friction moves the score by this much.
+# A case depends on friction's law if 1 % more or less friction moves the score by this much.
 LEAST = 1e-5
 
 
 def friction_sensitivity(case: Case, truth: Trajectory, scale: Scale) -> float:
-    """The score of the motion with 1 % more friction; 0 where the case has no Coulomb friction."""
+    """The larger of the scores of the motions with 1 % more and 1 % less friction; 0 without Coulomb friction.
+
+    The two differ where a plate is about to slip."""
     friction = case.effect(CoulombFriction)
     if friction is None:
         return 0.0
-    more = reference.simulate(with_friction(case, mu=(1.0 + CHANGE) * friction.mu), rtol=1e-12)
-    return score(case, more, truth, scale).off
+    others = (with_friction(case, mu=part * friction.mu) for part in (1.0 + CHANGE, 1.0 - CHANGE))
+    return max(score(case, reference.simulate(other, rtol=1e-12), truth, scale).off for other in others)

@@ -58,7 +58,7 @@ def reason(score: Score, scale: Scale, friction: float) -> str:
     if note != "same sequence":
         phrases.append(note)
     if isfinite(friction) and not _USUAL_FRICTION[0] <= friction <= _USUAL_FRICTION[1]:
-        phrases.append(f"friction and other losses are {friction:.2g} times those of the law")
+        phrases.append(f"friction and other losses are {_short(friction)} times those of the law")
     if grade(score.off + score.doubt) is not grade(score.off):
         phrases.append(f"its samples leave {percent(score.doubt)} in doubt")
     return "; ".join(phrases)
@@ -77,12 +77,17 @@ def percent(share: float) -> str:
     """A share as text: 0.0123 is "1.2 %"."""
     if share < 1e-6:
         return "less than 0.0001 %"
-    return f"{100.0 * share:.2g} %" if share < 1.0 else f"{100.0 * share:.0f} %"
+    return f"{_short(100.0 * share)} %"
 
 
 def duration(seconds: float) -> str:
     """A time as text in a fitting unit: 6.2e-6 is "6.2 µs"."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds / 1e-9:.2g} ns"
+            return f"{_short(seconds / size)} {unit}"
+    return f"{_short(seconds / 1e-9)} ns"
+
+
+def _short(value: float) -> str:
+    """A number with two digits, without an exponent where it needs none."""
+    return f"{float(f'{value:.2g}'):g}"

@@ -51,6 +51,11 @@ def _joined(phases: Iterable[Phase]) -> tuple[Phase, ...]:
     return tuple(joined)
 
 
+def flights(phases: Sequence[Phase]) -> tuple[Phase, ...]:
+    """The phases without their modes in contact: flights, and rolls in place of everything else."""
+    return _joined(p if p.mode is Mode.FLIGHT else p._replace(mode=Mode.ROLL) for p in phases)
+
+
 def outside(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]) -> tuple[Phase, ...]:
     """The parts of the phases that are in none of the time spans."""
     left = list(phases)

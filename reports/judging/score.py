@@ -20,8 +20,9 @@ from cases import Case, Mode, Trajectory, Transition
 
 from . import doubts, transitions
 from .distances import differences
-from .phases import Phase, agreement, outside, phases_of, time_by_mode, time_in_another_mode
-from .slip_phases import RESOLVABLE_GAPS, Reading
+from .friction_factor import Losses, losses_of_truth
+from .phases import Phase, agreement, flights, outside, phases_of, time_by_mode, time_in_another_mode
+from .slip_phases import RESOLVABLE_GAPS, SURELY, Reading
 from .soundness import LAST_STEPS, LONG_STEPS, SHORT_PART
 
 # What differs from the truth by less than this part of its path (or of the plate) is the truth; slip below this part of
@@ -34,6 +35,10 @@ _LEAST_TIME = 0.25
 _MOST_CREEP = 0.01
 # Creep is this quantile of the slip in the middle half of the truth's rolls: at their ends slip ends and begins.
 _CREEP_QUANTILE, _END_OF_ROLL, _FEWEST = 0.95, 0.25, 3
+# What is less than this part of a score does not count.
+_SMALL_PART = 0.1
+# By how many thresholds of slip a motion is read at most, after its own.
+_MOST_READINGS = 2
 # Even times at which the truth is looked at where a motion has no samples.
 _EVEN = 1001
 
@@ -44,8 +49,8 @@ class Scale:
     `time` (s) for the time in a wrong mode.
 
     `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each, `fastest_slip` (m/s) in all of them,
-    or the fastest speed where nothing slips. `null_motion` names the null motion with the smallest pose error; it is ""
-    where none differs from the truth, and `pose` is then the plate's reach.
+    or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion` names the null
+    motion with the smallest pose error; it is "" where none differs from the truth: `pose` is then the plate's reach.
     """
 
     pose: float
@@ -55,6 +60,7 @@ class Scale:
     phases: tuple[Phase, ...]
     slips: tuple[float, ...]
     fastest_slip: float
+    losses: Losses
     null_motion: str
 
 
@@ -105,6 +111,7 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
         phases=phases,
         slips=slips,
         fastest_slip=fastest_slip,
+        losses=losses_of_truth(case, truth),
         null_motion=nearest,
     )
 
@@ -122,6 +129,13 @@ def score(
     case: Case, motion: Trajectory, truth: Trajectory, scale: Scale, off: Mapping[str, np.ndarray] | None = None
 ) -> Score:
     """The score of a sound motion. `off`: `distances.differences` of motion and truth, where they are known already."""
+    return score_and_reading(case, motion, truth, scale, off)[0]
+
+
+def score_and_reading(
+    case: Case, motion: Trajectory, truth: Trajectory, scale: Scale, off: Mapping[str, np.ndarray] | None = None
+) -> tuple[Score, Reading]:
+    """The score of a sound motion, and the reading of its transitions that agrees best with the truth."""
     errors = _errors(motion, truth, differences(motion, truth, case) if off is None else off, case)
     pose, slip = (
         error / size if size > 0.0 else 0.0 for error, size in zip(errors, (scale.pose, scale.slip), strict=True)
@@ -129,31 +143,42 @@ def score(
     creep = _creep(motion, scale)
     located = motion.first_mode is not None
     resolution = 0.0 if located else RESOLVABLE_GAPS * doubts.gap(motion)
-    unresolved = 0.0 if located else doubts.unresolved(motion, scale.phases, scale.slips)
     noise = 0.0 if located or scale.slip == 0.0 else doubts.roughness(motion.t, motion.slip) / scale.slip
-    best: _Modes | None = None
-    for reading in _readings(case, motion, scale, creep):
-        phases = outside(phases_of(reading.first_mode, reading.transitions, _last(motion, scale.end)), _omitted(motion))
-        wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
-        if best is None or wrong < best.wrong * (1.0 - _SAME):
-            doubt = (unresolved + doubts.time(motion, reading, case.plate.reach)) / scale.time
-            best = _Modes(wrong, doubt, *agreement(phases, scale.phases))
-        # Another threshold cannot make a difference that counts.
-        if best.wrong <= max(best.doubt, pose, slip) and best.longest <= resolution:
-            break
-    assert best is not None, "a motion has one reading at least"
-    doubt = min(max(best.doubt, noise), 1.0)
-    worst = max(pose, best.wrong, slip)
-    return Score(worst, doubt, pose, best.wrong, slip, creep, best.longest, resolution, best.missing)
+    best = _modes(case, motion, scale, creep, resolution, max(pose, slip))
+    worst, doubt = max(pose, best.wrong, slip), max(best.doubt, noise)
+    return Score(worst, doubt, pose, best.wrong, slip, creep, best.longest, resolution, best.missing), best.reading
 
 
 class _Modes(NamedTuple):
-    """The result of one reading of a motion's modes: the mode score, its doubt, and how the sequences agree."""
+    """The result of one reading of a motion's modes: the mode score, the part of it that is not about flights, its
+    doubt, and how the sequences agree."""
 
+    reading: Reading
     wrong: float
+    touching: float
     doubt: float
     longest: float
     missing: bool
+
+
+def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolution: float, others: float) -> _Modes:
+    """The reading of a motion's modes that agrees best with the truth. `others`: the larger one of the other scores."""
+    unresolved = 0.0 if motion.first_mode is not None else doubts.unresolved(motion, scale.phases, scale.slips)
+    omitted, last = _omitted(motion), _last(motion, scale.end)
+    true_flights, best = flights(scale.phases), None
+    for reading in _readings(case, motion, scale, creep):
+        phases = outside(phases_of(reading.first_mode, reading.transitions, last), omitted)
+        wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
+        if best is None or wrong < best.wrong * (1.0 - _SAME):
+            touching = wrong - time_in_another_mode(flights(phases), true_flights, scale.end) / scale.time
+            doubt = (unresolved + doubts.time(motion, reading, case.plate.reach)) / scale.time
+            best = _Modes(reading, wrong, touching, doubt, *agreement(phases, scale.phases))
+        # A threshold of slip makes no difference to flights, nor one that counts where other scores are larger.
+        small = best.touching <= _SMALL_PART * best.wrong
+        if small or (best.touching <= max(best.doubt, others) and best.longest <= resolution):
+            break
+    assert best is not None, "a motion has one reading at least"
+    return best
 
 
 def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Iterator[Reading]:
@@ -167,10 +192,30 @@ def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Ite
         yield Reading(motion.first_mode, own, (float("nan"),) * len(own))
         return
     cap = _MOST_CREEP * scale.fastest_slip
+    declared = min(motion.slip_resolution, cap)
+    yield transitions.read_motion(case, replace(motion, slip_resolution=declared))
     multiples = (2.0 * creep, creep, 4.0 * creep) if np.isfinite(creep) else ()
-    thresholds = dict.fromkeys(min(t, cap) for t in (motion.slip_resolution, *multiples, 0.0, cap / 8.0, cap))
-    for threshold in thresholds:
-        yield transitions.read_motion(case, replace(motion, slip_resolution=threshold))
+    others = dict.fromkeys(min(threshold, cap) for threshold in (*multiples, 0.0, cap / 8.0, cap))
+    # A reading takes long, so only the thresholds are read by which fewer samples are in another mode than the truth.
+    wrong = _samples_in_another_mode(motion, scale, [declared, *others])
+    better = sorted((part, threshold) for threshold, part in zip(others, wrong[1:], strict=True))
+    for part, threshold in better[:_MOST_READINGS]:
+        if part < (1.0 - _SMALL_PART) * wrong[0]:
+            yield transitions.read_motion(case, replace(motion, slip_resolution=threshold))
+
+
+def _samples_in_another_mode(motion: Trajectory, scale: Scale, thresholds: Sequence[float]) -> list[float]:
+    """Seconds of the samples that are in another mode than the truth, by each threshold of slip."""
+    truth = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0, Mode.FLIGHT: np.nan}
+    place = np.searchsorted([phase.end for phase in scale.phases], motion.t).clip(0, len(scale.phases) - 1)
+    true = np.array([truth.get(phase.mode, 0.0) for phase in scale.phases])[place]
+    weight = np.gradient(motion.t) if len(motion.t) > 1 else np.ones(1)
+    contact = np.isfinite(motion.slip) & np.isfinite(true)
+    size, sign = np.abs(motion.slip[contact]), np.sign(motion.slip[contact])
+    return [
+        float(np.sum(weight[contact][np.where(size > SURELY * threshold, sign, 0.0) != true[contact]]))
+        for threshold in thresholds
+    ]
 
 
 def _creep(motion: Trajectory, scale: Scale) -> float:

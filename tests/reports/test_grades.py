@@ -1,0 +1,116 @@
+"""Grades and their reasons, the levels that a ladder reaches, and the ranking of routes over the same cases."""
+
+from __future__ import annotations
+
+from math import inf, nan
+
+import pytest
+
+from reports.judging.friction_factor import Losses
+from reports.judging.grades import LIMITS, Grade, duration, grade, percent, reason, sequence_note
+from reports.judging.ranking import digits, ranking, reached
+from reports.judging.score import Scale, Score
+
+SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), 1.0, Losses(1.0, 1.0), "no friction")
+
+
+def score(off, doubt=0.0, sequence=0.0, missing=False, resolution=1e-3) -> Score:
+    """A score whose error is one of pose."""
+    return Score(off, doubt, off, 0.0, 0.0, nan, sequence, resolution, missing)
+
+
+def test_limits_belong_to_the_better_grade():
+    for name, limit in LIMITS.items():
+        assert grade(limit) is name and grade(1.000001 * limit) is not name
+    assert grade(0.0) is Grade.EXCELLENT and grade(0.6) is grade(nan) is grade(inf) is Grade.UNUSABLE
+    assert [*LIMITS, Grade.UNUSABLE] == list(Grade)
+
+
+@pytest.mark.parametrize(
+    "sequence, missing, note",
+    [
+        (0.0, False, "same sequence"),
+        (1e-3, True, "same sequence"),  # shorter than the samples resolve
+        (6e-3, False, "same sequence down to 6 ms"),
+        (2.807e-3, True, "misses phases of up to 2.8 ms"),
+        (0.3, False, "another sequence of modes"),  # more than a tenth of the motion
+        (inf, True, "another sequence of modes"),
+    ],
+)
+def test_sequence_note(sequence, missing, note):
+    assert sequence_note(score(0.1, sequence=sequence, missing=missing), SCALE) == note
+
+
+def test_reason_names_the_largest_score_and_what_explains_it():
+    plain = reason(score(0.005), SCALE, 1.0)
+    assert plain == "pose: 0.5 % of the error of ignoring friction"
+    assert "friction and other losses are 60 times" in reason(score(0.9), SCALE, 60.0)
+    assert "friction" not in reason(score(0.9), SCALE, nan).removeprefix(plain[:5]).replace("ignoring friction", "")
+    assert "its samples leave 2 % in doubt" in reason(score(0.005, doubt=0.02), SCALE, 1.0)
+    modes = Score(0.02, 0.0, 0.01, 0.02, 0.0, nan, 0.0, 1e-3, False)
+    assert reason(modes, SCALE, 1.0) == "modes: 10 ms in another mode than the truth"
+
+
+def test_numbers_in_words():
+    assert [duration(t) for t in (6.2e-6, 0.333, 2.0, 4e-9)] == ["6.2 µs", "330 ms", "2 s", "4 ns"]
+    assert [percent(p) for p in (0.0123, 0.999, 2.78, 1e-9)] == ["1.2 %", "100 %", "280 %", "less than 0.0001 %"]
+
+
+# --- levels -----------------------------------------------------------------------------------------------------------
+
+
+def test_level_is_reached_where_all_finer_settings_stay_within_it():
+    ladder = [score(0.005), score(0.03), score(0.009), None, score(0.004)]
+    found = reached(ladder, 0.01)
+    assert (found.first, found.settings, found.known, found.confirmed) == (2, 2, True, True)
+    assert reached(ladder, 0.001)[:3] == (None, 0, True)
+
+
+def test_level_that_one_setting_reaches_is_not_confirmed():
+    found = reached([score(0.03), score(0.004)], 0.01)
+    assert found.first == 1 and not found.confirmed
+
+
+def test_level_within_the_doubt_is_not_known():
+    found = reached([score(0.03), score(0.008, doubt=0.005)], 0.01)
+    assert found.first is None and not found.known
+    assert reached([], 0.01)[:3] == (None, 0, True)
+
+
+# --- ranking ----------------------------------------------------------------------------------------------------------
+
+CASES = ("a", "b", "c")
+
+
+def test_digits_are_bounded():
+    assert [digits(off) for off in (0.0, 1e-9, 0.01, 1.0, 10.0, 1e6)] == [4.0, 4.0, 2.0, 0.0, -1.0, -1.0]
+
+
+def test_rejection_counts_as_ignoring_friction_and_a_misleading_answer_is_below_it():
+    routes = {
+        "good": dict.fromkeys(CASES, score(0.01)),
+        "poor": dict.fromkeys(CASES, score(0.4)),
+        "rejects": {},
+        "misleading": dict.fromkeys(CASES, score(3.0)),
+    }
+    found = ranking(routes, CASES)
+    assert [s.route for s in found] == ["good", "poor", "rejects", "misleading"]
+    assert [s.rank for s in found] == [1, 2, 3, 4] and [s.answered for s in found] == [3, 3, 0, 3]
+    assert found[2].digits == 0.0
+
+
+def test_all_routes_are_ranked_over_the_same_cases():
+    # Answering the easy case alone must not rank above answering all of them.
+    routes = {"easy only": {"a": score(1e-4)}, "all": dict.fromkeys(CASES, score(0.01))}
+    assert [s.route for s in ranking(routes, CASES)] == ["all", "easy only"]
+    assert {s.digits for s in ranking(routes, ("a",))} == {4.0, 2.0}
+    assert ranking(routes, ()) == []
+
+
+def test_ties_are_ties():
+    routes = {"pymunk": dict.fromkeys(CASES, score(10**-1.18)), "exudyn": dict.fromkeys(CASES, score(10**-1.21))}
+    assert [s.rank for s in ranking(routes, CASES)] == [1, 1]
+    vague = {"a": dict.fromkeys(CASES, score(0.01, 0.009)), "b": dict.fromkeys(CASES, score(0.016, 0.009))}
+    assert [s.rank for s in ranking(vague, CASES)] == [1, 1]
+    clear = {"a": dict.fromkeys(CASES, score(0.01, 1e-4)), "b": dict.fromkeys(CASES, score(0.016, 1e-4))}
+    assert [s.rank for s in ranking(clear, CASES)] == [1, 2]

@@ -1,0 +1,194 @@
+"""The score, checked with motions whose errors are known: exact ones, null motions, engines with a planted error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cases
+from cases import Mode, State, Transition
+from reports.judging import friction_sensitivity
+from reports.judging.grades import Grade, grade, sequence_note
+from tests.scenes import planted_engines as planted
+from tests.scenes.motions import sampled
+
+PAPER = cases.load("disc_in_circle", mu=0.2)
+# Slip to roll and back; no disc; a landing.
+SAMPLE = (PAPER, cases.load("ellipse_on_line", mu=0.05), cases.load("disc_onto_incline", mu=0.1))
+CATALOGUE = [case for name in cases.names() for case in cases.select(name) if case not in SAMPLE]
+each_case = pytest.mark.parametrize(
+    "case",
+    [*SAMPLE, *(pytest.param(case, marks=pytest.mark.slow) for case in CATALOGUE)],
+    ids=lambda case: case.label,
+)
+# Score per 1 % of friction. Below, a case hardly depends on friction's law (mu is so large that more changes little);
+# above, it hangs on it: a plate is about to slip or to turn over.
+REGULAR = (0.005, 0.025)
+# Rounding of scores that are zero.
+ROUNDING = 1e-9
+
+
+@each_case
+def test_null_motions_are_as_wrong_as_ignoring_friction(case):
+    truth = planted.judged(case)
+    size = max(truth.scale.pose, case.plate.reach)
+    for name, motion in truth.nulls.items():
+        score = truth.score(motion)
+        is_truth = score.pose * truth.scale.pose <= 1e-5 * size
+        assert score.off >= 1.0 - ROUNDING or is_truth, (name, score)
+
+
+@each_case
+def test_exact_motions_are_within_their_doubt(case):
+    truth = planted.judged(case)
+    for samples in (100, 300, 1000, 4000):
+        for noise in (0.0, 1e-9, 1e-6, 1e-4):
+            score = truth.score(planted.noisy(truth, samples, noise))
+            assert score.off <= score.doubt + ROUNDING, (samples, noise, score)
+
+
+@each_case
+def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
+    truth = planted.judged(case)
+    off = {}
+    for name, engine in planted.ENGINES.items():
+        if case.effect(cases.CoulombFriction) is None and name.startswith("friction"):
+            continue
+        score = truth.score(engine(truth))
+        off[name] = score.off
+        if name == "creep":  # of a plate that never slips faster than millimetres a second, 2e-5 m/s is much
+            assert score.off <= planted.CREEP / truth.scale.slip + score.doubt + ROUNDING
+        if name == "6 µs of slip":
+            # Each of its slips is 6 µs in another mode, before and after which nothing differs.
+            slips = sum(event.after in (Mode.ROLL, Mode.REST) for event in truth.truth.transitions)
+            assert score.off <= 2.0 * slips * planted.EXTRA_SLIP / truth.scale.time + ROUNDING
+    if case in SAMPLE:
+        assert grade(off["creep"]) is grade(off["6 µs of slip"]) is Grade.EXCELLENT, off
+        assert off["half a step late"] <= 0.02 and off["damping"] <= 0.02, off
+    if REGULAR[0] <= truth.sensitivity <= REGULAR[1]:
+        assert grade(off["friction × 60"]) is Grade.UNUSABLE, off
+        assert 0.02 <= off["friction - 5 %"] <= 0.15, off
+    elif truth.sensitivity < friction_sensitivity.LEAST and "friction × 60" in off:
+        # It rolls, or slides without a force: friction may be anything that is enough.
+        assert off["friction × 60"] <= 1e-3, off
+
+
+def test_creep_is_estimated_and_never_asked_for():
+    truth = planted.judged(PAPER)
+    motion = planted.creeping(truth)
+    assert motion.slip_resolution == 0.0
+    score = truth.score(motion)
+    assert score.creep == pytest.approx(planted.CREEP, rel=1e-6)
+    assert sequence_note(score, truth.scale) == "same sequence"
+    # Declared or not, too large or too small, it makes no difference.
+    for declared in (1e-6, 2e-5, 1e-3):
+        assert truth.score(replace(motion, slip_resolution=declared)).off == pytest.approx(score.off, abs=1e-7)
+
+
+def test_slip_of_microseconds_in_an_impact_is_reported_and_does_not_count():
+    truth = planted.judged(cases.load("disc_onto_incline", mu=0.5))
+    score = truth.score(planted.slipping_in_an_impact(truth))
+    assert sequence_note(score, truth.scale) == "same sequence down to 6 µs"
+    assert score.mode * truth.scale.time == pytest.approx(planted.EXTRA_SLIP, rel=1e-6)
+
+
+# --- each score grows with its own kind of error ----------------------------------------------------------------------
+
+
+def test_pose_score_is_the_error_over_that_of_the_nearest_null_motion():
+    truth = planted.judged(PAPER)
+    exact = sampled(truth.truth, 1000)
+    for shift in (1e-6, 1e-4, 1e-2):
+        assert truth.score(replace(exact, x=exact.x + shift)).pose == pytest.approx(shift / truth.scale.pose)
+    turned = truth.score(replace(exact, theta=exact.theta + 2.0 * np.pi))
+    assert turned.pose <= ROUNDING  # whole turns are a matter of where rotation is counted from
+
+
+def test_mode_score_is_the_time_in_another_mode():
+    truth = planted.judged(PAPER)
+    exact = sampled(truth.truth, 1000)
+    for late in (1e-6, 1e-4, 1e-2):
+        events = [replace(event, time=event.time + late) for event in truth.truth.transitions]
+        score = truth.score(replace(exact, transitions=tuple(events), first_mode=truth.truth.first_mode))
+        assert score.mode * truth.scale.time == pytest.approx(late * len(events), rel=1e-6)
+        assert score.off == score.mode
+
+
+def test_slip_score_is_the_mean_error_of_slip():
+    truth = planted.judged(cases.load("disc_on_line", mu=0.1))
+    exact = sampled(truth.truth, 4000)
+    for part in (0.01, 0.1):
+        slower = truth.score(replace(exact, slip=(1.0 - part) * exact.slip))
+        size = np.abs(exact.slip)
+        mean = float(np.mean(0.5 * (size[1:] + size[:-1])))  # trapezoids: the times are even
+        assert slower.slip == pytest.approx(part * mean / truth.scale.slip, rel=1e-6)
+
+
+def test_score_has_no_unit():
+    offs = []
+    for case in cases.select("at_any_size"):
+        truth = planted.judged(case)
+        offs.append(truth.score(planted.less_friction(truth)).off)
+    assert len(offs) == 3 and np.ptp(offs) <= 1e-6 * offs[0]
+
+
+# --- convergence ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", [PAPER, cases.load("disc_on_line", mu=0.1)], ids=lambda case: case.label)
+def test_semi_implicit_euler_gets_better_with_every_smaller_step(case):
+    truth = planted.judged(case)
+    scores = [truth.score(planted.semi_implicit_euler(case, steps)) for steps in (60, 120, 240, 480, 960, 1920)]
+    for coarse, fine in zip(scores[:-1], scores[1:], strict=True):
+        assert fine.off < coarse.off
+        # First order: half the step, half the error.
+        assert 1.5 <= coarse.off / fine.off <= 2.5
+    grades = [list(Grade).index(grade(score.off)) for score in scores]
+    assert grades == sorted(grades, reverse=True)
+
+
+def test_creep_of_a_relaxed_solver_changes_no_grade():
+    truth = planted.judged(PAPER)
+    for share in (1.0, 0.99, 0.9):
+        score = truth.score(planted.semi_implicit_euler(PAPER, 960, share))
+        assert grade(score.off) is Grade.ROUGH and sequence_note(score, truth.scale) == "same sequence"
+
+
+def test_doubt_falls_with_the_distance_of_samples():
+    truth = planted.judged(PAPER)
+    doubts = [truth.score(sampled(truth.truth, samples)).doubt for samples in (30, 100, 300, 1000, 3000)]
+    assert doubts == sorted(doubts, reverse=True) and doubts[0] > 1e-2 and doubts[-1] < 1e-4
+
+
+# --- what a motion leaves out counts as standing still ----------------------------------------------------------------
+
+
+def part(motion, kept):
+    """The motion with some of its samples."""
+    return replace(motion, **{name: getattr(motion, name)[kept] for name in ("t", *State._fields)})
+
+
+@pytest.mark.parametrize("begin, end", [(0.0, 0.3), (0.4, 0.7), (0.6, 1.0)], ids=["start", "middle", "end"])
+def test_left_out_time_is_time_in_another_mode(begin, end):
+    truth = planted.judged(PAPER)
+    exact, last = sampled(truth.truth, 1000), truth.scale.end
+    kept = (exact.t < begin * last) | (exact.t > end * last) | (exact.t == (last if end < 1.0 else 0.0))
+    score = truth.score(part(exact, kept))
+    assert score.mode * truth.scale.time >= 0.99 * (end - begin) * last
+    assert score.pose > 0.05
+
+
+def test_a_motion_that_ends_a_step_early_loses_nothing():
+    truth = planted.judged(PAPER)
+    exact = sampled(truth.truth, 1000)
+    assert truth.score(part(exact, slice(0, -2))).off <= 1e-6
+
+
+def test_a_late_transition_is_told_by_its_order_not_by_its_number():
+    truth = planted.judged(PAPER)
+    exact = sampled(truth.truth, 1000)
+    wrong = (Transition(0.1, Mode.SLIP_FORWARD, Mode.FLIGHT),)
+    score = truth.score(replace(exact, transitions=wrong, first_mode=Mode.SLIP_FORWARD))
+    assert sequence_note(score, truth.scale) == "another sequence of modes" and grade(score.off) is Grade.UNUSABLE
