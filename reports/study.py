@@ -77,7 +77,7 @@ def _make(
         folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.told()})
     store.trim()
     summary = getattr(result.study, "summary", None)
-    print(summary(result.found) if summary else "\n\n".join(text.plain(frame) for frame in result.frames.values()))
+    print(summary(result.findings) if summary else "\n\n".join(text.plain(frame) for frame in result.frames.values()))
     print("\n".join(f"written: {out / file.name}" for file in files))
 
 

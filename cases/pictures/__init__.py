@@ -1,9 +1,10 @@
-"""Cases and motions as pictures: for papers, slides and notebooks.
+"""Pictures of cases and motions for papers, slides and notebooks.
 
-Nobody imports this at the top of a module: Matplotlib takes half a second, and whoever computes does not draw. Nothing
-here decides an answer, so what is kept of answers does not depend on its code. It knows curves and numbers, and takes
-for a motion whatever has times `t`, states at times, `transitions` and `first_mode`.
+Import this package inside functions, not at the top of a module: importing Matplotlib takes half a second, which
+computations without pictures should not pay. No answer depends on this package, so cache keys of answers do not include
+its code. It uses only curves and numbers; a motion is any object with times `t`, states at times, `transitions` and
+`first_mode`.
 """
 
-# Stands in every picture that a command writes, so that the next one knows it for its own.
+# Written into every picture that a command makes, so that later commands recognise the file as theirs.
 MADE_BY = "slip-to-roll"

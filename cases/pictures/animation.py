@@ -1,4 +1,4 @@
-"""A motion that moves: GIF by Pillow, MP4 by ffmpeg, both through Matplotlib."""
+"""Animations of motions: GIF with Pillow, MP4 with ffmpeg, both drawn by Matplotlib."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from .layout import Scene
 from .plots import LABELS, MODE_WORDS, mark_transitions
 from .style import FAINT, FORCE, PLATE, Picture, styled
 
-# Frames a second: smooth, and a whole number of the hundredths of a second that a GIF counts.
+# Frames per second: smooth, and a whole number of hundredths of a second per frame, which is the time unit of a GIF.
 FRAMES_A_SECOND = 20
-# Seconds that a motion is made to last when nothing is asked: long enough to see it, short enough to send.
+# Default duration of a film in seconds: long enough to follow the motion, short enough for a small file.
 _SHORTEST, _LONGEST = 4.0, 8.0
-# Dots an inch: a figure of 7 × 3.6 inches is then 560 × 288 pixels.
+# Dots per inch: a figure of 7 × 3.6 inches is then 560 × 288 pixels.
 _DPI = 80
-# An arrow for a plate's own weight is as long as this share of the plate's size.
+# Length of the force arrow for the plate's weight, as a fraction of the plate's size.
 _ARROW = 0.8
 KINDS = (".gif", ".mp4")
 
 
 class Animation:
-    """A motion to look at: `save` writes it, a notebook shows it.
+    """An animation of a motion: `save` writes it, and a notebook displays it.
 
-    `factor`: seconds of the motion in one second of film; None: 1 where that makes a film of a few seconds, else a
-    round number that does. `quantity`: what is drawn against time below the scene.
+    `factor`: seconds of the motion per second of film; None: 1 if that makes a film of a few seconds, otherwise a
+    round number that does. `quantity`: the quantity plotted against time next to the scene.
     """
 
     def __init__(self, motion: Any, scene: Scene, weight: float, factor: float | None, quantity: str):
@@ -62,9 +62,11 @@ class Animation:
         return f'<img alt="{self._scene.label} moving" src="data:image/gif;base64,{data}">'
 
     def save(self, path: str | Path, replace: bool = True) -> Path:
-        """Write the film; returns its path. Raises BadValue for another ending than .gif and .mp4, and for .mp4 where
-        ffmpeg is missing; FileExistsError, unless it may `replace` one, if the file exists; OSError if it cannot be
-        written, and then there is none."""
+        """Write the film; returns its path.
+
+        Raises BadValue for an ending other than .gif and .mp4, and for .mp4 if ffmpeg is missing; FileExistsError if
+        the file exists and `replace` is false; OSError if it cannot be written, in which case no file is left.
+        """
         path = Path(path)
         gif = _check_kind(path)
         with styled(), written(path, replace) as partial:
@@ -77,7 +79,7 @@ class Animation:
         return "" if self.factor == 1 else f", {self.factor:g} × real time"
 
     def _frames(self) -> tuple[Picture, Callable[[float], None]]:
-        """The first picture, and what changes it into that of another time."""
+        """The first frame, and a function that changes it to the frame of a given time."""
         motion, scene = self._motion, self._scene
         times = motion.times()
         state = motion(times)
@@ -99,13 +101,13 @@ class Animation:
             moving.show(now, time, getattr(now, self._quantity), scale, _mode_at(motion, time))
 
         show(float(times[0]))
-        figure.draw_without_rendering()  # where things stand is worked out once, not in every frame
+        figure.draw_without_rendering()  # compute the layout once instead of in every frame
         figure.set_layout_engine("none")
         return figure, show
 
 
 class _Moving:
-    """What of the picture changes from frame to frame."""
+    """The parts of the picture that change from frame to frame."""
 
     def __init__(self, left: Any, right: Any, scene: Scene):
         self._scene = scene
@@ -147,7 +149,7 @@ def _mode_at(motion: Any, time: float) -> str | None:
 
 
 def _room(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray) -> None:
-    """The track, and axes wide enough for the plate wherever it comes."""
+    """Draw the track, and set the axes so that they contain the plate at all times."""
     X, Y = scene.track.point(layout.visible(scene, path, xi1))
     ax.plot(X, Y, color="black", linewidth=1.6)
     reach = float(np.hypot(*scene.corners()).max())
@@ -158,20 +160,20 @@ def _room(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray) -> None:
 
 
 def _round_factor(lasts: float) -> float:
-    """1 for a motion of a few seconds, else the number of the kind 1, 2, 5 × 10ⁿ that makes it one."""
+    """1 for a motion of a few seconds, otherwise the factor 1, 2 or 5 × 10ⁿ that makes a film of a few seconds."""
     if _SHORTEST / 2 <= lasts <= _LONGEST:
         return 1.0
-    wanted = lasts / _SHORTEST
-    power = 10.0 ** floor(log10(wanted))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9))
+    quotient = lasts / _SHORTEST
+    power = 10.0 ** floor(log10(quotient))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= quotient * (1 + 1e-9))
 
 
 def _check_kind(path: Path) -> bool:
-    """Whether it is to be a GIF; raises BadValue for what cannot be written."""
+    """Whether the file is a GIF; raises BadValue for a kind that cannot be written."""
     if path.suffix.lower() not in KINDS:
         raise BadValue(f"{path.name} ends in {path.suffix or 'nothing'!r}; end it in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not movies.FFMpegWriter.isAvailable():
-        raise BadValue("ffmpeg is not installed, without which there is no MP4; install it, or write a .gif")
+        raise BadValue("an MP4 needs ffmpeg, which is not installed; install it, or write a .gif")
     return path.suffix.lower() == ".gif"
 
 

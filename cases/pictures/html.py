@@ -1,4 +1,4 @@
-"""Cases and motions as a notebook shows them: a picture and a small table. All text is escaped."""
+"""HTML of cases and motions for notebooks: a picture and a small table. All text is escaped."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from . import scene as scenes
 from .layout import Instant, Scene, instants
 from .style import Picture, styled
 
-# Transitions that a notebook shows; more are counted.
+# Largest number of transitions in a notebook's table; the others are only counted.
 _MOST = 12
 
 
 def of_case(case: Any) -> str:
-    """The plate where it starts, and what the case says."""
+    """The plate at its start and the facts of the case, as HTML."""
     start = case.start.motion(case.track, case.plate.outline)
     at = Instant(start.x, start.y, start.theta, start.xi1 if case.start.in_contact else np.nan, 1.0)
     facts = {
@@ -28,46 +28,46 @@ def of_case(case: Any) -> str:
         "start": case.start_text,
         "duration": f"{case.duration:g} s",
     }
-    return _beside(_scene(case.scene, at), f"<b>{escape(case.label)}</b>{table(facts.items())}")
+    return _side_by_side(_scene(case.scene, at), f"<b>{escape(case.label)}</b>{table(facts.items())}")
 
 
 def of_motion(motion: Any) -> str:
-    """What happens, in words; the transitions; the scene, where the case is known."""
+    """A motion in words, its transitions, and the scene if its case is available, as HTML."""
     head = f"<b>{escape(motion.case.label)}</b><br>" if motion.case else ""
     rows = [(f"{t.time:.9g} s", f"{t.before} → {t.after}", t.cause) for t in motion.transitions[:_MOST]]
-    left = len(motion.transitions) - len(rows)
-    more = f"<p>… and {left} more</p>" if left else ""
+    remaining = len(motion.transitions) - len(rows)
+    more = f"<p>… and {remaining} more</p>" if remaining else ""
     words = f"{head}{escape(motion.in_words())}{table(rows) if rows else ''}{more}"
     if motion.case is None:
         return words
     times = motion.times()
     state = motion(times)
-    chosen = instants(times, [t.time for t in motion.transitions][:_MOST])
-    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in chosen]
-    return _beside(_scene(motion.case.scene, *poses, path=np.array([state.x, state.y]), xi1=state.xi1), words)
+    samples = instants(times, [t.time for t in motion.transitions][:_MOST])
+    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
+    return _side_by_side(_scene(motion.case.scene, *poses, path=np.array([state.x, state.y]), xi1=state.xi1), words)
 
 
 def table(rows: Any) -> str:
-    """Rows of texts as a table without a head."""
+    """Rows of texts as an HTML table without headings."""
     cell = '<td style="text-align:left;vertical-align:top">'
     lines = "".join("<tr>" + "".join(f"{cell}{escape(str(text))}</td>" for text in row) + "</tr>" for row in rows)
     return f"<table>{lines}</table>"
 
 
-def _beside(picture: str, words: str) -> str:
+def _side_by_side(picture: str, words: str) -> str:
     return (
         f'<div style="display:flex;flex-wrap:wrap;gap:1.5em;align-items:flex-start">{picture}<div>{words}</div></div>'
     )
 
 
 def _scene(scene: Scene, *poses: Instant, path: np.ndarray | None = None, xi1: np.ndarray | None = None) -> str:
-    one = poses[0]
-    path = np.array([[one.x], [one.y]]) if path is None else path
-    xi1 = np.array([one.xi1]) if xi1 is None else xi1
-    held = BytesIO()
+    first = poses[0]
+    path = np.array([[first.x], [first.y]]) if path is None else path
+    xi1 = np.array([first.xi1]) if xi1 is None else xi1
+    buffer = BytesIO()
     with styled():
         figure = Picture(figsize=(3.4, 2.8), layout="constrained")
         scenes.draw(figure.subplots(), scene, path, xi1, poses)
-        figure.savefig(held, format="png", dpi=100)
-    data = b64encode(held.getvalue()).decode()
+        figure.savefig(buffer, format="png", dpi=100)
+    data = b64encode(buffer.getvalue()).decode()
     return f'<img alt="{escape(scene.label)}: the plate on its track" src="data:image/png;base64,{data}">'

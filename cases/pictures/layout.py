@@ -1,4 +1,4 @@
-"""What of a scene is drawn, and where: numbers for pictures, films and pages. Needs no Matplotlib."""
+"""Geometry of pictures, films and pages: points of the track and the plate. Needs no Matplotlib."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 
 from ..curves import Curve
 
-# Corners of a plate as drawn: a circle's chords then leave it by a thousandth of its radius.
+# Corners of the polygon that shows a plate: the chords of a circle then deviate from it by 1/1,000 of its radius.
 CORNERS = 73
-# Points along a track: a picture is some 400 points wide.
+# Points along a track: a picture is about 400 points wide.
 _POINTS = 361
 
 
 class Scene(NamedTuple):
-    """What a picture needs of a case: its two curves, its name, and whether Y points down the page (gravity's way)."""
+    """The data of a case for a picture: two curves, a label, and whether Y (the direction of gravity) points down."""
 
     track: Curve
     outline: Curve
@@ -30,7 +30,7 @@ class Scene(NamedTuple):
 
 
 class Instant(NamedTuple):
-    """A pose (m, rad), the contact parameter on the track (NaN in flight), and from 1 to 0 how dark it is drawn."""
+    """A pose (m, rad), the contact parameter on the track (NaN in flight), and the shade from 1 (dark) to 0 (light)."""
 
     x: float
     y: float
@@ -48,7 +48,7 @@ def placed(scene: Scene, at: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def visible(scene: Scene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
-    """Even track parameters worth drawing: all of a closed track, else what the plate visits and a little more.
+    """Evenly spaced track parameters for drawing: all of a closed track, otherwise the part near the plate's path.
 
     `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).
     """
@@ -56,8 +56,8 @@ def visible(scene: Scene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
     if track.period:
         return np.linspace(*track.span, _POINTS)
     flying = ~np.isfinite(xi1)
-    visited = np.concatenate([xi1[~flying], _below(track, path[:, flying])])
-    low, high = float(np.min(visited)), float(np.max(visited))
+    parameters = np.concatenate([xi1[~flying], _below(track, path[:, flying])])
+    low, high = float(np.min(parameters)), float(np.max(parameters))
     size = float(np.ptp(scene.corners(), axis=1).max())
     more = 1.2 * size / float(track.speed(0.5 * (low + high)))
     domain = track.domain or (-np.inf, np.inf)
@@ -65,17 +65,20 @@ def visible(scene: Scene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
 
 
 def _below(track: Curve, path: np.ndarray) -> np.ndarray:
-    """Roughly the track parameter that is nearest to the centre, for each sample."""
+    """The approximate parameter of the track's point nearest to the centre, for each sample."""
     grid = np.linspace(*track.span, 1001)
     X, Y = track.point(grid)
     return np.array([grid[np.argmin(np.hypot(X - x, Y - y))] for x, y in path.T])
 
 
 def instants(times: np.ndarray, transitions: Sequence[float]) -> list[tuple[int, float]]:
-    """(sample, shade from 1 to 0) of the start, the transitions and even times, not closer than a tenth apart."""
-    wanted = [float(times[0]), *transitions, float(times[-1])]
+    """(sample, shade from 1 to 0) at the start, the end, the transitions and evenly spaced times.
+
+    An evenly spaced time within a tenth of the duration of another selected time is omitted.
+    """
+    selected = [float(times[0]), *transitions, float(times[-1])]
     for time in np.linspace(times[0], times[-1], 7)[1:-1]:
-        if all(abs(time - other) > 0.1 * (times[-1] - times[0]) for other in wanted):
-            wanted.append(float(time))
-    places = sorted({int(np.argmin(np.abs(times - time))) for time in wanted})
+        if all(abs(time - other) > 0.1 * (times[-1] - times[0]) for other in selected):
+            selected.append(float(time))
+    places = sorted({int(np.argmin(np.abs(times - time))) for time in selected})
     return [(place, 1.0 - i / max(len(places) - 1, 1)) for i, place in enumerate(places)]

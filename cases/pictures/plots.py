@@ -1,4 +1,4 @@
-"""A motion as a picture: the scene, and quantities against time."""
+"""Plots of a motion: the scene, and quantities against time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from . import scene as scenes
 from .layout import Instant, Scene, instants
 from .style import FAINT, PLATE, Picture, styled
 
-# What may be drawn against time, as the axis says it.
+# Axis labels of the quantities that can be plotted against time.
 LABELS = {
     "x": "X / m",
     "y": "Y / m",
@@ -34,16 +34,16 @@ MODE_WORDS = {
     "rest": "rests",
     "flight": "flies",
 }
-# Points that a letter of eight points takes, in the mean.
+# Mean width of a letter of size 8, in points.
 _LETTER = 5.0
-# The width of a panel of time below, in points.
+# Width of a time panel, in points.
 _PANEL = 270.0
 
 
 def plot(motion: Any, scene: Scene | None, quantities: Iterable[str], colour: str = PLATE) -> Picture:
-    """The scene (where the case is known) beside the quantities against time, lines at the transitions.
+    """Plot the scene (unless None) next to the quantities against time, with lines at the transitions.
 
-    Raises UnknownName for a quantity a motion does not have.
+    Raises UnknownName for a quantity that a motion does not have.
     """
     names = tuple(quantities)
     for name in names:
@@ -69,14 +69,14 @@ def plot(motion: Any, scene: Scene | None, quantities: Iterable[str], colour: st
 
 
 def _scene(ax: Any, scene: Scene, motion: Any, times: np.ndarray, state: Any) -> None:
-    chosen = instants(times, [t.time for t in motion.transitions][:6])
-    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in chosen]
+    samples = instants(times, [t.time for t in motion.transitions][:6])
+    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
     scenes.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses)
     ax.set_title(scene.label, loc="left", fontweight="bold")
 
 
 def mark_transitions(ax: Any, transitions: Sequence, first_mode: str | None, span, width: float = 0.0) -> None:
-    """Lines at the transitions; over an axis about `width` points wide also the modes between, in words."""
+    """Draw lines at the transitions and, if `width` (of the axis, in points) is positive, the modes in words."""
     times = [t.time for t in transitions]
     for time in times:
         ax.axvline(time, color=FAINT, linewidth=0.7, zorder=0.5)
@@ -86,7 +86,7 @@ def mark_transitions(ax: Any, transitions: Sequence, first_mode: str | None, spa
     modes = [first_mode, *(t.after for t in transitions)]
     for mode, left, right in zip(modes, edges[:-1], edges[1:], strict=False):
         word = MODE_WORDS[mode] if mode is not None else ""
-        # A stretch narrower than its word goes without.
+        # Omit a word that is wider than its interval.
         if word and (right - left) * width > _LETTER * len(word) * (edges[-1] - edges[0]):
             ax.annotate(
                 word, (0.5 * (left + right), 1.0), (0, 3), xycoords=("data", "axes fraction"),

@@ -1,4 +1,4 @@
-"""A scene drawn: the track, and the plate on it at some instants."""
+"""Drawing of a scene: the track, and the plate at some instants."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from .style import FORCE, PLATE, TRACK
 
 
 def draw(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray, instants: Sequence[Instant]) -> None:
-    """Track and plate; `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).
+    """Draw track and plate; `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).
 
-    The spoke turns with the plate, the dot is the contact point; where the plate flies, the centre's path is drawn.
+    The spoke turns with the plate, and the dot is the contact point. In flight, the path of the centre is drawn.
     """
     ax.plot(*scene.track.point(visible(scene, path, xi1)), color=TRACK, linewidth=1.6)
     flying = np.where(np.isfinite(xi1), np.nan, path)
     if np.isfinite(flying).any():
         ax.plot(*flying, color=PLATE, linewidth=0.9, linestyle=(0, (2, 1.5)))
-    for one in instants:
-        corners, spoke = placed(scene, one)
-        edge, inside = 0.4 + 0.6 * one.shade, 0.08 + 0.22 * one.shade
+    for instant in instants:
+        corners, spoke = placed(scene, instant)
+        edge, inside = 0.4 + 0.6 * instant.shade, 0.08 + 0.22 * instant.shade
         ax.fill(*corners, facecolor=(PLATE, inside), edgecolor=(PLATE, edge), linewidth=0.9)
         ax.plot(*spoke, color=PLATE, linewidth=0.9, alpha=edge)
-        if np.isfinite(one.xi1):
-            ax.plot(*scene.track.point(float(one.xi1)), marker="o", markersize=3, color=FORCE)
+        if np.isfinite(instant.xi1):
+            ax.plot(*scene.track.point(float(instant.xi1)), marker="o", markersize=3, color=FORCE)
     finish(ax, scene)
 
 
 def finish(ax: Any, scene: Scene) -> None:
-    """Equal scales, gravity down the page, and what the axes are."""
+    """Set equal scales, gravity down the page, and the axis labels."""
     ax.set_aspect("equal")
     ax.locator_params(nbins=5)
     if scene.down and not ax.yaxis_inverted():

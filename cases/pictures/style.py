@@ -1,4 +1,4 @@
-"""How every figure of the suite looks: one style, on the screen and on paper."""
+"""The style of every figure of the suite, on screen and on paper."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 
 from ..owned_folder import written
 
-# What is drawn of a scene. The plate is slate, as the reference's curves are: its motion is the reference's unless
-# somebody says otherwise. Forces are amber, which no solver has.
+# Colours of a scene. The plate is slate like the reference's curves, because by default its motion is the reference's.
+# Forces are amber, which is no solver's colour.
 TRACK, PLATE, FORCE, FAINT = "#000000", "#33475b", "#e69f00", "#8a8a8a"
 
 STYLE: Any = {
@@ -33,15 +33,15 @@ STYLE: Any = {
     "legend.fontsize": 8.5,
     "savefig.facecolor": "white",
     "svg.hashsalt": "slip-to-roll",  # equal data give equal files
-    "svg.fonttype": "none",  # text as text: glyphs as outlines are most of a file
-    "pdf.fonttype": 42,  # letters that a publisher's tools take; the other kind is refused by some
+    "svg.fonttype": "none",  # text stays text: outlines of glyphs would be most of a file
+    "pdf.fonttype": 42,  # TrueType; some publishers reject the default Type 3 fonts
     "path.simplify": True,
-    "path.simplify_threshold": 0.2,  # of a point: less than a line's width by far
+    "path.simplify_threshold": 0.2,  # points: far less than a line's width
 }
 
 
 class Picture(Figure):
-    """A figure that a notebook shows once, whatever else is imported, and that no window keeps alive."""
+    """A figure independent of pyplot: a notebook shows it once, and no window keeps it in memory."""
 
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
@@ -51,12 +51,12 @@ class Picture(Figure):
         return f"<Picture of {len(self.axes)} panels; savefig(path) writes it as .svg, .pdf or .png>"
 
     def _repr_png_(self) -> bytes:
-        held = BytesIO()
-        self.savefig(held, format="png", dpi=110, bbox_inches="tight")
-        return held.getvalue()
+        buffer = BytesIO()
+        self.savefig(buffer, format="png", dpi=110, bbox_inches="tight")
+        return buffer.getvalue()
 
     def savefig(self, fname, **kwargs) -> None:
-        """As Matplotlib's, in the suite's style: text stays text. A file is written whole or not at all."""
+        """Save like Matplotlib's `savefig`, in the suite's style; a file is written completely or not at all."""
         with styled():
             if not isinstance(fname, str | Path):
                 super().savefig(fname, **kwargs)
@@ -70,6 +70,6 @@ class Picture(Figure):
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """What is drawn and written inside has the suite's style."""
+    """A context in which figures are drawn and written in the suite's style."""
     with matplotlib.rc_context(STYLE):
         yield

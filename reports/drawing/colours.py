@@ -1,9 +1,9 @@
-"""One colour a solver, in every figure and on the page; the only place that says which.
+"""The colour of each solver in all figures and on the page.
 
-The suite's own solvers have fixed colours, so that a colour means the same in every report. Those of the engines on a
-light ground are Okabe and Ito's ("Color Universal Design", 2008). The dark ones, and those of further solvers, were
-searched for: of the same hue, and every pair as far apart as can be for readers who lack one kind of cone. The tests
-measure it.
+The suite's own solvers have fixed colours, so that a colour means the same in every report. On a light background, the
+engines' colours are Okabe and Ito's ("Color Universal Design", 2008). Those for a dark background and for further
+solvers were computed: the same hue, and every pair as distinct as possible for readers who lack one kind of cone. The
+tests measure this.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from ..running.records import REFERENCE
 
 
 class Colour(NamedTuple):
-    """A solver's colour on a light ground and on a dark one."""
+    """A solver's colour on a light and on a dark background."""
 
     light: str
     dark: str
 
 
-# The ground a page has: figures are drawn on the light one.
+# Backgrounds of the page: figures are drawn on the light one.
 GROUND = Colour("#ffffff", "#14181d")
 TRUTH = Colour("#000000", "#ffffff")
 OWN = {
@@ -32,12 +32,12 @@ OWN = {
     "pybullet": Colour("#cc79a7", "#c06090"),
     "pymunk": Colour("#d55e00", "#ff5018"),
 }
-# For whatever else takes part, in alphabetical order: an adapter of somebody's, an exported motion.
+# Colours of other solvers in alphabetical order: third-party adapters, exported motions.
 OTHERS = (Colour("#3a1fd0", "#c9a6ff"), Colour("#552200", "#b87a4a"), Colour("#4f5300", "#f2ee3c"))
 
 
 def colours(solvers: Iterable[str]) -> dict[str, Colour]:
-    """The colour of each solver. More than three that the suite does not know share colours: their markers differ."""
-    known = set(solvers)
-    others = zip(sorted(known - OWN.keys()), cycle(OTHERS), strict=False)
-    return {name: OWN[name] for name in OWN if name in known} | dict(others)
+    """The colour of each solver. More than three unknown solvers share colours; their markers differ."""
+    names = set(solvers)
+    others = zip(sorted(names - OWN.keys()), cycle(OTHERS), strict=False)
+    return {name: OWN[name] for name in OWN if name in names} | dict(others)

@@ -1,4 +1,4 @@
-"""Some motions beside their truth: a quantity against time, and the distances."""
+"""Plot of some motions and their truth: a quantity against time, and the differences from the truth."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..running.records import Run, Truth
 from .colours import TRUTH
 from .looks import Looks, logarithmic
 
-# Quantities as samples name them, and their differences' names.
+# Names of quantities in the samples, and names of their differences.
 _OFF = {
     "x": "x",
     "y": "y",
@@ -27,7 +27,7 @@ _OFF = {
 
 
 def plot(label: str, truth: Truth, runs: Sequence[Run], quantity: str) -> Picture:
-    """The picture; raises UnknownName for a quantity that is not compared."""
+    """Plot one quantity of the runs and the truth; raises UnknownName for a quantity that is not compared."""
     if quantity not in _OFF:
         raise unknown("quantity that is compared", quantity, _OFF)
     looks = Looks((run.solver, run.route) for run in runs)

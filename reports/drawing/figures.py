@@ -1,6 +1,6 @@
-"""Runs -> figures: the scene, the motion as the paper draws it, the error against the steps, and the headline.
+"""Figures of runs: the scene, the motion as in the paper, the error against the steps, and the headline figure.
 
-Every figure is made from an `Experiment` alone. Times in s, lengths in m, angles in rad.
+Every figure depends only on an `Experiment`. Times in s, lengths in m, angles in rad.
 """
 
 from __future__ import annotations
@@ -25,17 +25,16 @@ from ..running.records import REFERENCE, Experiment, Run, Truth, finest, first_e
 from .files import Picture, file_name, picture
 from .style import FAINT, POINTS, STYLE, TRUTH, Looks, logarithmic
 
-# An error drawn on a logarithmic axis needs a least value; below a double's rounding of quantities of order one there
-# is nothing to see.
+# Smallest error on a logarithmic axis: below the rounding of doubles of order one.
 _SMALLEST = 1e-17
-# A truth that varies by less, in SI units, is level: what varies is rounding.
+# A truth that varies by less, in SI units, counts as constant: the variation is rounding.
 _LEVEL = 1e-9
-# Fewer samples than this over a motion are drawn as dots, so many points wide.
+# A motion with fewer samples than _FEW is drawn as dots of _DOT points.
 _FEW, _DOT = 100, 3.0
-# The height of a line of text, in parts of the axis it stands beside.
+# Height of a line of text, as a fraction of the axis next to it.
 _LINE = 0.075
-# What is drawn against time, the paper's own first: the label, the samples' name, and the name of its difference from
-# the truth.
+# Quantities plotted against time, the paper's first: label, name in the samples, and name of the difference from the
+# truth.
 _QUANTITIES = (
     (plots.LABELS["slip"], "slip", "slip"),
     (plots.LABELS["xi1"], "xi1", "xi1"),
@@ -48,8 +47,10 @@ _QUANTITIES = (
 
 
 def draw_case(case: Case, part: Experiment, looks: Looks, main: bool) -> list[Picture]:
-    """The figures of one case: scene, motion, error, and the headline if it is the main one. A figure that fails with
-    the results of a solver is drawn without them."""
+    """Draw the figures of one case: scene, motion, error, and the headline if it is the `main` case.
+
+    A figure that fails with the results of a solver is drawn without them.
+    """
     name = file_name(case.label)
     figures: list[tuple[Callable[[Experiment], Figure], str, tuple[str, str]]] = [
         (lambda part: scene(part, case), f"scene_{name}", _SCENE_WORDS),
@@ -59,45 +60,44 @@ def draw_case(case: Case, part: Experiment, looks: Looks, main: bool) -> list[Pi
     if main:
         figures.insert(0, (lambda part: headline(part, case, looks), "headline", _HEADLINE_WORDS))
     solvers = [run.solver for run in part.runs]
-    made = []
+    pictures = []
     with matplotlib.rc_context(STYLE):
         for figure, file, words in figures:
 
-            def drawn(part: Experiment, figure=figure, file=file, words=words) -> Picture:
+            def draw(part: Experiment, figure=figure, file=file, words=words) -> Picture:
                 try:
                     title, caption = words
                     return picture(figure(part), file, case.label, title, caption, png=file == "headline")
                 finally:
-                    plt.close("all")  # of a figure that failed, too
+                    plt.close("all")  # also after a failure
 
-            picture_, left = per_solver.made(drawn, (part,), solvers, f"figure {file}")
-            made.append(replace(picture_, drawn=replace(picture_.drawn, left_out=tuple(left))))
-    return made
+            picture_, omitted = per_solver.made(draw, (part,), solvers, f"figure {file}")
+            pictures.append(replace(picture_, drawn=replace(picture_.drawn, left_out=tuple(omitted))))
+    return pictures
 
 
 _HEADLINE_WORDS = (
     "Slip velocity, and how far each solver is from the truth",
-    "Finest setting of every route. Above: the curves lie on each other. Below: the absolute difference from the "
-    "reference's slip velocity, on a logarithmic axis; it jumps where a solver's transition comes early or late, "
-    "because the slopes differ there. Vertical lines: the truth's transitions.",
+    "Finest setting of every route. Above: the curves coincide. Below: absolute difference from the reference's slip "
+    "velocity, on a logarithmic axis; it jumps where a solver's transition is early or late, because the slopes "
+    "differ there. Vertical lines: the truth's transitions.",
 )
 _SCENE_WORDS = (
     "The scene",
-    "The plate at its start (darkest), at each transition and at even times between; the spoke turns with it, the dot "
-    "is the contact point. Gravity pulls down the page.",
+    "The plate at its start (darkest), at each transition and at evenly spaced times between; the spoke turns with the "
+    "plate, and the dot is the contact point. Gravity points down the page.",
 )
 _MOTION_WORDS = (
-    "The motion, as the paper draws it",
-    "Left: slip velocity, contact parameters, rotation, multiplier λ = N/‖R_p‖ and the centre's place against time, "
-    f"from the finest setting of every route. Right: absolute difference from the truth, largest value in each of "
-    f"{POINTS} stretches of time. Where a solver gives no usable normal force its λ is missing; in flight there is no "
-    "contact.",
+    "The motion, as in the paper",
+    "Left: slip velocity, contact parameters, rotation, multiplier λ = N/‖R_p‖ and the centre's position against time, "
+    f"from the finest setting of every route. Right: absolute difference from the truth, the largest value in each of "
+    f"{POINTS} time intervals. λ is missing for a solver without a usable normal force; in flight there is no contact.",
 )
 _ERRORS_WORDS = (
     "Error against steps",
     "Each point is one setting; steps are the solver's own. A cross marks a run with a wrong sequence of transitions "
-    "(its first transition may still be right), a hollow marker the engine's own defaults. Below the grey line the "
-    "truth itself is not sure.",
+    "(its first transition may still be right), a hollow marker the engine's default settings. Grey: within the error "
+    "bar of the truth.",
 )
 
 
@@ -112,21 +112,21 @@ def _finest(experiment: Experiment, label: str) -> list[Run]:
 
 
 def _mark_transitions(ax: Axes, truth: Truth, width: float = 0.0) -> None:
-    """Lines at the truth's transitions; over an axis about `width` points wide also the modes between, in words."""
+    """Draw lines at the truth's transitions and, if `width` (of the axis, in points) is positive, mode names."""
     plots.mark_transitions(ax, truth.transitions, truth.first_mode, truth.samples["t"][[0, -1]], width)
 
 
 def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Largest |y| in each of at most POINTS equal stretches of the samples, at that sample's time."""
+    """Largest |y| in each of at most POINTS equal groups of samples, and the times of these samples."""
     size = np.where(np.isfinite(y), np.abs(y), 0.0)
     pieces = np.array_split(np.arange(len(size)), min(POINTS, len(size)))
     top = np.array([piece[np.argmax(size[piece])] for piece in pieces if len(piece)], dtype=int)
-    # Where a solver agrees to the last digit there is nothing to draw on a logarithmic axis.
+    # A difference of zero cannot be drawn on a logarithmic axis.
     return t[top], np.where(size[top] > _SMALLEST, size[top], np.nan)
 
 
 def _log_error(ax: Axes, runs: list[Run], name: str, looks: Looks) -> list[tuple[float, Run]]:
-    """Draw |difference| of each run; returns where each line ends, for labels."""
+    """Draw |difference| of each run; returns the last value of each line, for labels."""
     ends = []
     for run in runs:
         off = run.off[name]
@@ -141,14 +141,14 @@ def _log_error(ax: Axes, runs: list[Run], name: str, looks: Looks) -> list[tuple
 
 
 def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: Looks) -> None:
-    """Names beside the lines' right ends, moved apart where they would overlap."""
+    """Write names at the right ends of the lines, moved apart if they would overlap."""
     low, high = np.log10(ax.get_ylim())
     places: list[float] = []
     ends = sorted(ends, key=lambda end: end[0])
     for value, _ in ends:
-        wanted = float((np.log10(value) - low) / (high - low))
-        places.append(max(wanted, places[-1] + _LINE if places else 0.0))
-    # What is pushed beyond the top pushes the others down.
+        height = float((np.log10(value) - low) / (high - low))
+        places.append(max(height, places[-1] + _LINE if places else 0.0))
+    # A label above the top moves down and pushes the others down.
     for i, ceiling in enumerate(1.0 - _LINE * np.arange(len(places))):
         places[-1 - i] = min(places[-1 - i], float(ceiling))
     for (_, run), place in zip(ends, places, strict=True):
@@ -191,12 +191,12 @@ def headline(experiment: Experiment, case: Case, looks: Looks) -> Figure:
 def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: Looks) -> None:
     ax.plot(truth.samples["t"], truth.samples[name], color=TRUTH, linewidth=2.6, alpha=0.25, label="truth")
     top, bottom = np.nanmax(truth.samples[name]), np.nanmin(truth.samples[name])
-    # The axis belongs to the truth: a noisy force of one engine must not flatten everyone's curve, nor hide it.
+    # The truth sets the axis range: a noisy force of one engine must not flatten or hide the other curves.
     room = 0.08 * (top - bottom if top - bottom > max(1e-6 * abs(top), _LEVEL) else max(abs(top), 1.0))
     ax.set_ylim(bottom - room, top + room)
     for run in runs:
         values = run.samples[name]
-        if run.solver == REFERENCE:  # it lies on the truth: only its distance shows
+        if run.solver == REFERENCE:  # it coincides with the truth: only its difference is visible
             ax.plot([], [], **looks.line(run.solver, run.route), label=_name(run))
             continue
         if not np.any(np.isfinite(values)):
@@ -212,9 +212,10 @@ def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: Looks) ->
 
 
 def _dots(ax: Axes, t: np.ndarray, y: np.ndarray, colour: str, label: str) -> None:
-    """The samples of a solver that takes a few long steps; straight lines between them would be this picture's error.
+    """Draw the samples of a solver with few long steps as dots; straight lines between them would add errors.
 
-    They are one path of pieces with round ends, too short to see: as marks they were a quarter of the file."""
+    The dots are one path of very short segments with round ends: markers would take a quarter of the file.
+    """
     short = 1e-5 * float(np.ptp(t))
     times, values = np.column_stack([t, t + short, np.full(len(t), nan)]), np.column_stack([y, y, np.full(len(t), nan)])
     ax.plot(times.ravel(), values.ravel(), color=colour, linewidth=_DOT, solid_capstyle="round")
@@ -222,10 +223,10 @@ def _dots(ax: Axes, t: np.ndarray, y: np.ndarray, colour: str, label: str) -> No
 
 
 def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
-    """The paper's diagrams with every route, and beside each the distance from the truth."""
+    """The paper's diagrams with every route, each with the difference from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
-    # Places that hold all labels but those at the outer left, for which the file has room: to find them by layout takes
-    # a third of the whole figure's time.
+    # Fixed margins with room for all labels except the outer left ones, for which the file's bounding box has room.
+    # Automatic layout would take a third of the figure's time.
     places = {"left": 0.08, "right": 0.99, "bottom": 0.04, "top": 0.93, "wspace": 0.24, "hspace": 0.12}
     figure, axes = plt.subplots(len(_QUANTITIES), 2, figsize=(9.2, 13.6), sharex=True, gridspec_kw=places)
     for place, (label, name, off) in enumerate(_QUANTITIES):
@@ -248,9 +249,9 @@ def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
 
 
 def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
-    """First-transition error (or, without transitions, the centre's) of every rung against its steps."""
+    """Error of the first transition (without transitions, of the centre) of every rung against its steps."""
     truth = experiment.truths[case.label]
-    timed = bool(truth.transitions)
+    has_transitions = bool(truth.transitions)
     figure, ax = plt.subplots(figsize=(7.2, 4.3), layout="constrained")
     for (_, _, route), group in routes(run for run in experiment.runs if run.case == case.label).items():
         if not route:
@@ -260,7 +261,7 @@ def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
             for run in group
             if run.outcome in ("right", "wrong")
             and not is_truth(run, truth)
-            and isfinite(size := abs(first_error(run) if timed else run.distance.centre_max))
+            and isfinite(size := abs(first_error(run) if has_transitions else run.distance.centre_max))
         ]
         ladder = [p for p in points if not is_default(p[2])]
         if not points:
@@ -272,13 +273,13 @@ def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
             marker = "x" if run.outcome == "wrong" else looks.marker(run.solver, run.route)
             ax.plot(steps, size, marker=marker, markersize=6, color=look["color"], markerfacecolor=hollow)
     logarithmic(ax, "xy")
-    if timed:
+    if has_transitions:
         ax.axhspan(_SMALLEST / 10, truth.error_bars[0], color="#eeeeee", zorder=0)
         ax.axhline(truth.error_bars[0], color=FAINT, linewidth=0.8)
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _SMALLEST / 3), high)
     ax.set_xlabel("steps")
-    ax.set_ylabel("error of the first transition's time / s" if timed else "largest error of the centre / m")
+    ax.set_ylabel("error of the first transition's time / s" if has_transitions else "largest error of the centre / m")
     ax.set_title(case.label, loc="left", fontweight="bold")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -286,13 +287,13 @@ def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
 
 
 def scene(experiment: Experiment, case: Case) -> Figure:
-    """Track and plate at several instants, gravity down the page; the centre's path where the plate flies."""
+    """Track and plate at several instants, gravity down the page; in flight, the path of the centre."""
     truth = experiment.truths[case.label]
-    shown = truth.samples
-    x, y, theta, xi1 = (shown[name] for name in ("x", "y", "theta", "xi1"))
+    samples = truth.samples
+    x, y, theta, xi1 = (samples[name] for name in ("x", "y", "theta", "xi1"))
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
-    chosen = instants(shown["t"], [t.time for t in truth.transitions])
-    poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in chosen]
+    selected = instants(samples["t"], [t.time for t in truth.transitions])
+    poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in selected]
     scenes.draw(ax, case.scene, np.array([x, y]), xi1, poses)
     ax.set_title(case.label, loc="left", fontweight="bold")
     return figure

@@ -1,6 +1,7 @@
-"""Figures as files: small SVG whose text stays text, signed with the command that makes them again; PDF for print.
+"""Files of figures: small SVG with text as text and the command that reproduces it; PDF for print.
 
-Matplotlib is imported when a figure is made: a report whose figures are kept does without it."""
+Matplotlib is imported only when a figure is made, so a report whose figures are all cached does not need it.
+"""
 
 from __future__ import annotations
 
@@ -24,20 +25,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Bbox
 
-# Whether figures are also written as PDF: asked once by a command, and meant for all that it draws.
+# Whether figures are also written as PDF: set once by a command, for all its figures.
 _PRINTED = ContextVar("printed", default=False)
-# Whoever lacks Matplotlib's own typeface sees one as wide.
+# Matplotlib's typeface first; the fallbacks are equally wide.
 _TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
 
 
-# File systems hold names of 255 bytes; a figure's begins with its kind.
+# File systems limit names to 255 bytes; a figure's name also has a prefix for its kind.
 _READABLE_BYTES, _DIGITS = 150, 8
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure that was written: its file's name without ending ("" if it failed), the case's label ("" for all), title
-    and caption, and the solvers without whose results it was drawn, since with them it fails."""
+    """A figure in a folder: file name without ending ("" if it failed), label of the case ("" for all), title, caption,
+    and the solvers whose results are omitted because the figure fails with them."""
 
     name: str
     case: str
@@ -47,17 +48,19 @@ class Drawn:
 
 
 def file_name(label: str) -> str:
-    """A case's label as part of a file name: what of it can be in one, and a digest of the exact label, so that no two
-    labels share a name, also where upper and lower case are the same."""
+    """A case's label as part of a file name: its allowed characters and a digest of the exact label.
+
+    The digest makes names unique, also on file systems that ignore upper and lower case.
+    """
     readable = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("._")
     exact = hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()
     return f"{readable.encode()[:_READABLE_BYTES].decode(errors='ignore')}_{exact[:_DIGITS]}"
 
 
 @contextmanager
-def for_print(wanted: bool = True) -> Iterator[None]:
-    """Inside, if it is wanted, figures are also written as PDF."""
-    before = _PRINTED.set(wanted)
+def for_print(enabled: bool = True) -> Iterator[None]:
+    """A context in which figures are also written as PDF, if `enabled`."""
+    before = _PRINTED.set(enabled)
     try:
         yield
     finally:
@@ -65,13 +68,13 @@ def for_print(wanted: bool = True) -> Iterator[None]:
 
 
 def printed() -> bool:
-    """Whether figures are also written as PDF here; who draws in another process hands it over."""
+    """Whether figures are also written as PDF; code that draws in another process must pass this on."""
     return _PRINTED.get()
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure as its files hold it: SVG, and as bytes a PNG and a PDF (none if empty)."""
+    """The contents of a figure's files: SVG text, and bytes of a PNG and a PDF (empty if there is none)."""
 
     drawn: Drawn
     svg: str
@@ -79,14 +82,14 @@ class Picture:
     pdf: np.ndarray
 
     @classmethod
-    def read(cls, drawn: Drawn, folder: Path) -> Picture:
-        """What was written into the folder; nothing of a figure that failed."""
-        svg, *others = (folder / f"{drawn.name}.{kind}" for kind in ("svg", "png", "pdf"))
-        bytes_of = [_bytes(file.read_bytes() if drawn.name and file.exists() else b"") for file in others]
-        return cls(drawn, svg.read_text(encoding="utf-8") if drawn.name else "", *bytes_of)
+    def read(cls, entry: Drawn, folder: Path) -> Picture:
+        """Read the files of a figure from the folder; empty contents for a figure that failed."""
+        svg, *others = (folder / f"{entry.name}.{kind}" for kind in ("svg", "png", "pdf"))
+        bytes_of = [_bytes(file.read_bytes() if entry.name and file.exists() else b"") for file in others]
+        return cls(entry, svg.read_text(encoding="utf-8") if entry.name else "", *bytes_of)
 
     def write(self, folder: Path) -> Drawn:
-        """Write NAME.svg into the folder (and NAME.png, NAME.pdf); nothing of a figure that failed."""
+        """Write NAME.svg to the folder (and NAME.png, NAME.pdf); nothing for a figure that failed."""
         if not self.drawn.name:
             return self.drawn
         (folder / f"{self.drawn.name}.svg").write_text(self.svg, encoding="utf-8")
@@ -97,25 +100,27 @@ class Picture:
 
 
 def picture(figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False) -> Picture:
-    """The figure as SVG (and PNG; PDF, `for_print`); the figure itself is forgotten."""
+    """Convert the figure to SVG (and PNG; inside `for_print` also PDF) and close it."""
     from matplotlib import pyplot as plt
 
     text, dots, sheet = StringIO(), BytesIO(), BytesIO()
-    trimmed = _laid_out(figure)
-    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=trimmed)
+    box = _laid_out(figure)
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=box)
     if png:
-        figure.savefig(dots, format="png", dpi=160, bbox_inches=trimmed)
+        figure.savefig(dots, format="png", dpi=160, bbox_inches=box)
     if printed():
-        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=trimmed)
+        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=box)
     plt.close(figure)
-    drawn = Drawn(name, case, title, caption)
-    return Picture(drawn, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
+    entry = Drawn(name, case, title, caption)
+    return Picture(entry, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
 
 
 def _laid_out(figure: Figure) -> Bbox:
-    """Put everything in its place, once for all files, and return what it takes, in inches: Matplotlib's "tight" draws
-    a figure one time more to find that out. Text is drawn by who shows the picture, in a font that may be a twentieth
-    wider: labels at the sides get room for that."""
+    """Compute the layout once for all files and return the bounding box in inches.
+
+    Matplotlib's "tight" option would draw the figure once more for this. The viewer draws the text of an SVG in a font
+    that may be 5 % wider, so the box has room for that at the sides.
+    """
     from matplotlib import rcParams
 
     engine = figure.get_layout_engine()
@@ -131,24 +136,27 @@ def _bytes(content: bytes) -> np.ndarray:
 
 
 def save(figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False) -> Drawn:
-    """Write NAME.svg into the folder (and NAME.png) and forget the figure."""
+    """Write NAME.svg to the folder (and NAME.png) and close the figure."""
     return picture(figure, name, case, title, caption, png).write(folder)
 
 
-def embed_command(folder: Path, drawn: Drawn, command: str) -> None:
-    """Write into the figure's file by which command it is made again; a figure that failed has none."""
-    if not drawn.name:
+def embed_command(folder: Path, entry: Drawn, command: str) -> None:
+    """Write the command that reproduces a figure into its file; a figure that failed has no file."""
+    if not entry.name:
         return
-    file = folder / f"{drawn.name}.svg"
+    file = folder / f"{entry.name}.svg"
     text = file.read_text(encoding="utf-8")
     start = text.index(">", text.index("<svg")) + 1
-    words = f"<desc>{escape(drawn.title)}. Make it again: {escape(command)}</desc>"
+    words = f"<desc>{escape(entry.title)}. Make it again: {escape(command)}</desc>"
     file.write_text(text[:start] + words + text[start:], encoding="utf-8")
 
 
 def minify(svg: str) -> str:
-    """The same picture in fewer characters: coordinates to a hundredth of a point (of curves to a tenth), what many
-    parts share said once, nothing that only tools read."""
+    """Shorten an SVG without visible change.
+
+    Coordinates are rounded to a hundredth of a point (in curves to a tenth), shared styles become classes, and
+    metadata is removed.
+    """
     svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
     svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{_short(float(m[2]))}"', svg)
@@ -156,13 +164,13 @@ def minify(svg: str) -> str:
     svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # groups are named and never referred to
     for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
         svg = svg.replace(f'"{name}"', f'"i{place}"')
-        svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may begin another
+        svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may be the prefix of another
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
     svg = _bare_groups(_used_once(_styles_once(svg)))
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
 
 
-# A path of so many points is a curve: they stand close to each other.
+# A path with at least this many points is a curve: its points are close to each other.
 _CURVE = 30
 
 
@@ -172,32 +180,34 @@ def _short(value: float, digits: int = 2) -> str:
 
 
 def _path(text: str) -> str:
-    """A path through the same points, of a curve to a tenth of a point (its line is ten times as wide), else to a
-    hundredth; its straight pieces as differences, which take half the characters."""
+    """A path through the same points, rounded and with relative coordinates, which take half the characters.
+
+    Curves are rounded to a tenth of a point (a line is ten times as wide), other paths to a hundredth.
+    """
     words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
     if not set(filter(str.isalpha, words)) <= set("MLz"):
         return re.sub(
             r" (?=[A-Za-z-])|(?<=[A-Za-z]) ", "", " ".join(w if w.isalpha() else _short(float(w)) for w in words)
         )
-    told, before, here = [], "", (0.0, 0.0)
+    words_out, before, here = [], "", (0.0, 0.0)
     digits = 2 if len(words) < 3 * _CURVE else 1
     for command, x, y in re.findall(r"(z|[ML])(?: ([^\sA-Za-z]\S*) (\S+))?", " ".join(words)):
         if command == "z":
-            told.append("z")
+            words_out.append("z")
         else:
-            # Differences of what was written, so that roundings do not add up.
+            # Differences of rounded positions, so that rounding errors do not add up.
             there = round(float(x), digits), round(float(y), digits)
             shift = there if command == "M" else (there[0] - here[0], there[1] - here[1])
             pair = f"{_short(shift[0], digits)} {_short(shift[1], digits)}".replace(" -", "-")
             letter = "M" if command == "M" else "l" if before != "L" else "" if pair.startswith("-") else " "
-            told.append(letter + pair)
+            words_out.append(letter + pair)
             here = there
         before = command
-    return "".join(told)
+    return "".join(words_out)
 
 
 def _used_once(svg: str) -> str:
-    """Marks without the class that what they repeat has itself."""
+    """Remove the class of a marker if the path that it repeats has the same class."""
     classes = dict(re.findall(r'<path id="([^"]*)" d="[^"]*" class="([^"]*)"', svg))
     return re.sub(
         r'(<use xlink:href="#([^"]*)"[^>]*?) class="([^"]*)"',
@@ -207,21 +217,21 @@ def _used_once(svg: str) -> str:
 
 
 def _bare_groups(svg: str) -> str:
-    """Without groups that say nothing of what they hold."""
-    told, bare = [], []
+    """Remove groups without attributes."""
+    parts, bare = [], []
     for part in re.split(r"(<g\b[^>]*>|</g>)", svg):
         if part.startswith("<g") and part.endswith("/>"):
-            told.append(part)  # it holds nothing, and is closed
+            parts.append(part)  # an empty element
         elif part.startswith("<g"):
             bare.append(part == "<g>")
-            told.append("" if bare[-1] else part)
+            parts.append("" if bare[-1] else part)
         else:
-            told.append("" if part == "</g>" and bare.pop() else part)
-    return re.sub(r">\n+<", "><", "".join(told))
+            parts.append("" if part == "</g>" and bare.pop() else part)
+    return re.sub(r">\n+<", "><", "".join(parts))
 
 
 def _styles_once(svg: str) -> str:
-    """Styles that several parts have, as classes of a style sheet."""
+    """Replace styles that several elements share by classes of a style sheet."""
     counts = Counter(re.findall(r'style="([^"]*)"', svg))
     names = {style: f"c{i}" for i, style in enumerate(style for style, count in counts.items() if count > 1)}
     svg = re.sub(r'style="([^"]*)"', lambda m: f'class="{names[m[1]]}"' if m[1] in names else m[0], svg)

@@ -1,6 +1,6 @@
-"""Who looks how: a colour for each solver, dashes and a marker for each route, the same in all figures of all reports.
+"""Line styles: a colour for each solver, dashes and a marker for each route, the same in all figures of all reports.
 
-Nothing here opens a window or chooses how Matplotlib draws: a notebook may have chosen already.
+This module does not select a Matplotlib backend: a notebook may already have one.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from .colours import colours
 
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
 _MARKERS = ("o", "s", "^", "D")
-# Marks on a logarithmic axis.
+# Largest number of ticks on a logarithmic axis.
 _MARKS = 6
 
 
 class Looks:
-    """Colour by solver, dashes and marker by route: the same in every figure, whichever solvers took part."""
+    """Colour by solver, dashes and marker by route; the same in every figure, whichever solvers are present."""
 
     def __init__(self, routes: Iterable[tuple[str, str]]):
-        """`routes`: who takes part, as solver and route, each solver's routes in its own order."""
+        """`routes`: pairs of solver and route, each solver's routes in its own order."""
         self._routes: dict[str, list[str]] = {}
         for solver, route in routes:
-            known = self._routes.setdefault(solver, [])
-            if route and route not in known:
-                known.append(route)
+            own_routes = self._routes.setdefault(solver, [])
+            if route and route not in own_routes:
+                own_routes.append(route)
         self._colours = colours(self._routes)
 
     def colour(self, solver: str) -> str:
@@ -49,12 +49,12 @@ class Looks:
 
 
 def looks_of(experiment: Experiment) -> Looks:
-    """How everybody in an experiment looks."""
+    """The line styles of all solvers and routes of an experiment."""
     return Looks((run.solver, run.route) for run in experiment.runs)
 
 
 def logarithmic(ax: Axes, which: str) -> None:
-    """Logarithmic axes ("x", "y" or both) with a few plain marks: 1, 0.1, 10⁻²."""
+    """Make axes ("x", "y" or both) logarithmic with a few plain tick labels: 1, 0.1, 10⁻²."""
     for name in which:
         ax.set(**{f"{name}scale": "log"})
         axis = ax.xaxis if name == "x" else ax.yaxis
@@ -69,5 +69,5 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def _power(value: float, _position: int | None = None) -> str:
     mantissa, exponent = f"{value:.0e}".split("e")
     power = int(exponent)
-    # Powers of ten alone: where an axis spans less than one there are others, which are written out.
+    # Only powers of ten as powers; an axis that spans less than one decade has other ticks, which are written out.
     return f"{value:g}" if mantissa != "1" or abs(power) < 2 else "10" + str(power).translate(_RAISED)

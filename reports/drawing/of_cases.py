@@ -1,4 +1,4 @@
-"""The figures of all cases: drawn in workers, and kept like runs, so that none is drawn twice."""
+"""The figures of all cases: drawn in workers and cached like runs, so that none is drawn twice."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from ..running.records import Experiment
 from ..running.serving import settle
 from .files import Drawn, Picture, for_print, printed
 
-# Wall seconds for one case's figures: they take one, and much longer only on a machine that is busy.
+# Wall-clock limit in seconds for one case's figures: they take about 1 s, and much longer only on a busy machine.
 _PATIENCE = 120.0
-# A figure that failed is drawn again.
+# Failures are not cached, so a figure that failed is drawn again.
 _KEEP = Keep("figure", of=lambda *call: (*call, installed("matplotlib")), failures=False)
 # The paper's application.
 PAPER = "disc_in_circle[mu=0.2]"
 
 
 def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
-    """Write every figure into the folder; yields what was written, case by case.
+    """Write every figure to the folder; yields the entries of the figures, case by case.
 
-    A case whose figures fail has one `Drawn` that says so: hours of runs are not lost by a picture.
+    A case whose figures fail has one `Drawn` with the reason, so that a failed picture does not discard hours of runs.
     """
     folder.mkdir(parents=True, exist_ok=True)
     routes, main = tuple(dict.fromkeys((r.solver, r.route) for r in experiment.runs)), headline_case(experiment)
-    shown = [case for case in experiment.cases if not experiment.truths[case.label].failure]
-    asked = [(case, _part(experiment, case.label), routes, case is main, printed()) for case in shown]
-    answers = calls.all("figures", draw_case, asked, limit=_PATIENCE, keep=_KEEP)
-    for case, answer in zip(shown, answers, strict=True):
+    drawable = [case for case in experiment.cases if not experiment.truths[case.label].failure]
+    requests = [(case, _part(experiment, case.label), routes, case is main, printed()) for case in drawable]
+    answers = calls.all("figures", draw_case, requests, limit=_PATIENCE, keep=_KEEP)
+    for case, answer in zip(drawable, answers, strict=True):
         if answer.outcome == "done":
             yield from (picture.write(folder) for picture in answer.value)
         else:
@@ -41,7 +41,7 @@ def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
 def draw_case(
     case: Case, part: Experiment, routes: tuple[tuple[str, str], ...], main: bool, paper: bool
 ) -> list[Picture]:
-    """In a worker: the figures of one case; `routes` are those of all cases, which decide how each looks; `paper`: also
+    """Draw the figures of one case in a worker; `routes` of all cases, which determine the line styles; `paper`: also
     as PDF."""
     from . import figures
     from .looks import Looks
@@ -52,14 +52,14 @@ def draw_case(
 
 
 def _part(experiment: Experiment, label: str) -> Experiment:
-    """What one case's figures are made from, and nothing that differs from build to build."""
+    """The data for one case's figures, without anything that differs from build to build."""
     runs = tuple(run for run in experiment.runs if run.case == label)
     return Experiment((), {label: experiment.truths[label]}, runs, 0.0)
 
 
 def headline_case(experiment: Experiment) -> Case | None:
-    """The paper's application; without it, of the cases with a transition that most routes got right, the one with most
-    of them; None if none has any."""
+    """The paper's application; without it, the case with transitions that most routes got right (of these, the one
+    with the most transitions); None if no case has a transition."""
     having = [case for case in experiment.cases if experiment.truths[case.label].transitions]
     if paper := [case for case in having if case.label == PAPER]:
         return paper[0]

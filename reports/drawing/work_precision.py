@@ -1,4 +1,4 @@
-"""Error against CPU time, case by case and in one picture. Looks as in `figures`."""
+"""Work-precision plots: error against CPU time for each case, and a summary of all cases."""
 
 from __future__ import annotations
 
@@ -22,21 +22,22 @@ from .style import STYLE, Looks, logarithmic, looks_of
 
 _WORDS = (
     "Work and precision",
-    "Each point is one setting, timed alone: median CPU time of the run, bar: the interval of the table; hollow: the "
-    "engine's own defaults; pale: the machine was disturbed. Left is cheaper, down is more accurate. The grey band "
-    "ends at ten times the truth's error bar; nothing is drawn inside it, a triangle on its edge marks what the "
-    "cheapest setting that reaches it costs. Dotted: what a motion scores that knows nothing of friction's law.",
+    "Each point is one setting, timed alone: median CPU time of the run, with the interval from the table as a bar. "
+    "Hollow: the engine's default settings. Pale: timing disturbed by other load. Left is faster, down is more "
+    "accurate. The grey band ends at ten times the truth's error bar; errors inside it are not drawn, and a triangle "
+    "on its edge marks the fastest setting that reaches it. Dotted: the error of a motion that does not use the law of "
+    "friction.",
 )
 _SUMMARY_WORDS = (
     "What accuracy costs, over all timed cases",
-    "Performance profiles (Dolan and Moré 2002): the share of the cases in which a route reaches the accuracy within "
-    "so many times the CPU time of the fastest route (all transitions in s where there are several, else the final "
-    "pose in m). Reached: no finer setting and no doubt contradicts it. A line that ends low does not get there in the "
-    "other cases.",
+    "Performance profiles (Dolan and Moré 2002): the fraction of the cases in which a route reaches the accuracy "
+    "within the given multiple of the fastest route's CPU time (all transitions in s if there are several, otherwise "
+    "the final pose in m). Reached: neither a finer setting nor the reading doubt contradicts it. A route whose line "
+    "ends below 1 does not reach the accuracy in the other cases.",
 )
-# The accuracies of the summary: what a game, a robot and a numerical analyst would ask for.
+# Accuracies of the summary, for games (1e-2), robotics (1e-4) and numerical analysis (1e-6, 1e-8).
 _PANELS = (1e-2, 1e-4, 1e-6, 1e-8)
-# Above a null motion's score there is room for its name.
+# Factor between the error of a null motion and the top of the axis: room for its name.
 _NULL_ROOM = 30.0
 _TITLES = {
     "first_transition_time": "first transition's time / s",
@@ -49,36 +50,36 @@ _TITLES = {
 
 
 def draw(experiment: Experiment, measured: Measured, folder: Path) -> Iterator[Drawn]:
-    """Write a figure for each timed case and one for all; yields what was written."""
+    """Write a figure for each timed case and one for all; yields the entries of the figures."""
     looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measured)
     rows = [row for row in time_to_accuracy.rows(points) if row["lead"]]
     with matplotlib.rc_context(STYLE):
         if any(row["solver"] != REFERENCE and isfinite(row["ratio"]) for row in rows):
             yield save(summary(rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
         for label in measured.cases:
-            own = [p for p in points if p["case"] == label and isfinite(p["cpu_s"])]
-            if own:
-                figure = case_figure(experiment, label, own, looks)
+            case_points = [p for p in points if p["case"] == label and isfinite(p["cpu_s"])]
+            if case_points:
+                figure = case_figure(experiment, label, case_points, looks)
                 yield save(figure, folder, f"work_precision_{file_name(label)}", label, *_WORDS)
 
 
 def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: Looks) -> Figure:
-    """A panel for each quantity; all transitions only where there are more than one."""
+    """A figure with a panel for each quantity; "all transitions" only if there is more than one."""
     several = len(experiment.truths[label].transitions) > 1
     of_quantity = work_precision.groups(points, "quantity")
-    shown = [q for q in UNITS if (q,) in of_quantity and (several or q != "all_transitions")]
-    columns = 3 if len(shown) > 4 else 2
-    lines = -(-len(shown) // columns)
+    quantities = [q for q in UNITS if (q,) in of_quantity and (several or q != "all_transitions")]
+    columns = 3 if len(quantities) > 4 else 2
+    lines = -(-len(quantities) // columns)
     figure, axes = plt.subplots(
         lines, columns, figsize=(3.1 * columns, 2.6 * lines), sharex=True, layout="constrained", squeeze=False
     )
-    for ax, quantity in zip(axes.flat, shown, strict=False):
+    for ax, quantity in zip(axes.flat, quantities, strict=False):
         _panel(ax, of_quantity[quantity,], looks)
         ax.set_title(_TITLES[quantity], loc="left")
-    for ax in axes.flat[len(shown) :]:
+    for ax in axes.flat[len(quantities) :]:
         ax.set_axis_off()
     for column in range(columns):
-        last = max(place for place in range(len(shown)) if place % columns == column)
+        last = max(place for place in range(len(quantities)) if place % columns == column)
         axes.flat[last].set_xlabel("CPU time of the run / s")
         axes.flat[last].tick_params(labelbottom=True)
     for ax in axes[:, 0]:
@@ -96,15 +97,15 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: Looks) -> None:
     for (solver, route), group in work_precision.groups(points, "solver", "route").items():
         ladder = [p for p in group if not p["setting"].is_default]
         look = looks.line(solver, route)
-        # A setting inside the band interrupts the line: where it lies is not known.
+        # A setting inside the band interrupts the line, because its error is uncertain.
         sizes = [nan if p["below_floor"] else p["absolute_error"] for p in ladder]
         ax.plot([p["cpu_s"] for p in ladder], sizes, **look, label=f"{solver}, {route}")
         for p in group:
             if not p["below_floor"]:
                 _point(ax, p, look["color"], looks.marker(solver, route))
-        reached = [p["cpu_s"] for p in group if p["below_floor"]]
-        if reached:
-            ax.plot(min(reached), band, marker="v", color=look["color"], markersize=7, clip_on=False, zorder=5)
+        times_in_band = [p["cpu_s"] for p in group if p["below_floor"]]
+        if times_in_band:
+            ax.plot(min(times_in_band), band, marker="v", color=look["color"], markersize=7, clip_on=False, zorder=5)
     ax.axhspan(band / 10, band, color="#eeeeee", zorder=0)
     ax.set_ylim(bottom=band / 10)
     if isfinite(null) and null > band:
@@ -126,19 +127,19 @@ def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
 
 
 def summary(rows: Sequence[dict[str, Any]], looks: Looks) -> Figure:
-    """Performance profiles at several accuracies, from rows of the quantities that lead the cases."""
+    """Performance profiles at several accuracies, from rows of the main quantities of the cases."""
     count = len({row["case"] for row in rows})
-    known = [a for a in _PANELS if any(isfinite(row["ratio"]) for row in rows if row["accuracy"] == a)]
+    accuracies = [a for a in _PANELS if any(isfinite(row["ratio"]) for row in rows if row["accuracy"] == a)]
     figure, axes = plt.subplots(
-        1, len(known), figsize=(2.5 * len(known) + 0.6, 3.4), sharey=True, sharex=True, layout="constrained",
+        1, len(accuracies), figsize=(2.5 * len(accuracies) + 0.6, 3.4), sharey=True, sharex=True, layout="constrained",
         squeeze=False,
     )  # fmt: skip
     widest = max(row["ratio"] for row in rows if isfinite(row["ratio"])) * 2
-    for ax, accuracy in zip(axes[0], known, strict=True):
+    for ax, accuracy in zip(axes[0], accuracies, strict=True):
         for (solver, route), group in work_precision.groups(rows, "solver", "route").items():
             ratios = sorted(r["ratio"] for r in group if r["accuracy"] == accuracy and isfinite(r["ratio"]))
             shares = [i / count for i in range(len(ratios) + 1)]
-            # Drawn also where it never leaves zero, so that the legend is the same everywhere.
+            # Also drawn if it stays at zero, so that the legend is the same in all panels.
             ax.step([1.0, *ratios, widest], [0.0, *shares[1:], shares[-1]], where="post", **looks.line(solver, route),
                     label=f"{solver}, {route}")  # fmt: skip
         logarithmic(ax, "x")

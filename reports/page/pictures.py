@@ -30,7 +30,7 @@ def draw(
     # The longest first. These figures do not show samples of motions, so the samples are not sent to the workers.
     bare = replace(ran, runs=tuple(replace(run, samples={}, off={}) for run in ran.runs))
     requests: list[tuple] = [(_TIMINGS, printed(), bare, measured)] if measured.cases else []
-    requests += [(result.name, printed(), result.found) for result in results if not result.failure]
+    requests += [(result.name, printed(), result.findings) for result in results if not result.failure]
     by_study: dict[str, list[Drawn]] = {result.name: [] for result in results}
     for (name, *_), answer in zip(
         requests, calls.all("other figures", drawn_of, requests, limit=_PATIENCE), strict=True

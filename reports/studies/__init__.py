@@ -1,15 +1,15 @@
-"""Studies: questions that stand beside the comparison. A module or a folder's being here registers a study.
+"""Studies: questions in addition to the comparison. Every module and folder in this package is a study.
 
-A study is a module (of a folder: its `study.py`) with
+A study is a module (in a folder: its `study.py`) with
 
-    TITLE, QUESTION     what the page says first
-    TABLES              by name what each table holds and what its columns mean (`Table`); every column has its words
-    TAKES               which of "case" and "solver" it takes: a study may have scenes or contestants of its own
-    IN_REPORT           whether a report has it
-    run(request, calls)     what it finds out; everything that may fail is called in a worker, and a failure is a row
-    rows(found)             the rows of each table
-    draw(found, folder)     writes its pictures, and yields what was written
-    summary(found)          if it likes: what the terminal is shown in the place of the tables
+    TITLE, QUESTION     its title and question on the page
+    TABLES              by name, the content of each table and the meaning of each of its columns (`Table`)
+    TAKES               the options it accepts, of "case" and "solver": a study may have its own scenes or contestants
+    IN_REPORT           whether a report includes it
+    run(request, calls)     returns the findings; calls that may fail run in a worker, and a failure is a row
+    rows(findings)          returns the rows of each table
+    draw(findings, folder)  writes the figures and yields their entries
+    summary(findings)       optional: text for the terminal instead of the tables
 """
 
 from __future__ import annotations
@@ -39,8 +39,7 @@ if TYPE_CHECKING:
 
 
 class Request(NamedTuple):
-    """What a study is asked: cases named by the user (none: those it chooses itself), solvers, and whether it may take
-    as long as it likes."""
+    """The options of a study: cases (empty: the study's own), solvers, and whether to run without a time budget."""
 
     cases: tuple[Case, ...] = ()
     solvers: tuple[str, ...] = ()
@@ -51,49 +50,50 @@ class Request(NamedTuple):
         """The solvers without the reference."""
         return tuple(name for name in self.solvers if name != REFERENCE)
 
-    def cases_or(self, own: Sequence[str]) -> tuple[Case, ...]:
-        """The cases named, else the study's own, with all their variants."""
-        return self.cases or tuple(case for text in own for case in cases.select(text))
+    def cases_or(self, defaults: Sequence[str]) -> tuple[Case, ...]:
+        """The requested cases, otherwise the study's default cases with all their variants."""
+        return self.cases or tuple(case for text in defaults for case in cases.select(text))
 
 
 class Result(NamedTuple):
-    """What came of a study: its module, the command that makes it alone, its tables, what it found; or why it failed,
-    in a sentence. `left_out`: the solvers without whose results its tables were made, since with them they fail."""
+    """Outcome of a study: its module, the command that reproduces it, its tables and findings, or the reason of its
+    failure. `left_out`: solvers whose results are omitted because the tables fail with them."""
 
     name: str
     study: ModuleType
     command: str
     frames: dict[str, pd.DataFrame] = {}
-    found: Any = None
+    findings: Any = None
     failure: str = ""
     left_out: tuple[LeftOut, ...] = ()
 
     @property
     def words(self) -> dict[str, Table]:
-        """What is said of its tables."""
+        """Descriptions of its tables."""
         from ..analysis.columns import with_version_words
 
         return {name: with_version_words(self.study.TABLES[name], frame) for name, frame in self.frames.items()}
 
     def draw(self, folder: Path) -> list[Drawn]:
-        """Its pictures, written into the folder; if they fail, what says so."""
+        """Write its figures to the folder; returns their entries, or one entry with the reason of a failure."""
         from ..drawing.files import Drawn
 
         if self.failure:
             return []
         folder.mkdir(parents=True, exist_ok=True)
         try:
-            return draw(self.name, self.study.draw, (self.found,), folder)
-        except Exception as problem:  # the numbers are there, whatever happens to a picture
+            return draw(self.name, self.study.draw, (self.findings,), folder)
+        except Exception as problem:  # a failed figure must not discard the numbers
             return [Drawn("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
 
 
 def draw(name: str, function: Callable[..., Iterable[Drawn]], records: tuple, folder: Path) -> list[Drawn]:
-    """The pictures that `function(*records, folder)` writes; where they fail with the results of a solver, without
-    them."""
+    """Write the figures of `function(*records, folder)`; if they fail with a solver's results, without these."""
     solvers = per_solver.solvers_of(records)
-    drawn, left = per_solver.made(lambda *some: list(function(*some, folder)), records, solvers, f"figures of {name}")
-    return [replace(one, left_out=tuple(left)) for one in drawn]
+    figures, omitted = per_solver.made(
+        lambda *args: list(function(*args, folder)), records, solvers, f"figures of {name}"
+    )
+    return [replace(figure, left_out=tuple(omitted)) for figure in figures]
 
 
 def names() -> tuple[str, ...]:
@@ -110,25 +110,27 @@ def study(name: str) -> ModuleType:
 
 
 def run(name: str, request: Request, calls: Calls, command: str) -> Result:
-    """Make a study. What fails is said in its result; it takes nothing else with it."""
-    made = study(name)
+    """Run a study. A failure is recorded in the result and affects nothing else."""
+    module = study(name)
     try:
-        # One that is not installed has no part in it.
+        # Solvers that are not installed are skipped.
         present = calls.present(request.solvers) if request.solvers else ()
-        # Where it fails with a solver's results it is made again without them, from what the store has.
-        found, failed = per_solver.made(
-            lambda some: made.run(request._replace(solvers=some), calls), (present,), present, f"study {name}"
+        # If it fails with a solver's results, it runs again without them, using the results in the store.
+        findings, run_omissions = per_solver.made(
+            lambda args: module.run(request._replace(solvers=args), calls), (present,), present, f"study {name}"
         )
-        solvers = per_solver.solvers_of(found)
-        frames, left = per_solver.made(lambda some: _frames(made.rows(some), calls), (found,), solvers, f"study {name}")
-        found = per_solver.without(found, {one.solver for one in left})
-        return Result(name, made, command, frames, found, left_out=(*failed, *left))
-    except Exception as problem:  # whatever it is, the report goes on without this study and says so
-        return Result(name, made, command, failure=f"{type(problem).__name__}: {problem}")
+        solvers = per_solver.solvers_of(findings)
+        frames, row_omissions = per_solver.made(
+            lambda args: _frames(module.rows(args), calls), (findings,), solvers, f"study {name}"
+        )
+        findings = per_solver.without(findings, {entry.solver for entry in row_omissions})
+        return Result(name, module, command, frames, findings, left_out=(*run_omissions, *row_omissions))
+    except Exception as problem:  # the report continues without this study and shows the reason
+        return Result(name, module, command, failure=f"{type(problem).__name__}: {problem}")
 
 
 def _frames(rows: Mapping[str, Any], calls: Calls) -> dict[str, pd.DataFrame]:
-    """The rows of each table as a table; raises ValueError for an infinite result."""
+    """Tables as data frames; raises ValueError for an infinite result."""
     import pandas as pd
 
     from ..analysis.columns import infinite, with_version

@@ -293,7 +293,7 @@ def test_a_study_that_fails_with_a_solver_is_made_without_it(fails, monkeypatch)
     with Calls(1, versions={SOUND: "1", SPOILT: "1"}) as calls:
         result = studies.run("x", Request(solvers=(SOUND, SPOILT)), calls, "")
     assert result.failure == "" and list(result.frames["x"]["solver"]) == [SOUND]
-    assert [row["solver"] for row in result.found] == [SOUND]
+    assert [row["solver"] for row in result.findings] == [SOUND]
     assert [one[:2] for one in result.left_out] == [("study x", SPOILT)]
 
 

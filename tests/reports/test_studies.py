@@ -91,7 +91,7 @@ def test_a_study_that_fails_is_said_in_its_result(monkeypatch):
 
 def test_a_picture_that_fails_leaves_the_numbers(tmp_path):
     study = studies.study("stability")
-    (drawn,) = studies.Result("stability", study, "", found=None).draw(tmp_path)
+    (drawn,) = studies.Result("stability", study, "", findings=None).draw(tmp_path)
     assert drawn.name == "" and "could not be drawn" in drawn.caption
 
 
