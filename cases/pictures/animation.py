@@ -173,7 +173,7 @@ def _check_kind(path: Path) -> bool:
     if path.suffix.lower() not in KINDS:
         raise BadValue(f"{path.name} ends in {path.suffix or 'nothing'!r}; end it in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not movies.FFMpegWriter.isAvailable():
-        raise BadValue("an MP4 needs ffmpeg, which is not installed; install it, or write a .gif")
+        raise BadValue("ffmpeg is not installed, and an MP4 needs it; install it, or write a .gif")
     return path.suffix.lower() == ".gif"
 
 

@@ -1,1 +1,1 @@
-"""What each effect costs."""
+"""The cost of each effect: a study."""

@@ -1,7 +1,7 @@
-"""One scene, its effects added one at a time: what each solver makes of each stage, and what it costs.
+"""Results and costs of each solver for a scene whose effects are added one at a time.
 
-Every solver runs each stage it can; a stage that it refuses is a row that says why. Results come first, in workers;
-then all stages of all solvers take turns at the clock, in one process, with nothing beside it.
+Every solver runs each stage that it supports; an unsupported stage is a row with the reason. The results are computed
+first, in workers; then all stages of all solvers are timed in turns, in one process without other load.
 """
 
 from __future__ import annotations
@@ -41,23 +41,24 @@ from ...running.solvers import solver
 from ...running.tasks import timed
 from ...running.timings import time_together
 
-# Wall seconds for the timings of a scene: the stages of the reference take milliseconds, of an engine up to a second.
+# Wall-clock budget in seconds for the timings of a scene: a stage takes milliseconds in the reference, and up to a
+# second in an engine.
 BUDGET, FULL_BUDGET = 5.0, 60.0
-# A stage that takes longer than this has lost its way; the slowest engine needs two seconds.
+# Time limit of a stage in seconds: the slowest engine needs two.
 LIMIT = 30.0
-# The reference at a tolerance that engines do not reach, engines in the middle of their ladders: one price for each.
+# One setting for each solver: for the reference a tolerance that engines do not reach, for engines the middle rung.
 _RTOL = Setting.of(rtol=1e-9)
 
 
 class Stage(NamedTuple):
-    """A scene with one effect more than the stage before: the effect's name, and the case."""
+    """A scene with one more effect than the stage before: the effect's name, and the case."""
 
-    added: str
+    effect: str
     case: Case
 
 
 class Probe(NamedTuple):
-    """What a solver made of a stage: outcome and reason, setting, where it ended, its path, what it took."""
+    """A solver's result for a stage: outcome and reason, setting, end (s, m), path (s, m), and work done."""
 
     outcome: str
     reason: str = ""
@@ -84,7 +85,7 @@ def _name(effect: Effect, before: Sequence[Effect]) -> str:
 
 
 def _merged(effects: Sequence[Effect]) -> tuple[Effect, ...]:
-    """The effects, a later one of a kind in the place of an earlier."""
+    """The effects, with each later effect of the same class replacing the earlier one."""
     return tuple({type(effect): effect for effect in effects}.values())
 
 
@@ -97,7 +98,7 @@ def _over_crest(effects: tuple[Effect, ...]) -> Case:
     return Case(track, disc(0.05, 1.0), effects, Start(xi1=0.0, slip=1.4), 1.0)
 
 
-# Each scene: how it is made of effects, and the effects in the order in which they are added.
+# Each scene: the function that makes its case from effects, and the effects in the order in which they are added.
 SCENES: dict[str, tuple[Callable[[tuple[Effect, ...]], Case], tuple[Effect, ...]]] = {
     "in_circle": (
         _in_circle,
@@ -144,8 +145,8 @@ def _middle(ladder: Sequence[Setting]) -> Setting:
 
 @lru_cache
 def compiled(case: Case) -> tuple[int, int]:
-    """Operations of the largest of the case's compiled modes of contact (rates and events, after common
-    subexpressions), and how many events are watched in the mode that watches most."""
+    """Operation count of the case's largest compiled mode of contact (rates and events, after elimination of common
+    subexpressions), and the largest number of events monitored in a mode."""
     import sympy as sp
 
     from reference.minimal.modes import candidates, phase
@@ -159,80 +160,82 @@ def compiled(case: Case) -> tuple[int, int]:
     return max(map(operations, systems)), max(len(system.guards) for system in systems)
 
 
-# --- prices -----------------------------------------------------------------------------------------------------------
+# --- costs ------------------------------------------------------------------------------------------------------------
 
 Who = tuple[int, str, str]  # stage, solver, route
 
 
 def measure(solvers: Sequence[str], budget: float, calls: Calls) -> list[dict[str, Any]]:
-    """The rows of all scenes: one for each stage and route, timed within `budget` wall seconds a scene."""
+    """The rows of all scenes: one for each stage and route, timed within `budget` wall-clock seconds per scene."""
     with calls.alone() as alone:
         return [row for scene in SCENES for row in _priced(scene, solvers, budget, calls, alone)]
 
 
 def _priced(scene: str, solvers: Sequence[str], budget: float, calls: Calls, alone: Calls) -> Iterator[dict[str, Any]]:
-    """The rows of a scene; timed in the worker that is `alone`, which has imported everything at the second one."""
+    """The rows of a scene, timed in the only running worker `alone`; for the second scene its imports are done."""
     probes = dict(_probes(scene, solvers, calls))
     cases = [stage.case for stage in stages(scene)]
-    able = {who: p for who, p in probes.items() if p.outcome == "done"}
+    able = {key: p for key, p in probes.items() if p.outcome == "done"}
     contestants = [Contestant(cases[i], name, route, p.setting, p.seconds) for (i, name, route), p in able.items()]
     pairs, _ = time_together(contestants, budget, budget, alone) if able else ([], [])
-    timings = {(cases.index(one.case), one.solver, one.route): timing for one, timing in pairs}
-    routes = list(dict.fromkeys(who[1:] for who in probes))
-    for who in sorted(probes, key=lambda who: (solvers.index(who[1]), routes.index(who[1:]), who[0])):
-        yield _row(scene, who, probes, timings)
+    timings = {
+        (cases.index(contestant.case), contestant.solver, contestant.route): timing for contestant, timing in pairs
+    }
+    routes = list(dict.fromkeys(key[1:] for key in probes))
+    for key in sorted(probes, key=lambda key: (solvers.index(key[1]), routes.index(key[1:]), key[0])):
+        yield _row(scene, key, probes, timings)
 
 
 def _probes(scene: str, solvers: Sequence[str], calls: Calls) -> Iterator[tuple[Who, Probe]]:
-    """What every route made of every stage."""
+    """The result of every route for every stage."""
     cases = [stage.case for stage in stages(scene)]
     labels = [case.label for case in cases]
     todo: list[tuple[Who, tuple]] = []
     for (label, name), of_routes in offers(cases, solvers, calls).items():
         for offer in of_routes:
-            who = (labels.index(label), name, offer.route)
+            key = (labels.index(label), name, offer.route)
             if offer.outcome or not offer.settings:
-                yield who, Probe(offer.outcome or "refused", offer.reason or "it offers no setting for this case")
+                yield key, Probe(offer.outcome or "refused", offer.reason or "it offers no setting for this case")
             else:
-                todo.append((who, (cases[who[0]], name, offer.route, _middle(offer.settings))))
+                todo.append((key, (cases[key[0]], name, offer.route, _middle(offer.settings))))
     answers = calls.all(f"effects {scene}", probe, [call for _, call in todo], limit=LIMIT, keep=Keep())
-    for (who, call), answer in zip(todo, answers, strict=True):
-        yield who, answer.value if answer.outcome == "done" else Probe(*answer.failure, call[3])
+    for (key, call), answer in zip(todo, answers, strict=True):
+        yield key, answer.value if answer.outcome == "done" else Probe(*answer.failure, call[3])
 
 
-def _row(scene: str, who: Who, probes: dict[Who, Probe], timings: dict[Who, Timing]) -> dict[str, Any]:
-    stage, name, route = who
-    here, case = probes[who], stages(scene)[stage].case
+def _row(scene: str, key: Who, probes: dict[Who, Probe], timings: dict[Who, Timing]) -> dict[str, Any]:
+    stage, name, route = key
+    current, case = probes[key], stages(scene)[stage].case
     before = probes.get((stage - 1, name, route))
-    timing, first = timings.get(who, UNTIMED), timings.get((0, name, route), UNTIMED)
+    timing, first = timings.get(key, UNTIMED), timings.get((0, name, route), UNTIMED)
     operations, events = compiled(case) if name == REFERENCE else (nan, nan)
     return {
         "scene": scene,
-        "effect": stages(scene)[stage].added,
+        "effect": stages(scene)[stage].effect,
         "effects": " + ".join(type(e).__name__ for e in case.effects),
         "solver": name,
         "route": route,
-        "setting": here.setting,
-        "outcome": here.outcome,
-        "reason": here.reason,
+        "setting": current.setting,
+        "outcome": current.outcome,
+        "reason": current.reason,
         "cpu_s": timing.cpu_s,
         "cpu_low_s": timing.cpu_low_s,
         "cpu_high_s": timing.cpu_high_s,
         "cpu_to_first": timing.cpu_s / first.cpu_s,
         "repeats": timing.repeats,
         "disturbed": timing.disturbed,
-        "evaluations": here.evaluations,
+        "evaluations": current.evaluations,
         "operations": operations,
         "events": events,
-        "transitions": here.transitions,
-        "status": here.status,
-        "end_s": here.end[0],
-        "change_m": change(before, here) if before else nan,
+        "transitions": current.transitions,
+        "status": current.status,
+        "end_s": current.end[0],
+        "change_m": change(before, current) if before else nan,
     }
 
 
 def change(before: Probe, now: Probe) -> float:
-    """How far the centre is from where it was without the effect, m, at most; a motion that has ended stays there."""
+    """The largest distance (m) of the centre from the motion without the effect; after its end, a motion stays put."""
     if not (before.path and now.path):
         return nan
     t = np.linspace(0.0, max(before.end[0], now.end[0]), 401)

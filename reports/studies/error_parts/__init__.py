@@ -1,1 +1,1 @@
-"""The parts of an error."""
+"""The parts of an error: a study."""

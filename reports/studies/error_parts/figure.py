@@ -1,4 +1,4 @@
-"""A picture of the parts of an error: a route's whole grid, each cell's error as a colour and the knob to turn next."""
+"""Figures of the parts of an error: each setting of a route's grid with its error and the parameter to refine next."""
 
 from __future__ import annotations
 
@@ -19,25 +19,30 @@ from .measure import QUANTITIES, Cell, Grid, advice, by_route
 
 _WORDS = (
     "The parts of an error",
-    "Each square is one setting: the step grows finer downwards, the model to the right (the numbers under a square "
-    "are its knobs, in the order of the axis' name). Colour: size of the error. The word is the knob that lowers it "
-    "most if turned by one notch alone; “all”: only together; –: nothing does. Grey: no such result.",
+    "Each square is one setting: the step becomes finer downwards, the model to the right (the numbers below a column "
+    "are its parameters, in the order of the axis label). Colour: size of the error. The word is the parameter that "
+    "reduces it most if refined alone by one level; “all”: only all together reduce it; –: nothing does. Grey: no such "
+    "result.",
 )
-# A third quantity would repeat the second: a motion that loses energy ends in another place.
+# The third quantity would repeat the second: a motion that loses energy ends at another position.
 _SHOWN = ("first_transition_time", "energy_lost")
 
 
 def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
-    """Write a figure for each case of which there is a grid; yields what was written."""
+    """Write a figure for each case with a grid; yields the entries of the figures."""
     with matplotlib.rc_context({**STYLE, "axes.grid": False}):
         for case in dict.fromkeys(cell.case for cell in cells if cell.setting.keys()):
-            own = {who: group for who, group in by_route(cells).items() if who[0] == case and group[0].setting.keys()}
-            figure = maps({f"{solver}, {route}": Grid(group) for (_, solver, route), group in own.items()}, case)
+            groups = {
+                route_key: group
+                for route_key, group in by_route(cells).items()
+                if route_key[0] == case and group[0].setting.keys()
+            }
+            figure = maps({f"{solver}, {route}": Grid(group) for (_, solver, route), group in groups.items()}, case)
             yield save(figure, folder, f"error_parts_{file_name(case)}", case, *_WORDS)
 
 
 def maps(grids: dict[str, Grid], title: str) -> Figure:
-    """A row of maps for each quantity, a column for each route."""
+    """A figure with a row of maps for each quantity and a column for each route."""
     widths = [max(4, len(_columns(grid))) for grid in grids.values()]
     figure, axes = plt.subplots(
         len(_SHOWN), len(grids), figsize=(0.44 * sum(widths) + 2.0, 6.2), layout="constrained", squeeze=False,
@@ -45,8 +50,8 @@ def maps(grids: dict[str, Grid], title: str) -> Figure:
     )  # fmt: skip
     for quantity, line in zip(_SHOWN, axes, strict=True):
         sizes = [_size(grid, place, quantity) for grid in grids.values() for place in grid.cells]
-        known = [size for size in sizes if isfinite(size) and size > 0.0]
-        norm = LogNorm(min(known), max(known)) if known and min(known) < max(known) else None
+        positive = [size for size in sizes if isfinite(size) and size > 0.0]
+        norm = LogNorm(min(positive), max(positive)) if positive and min(positive) < max(positive) else None
         for ax, (name, grid) in zip(line, grids.items(), strict=True):
             image = _map(ax, grid, quantity, norm)
             ax.set_title(name)
@@ -57,7 +62,7 @@ def maps(grids: dict[str, Grid], title: str) -> Figure:
 
 
 def _columns(grid: Grid) -> list[tuple[int, ...]]:
-    """Places of the model's knobs, whatever the step; the last knob changes slowest, so that the first one shows."""
+    """Places of the model's parameters for any step; the last parameter changes slowest."""
     return sorted({place[1:] for place in grid.cells}, key=lambda place: place[::-1])
 
 
@@ -86,7 +91,7 @@ def _map(ax: Axes, grid: Grid, quantity: str, norm):
 
 
 def _fitting(word: str) -> str:
-    """A knob's name as wide as a square; the axis below has it whole."""
+    """A parameter's name shortened to the width of a square; the axis label has the full name."""
     return word if len(word) < 7 else f"{word[:5]}."
 
 

@@ -1,4 +1,4 @@
-"""The parts of an error: how much is the time step's, how much the model's, and which knob to turn next.
+"""The parts of an error: those of the time step and of the model, and the parameter to refine next.
 
 An engine's grid (`adapters.interface`) holds every combination of a few steps h and model knobs p. With the finest of
 each, h* and p*, a signed error E falls into parts that add up (an expansion about the grid's finest corner):
@@ -6,8 +6,9 @@ each, h* and p*, a signed error E falls into parts that add up (an expansion abo
     E(h, p) = E(h*, p*) + step part + model part + interaction
     step part = E(h, p*) − E(h*, p*),  model part = E(h*, p) − E(h*, p*)
 
-The knob to turn next is found by turning each by one notch, all others held; what makes the error grow is named too.
-Errors are relative to the reference: first transition in s, energy lost in J, final centre in m.
+The parameter ("knob") to refine next is determined by refining each by one level while all others stay fixed;
+parameters that increase the error are reported, too. Errors are relative to the reference: first transition in s,
+energy lost in J, final centre in m.
 """
 
 from __future__ import annotations
@@ -31,22 +32,22 @@ from ...running.solvers import solver
 from ...running.tasks import reading_of, timed, true_motion
 
 QUANTITIES = {"first_transition_time": "s", "energy_lost": "J", "final_centre": "m"}
-# The cases of a default report: the paper's application, where facets, stiffness and regularisation all show, and a
-# valley whose curvature changes.
+# The cases of a default report: the paper's application, in which facets, stiffness and regularisation all matter, and
+# a valley whose curvature changes.
 CASES = ("disc_in_circle[mu=0.1]", "disc_in_cosine")
-# Wall time a grid's run may take: its finest corner takes about a second, but a truth that is not kept takes longer.
+# Wall-clock limit of a grid's run: the finest corner takes about a second, but a truth that is not cached takes longer.
 LIMIT_SECONDS = 60.0
-# A change of less than this share of the error is no reason to turn a knob, nor to warn of it.
+# A change by less than this fraction of the error is no reason to refine a parameter, nor to warn of it.
 _MATTERS = 0.01
-# A motion that ends this many of its own steps before the truth's has no final centre to compare.
+# A motion that ends earlier than the truth by more than this many of its own steps has no final centre to compare.
 _LAST_STEPS = 2.5
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One setting of a grid and what came of it: "right", "wrong", "refused", "crashed" or "timed_out".
+    """One setting of a grid and its outcome: "right", "wrong", "refused", "crashed" or "timed_out".
 
-    `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN where there is none.
+    `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN if there is none.
     """
 
     case: str
@@ -81,12 +82,12 @@ def measure(cases: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list
 
 
 def _excuse(offer: Offer, truth: Truth) -> tuple[str, str]:
-    """Outcome and reason where there is nothing to run; empty where there is."""
+    """Outcome and reason if there is nothing to run; otherwise empty."""
     if offer.outcome:
         return offer.outcome, offer.reason
     if truth.failure:
         return "refused", truth.failure
-    return ("", "") if offer.settings else ("refused", "its model has no knob but the step")
+    return ("", "") if offer.settings else ("refused", "its model has no parameter except the step")
 
 
 def _cell(call: tuple, answer: Answer) -> Cell:
@@ -100,9 +101,12 @@ def errors(case: Case, name: str, route: str, setting: Setting, truth: Truth) ->
     matched = ledger.match(truth.transitions, reading_of(case, motion).transitions)
     first = next((row.error for row in matched if row.event == 1 and row.verdict != "spurious"), nan)
     wrong = [row.verdict for row in matched if row.verdict != "matched"]
-    found = {"first_transition_time": np.array([first]), **_final(case, motion, true_motion(case, truth.method))}
+    signed_errors = {
+        "first_transition_time": np.array([first]),
+        **_final(case, motion, true_motion(case, truth.method)),
+    }
     reason = ", ".join(f"{wrong.count(kind)} {kind}" for kind in dict.fromkeys(wrong))
-    return ("wrong" if wrong else "right"), reason, found
+    return ("wrong" if wrong else "right"), reason, signed_errors
 
 
 def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.ndarray]:
@@ -110,33 +114,33 @@ def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.nd
     end = min(float(motion.t[-1]), float(truth.t[-1]))
     if end < truth.t[-1] - _LAST_STEPS * float(np.max(np.diff(motion.t), initial=0.0)) and truth.status != "lift_off":
         return {"energy_lost": np.array([nan]), "final_centre": np.array([nan, nan])}
-    lost = []
+    energy_losses = []
     for each in (motion, truth):
         ends = Trajectory(t=np.array([0.0, end]), **each(np.array([each.t[0], end]))._asdict())
-        lost.append(-float(np.diff(mechanics.energy(case, ends))[0]))
+        energy_losses.append(-float(np.diff(mechanics.energy(case, ends))[0]))
     here, there = motion(end), truth(end)
     centre = np.array([here.x - there.x, here.y - there.y], dtype=float)
-    return {"energy_lost": np.array([lost[0] - lost[1]]), "final_centre": centre}
+    return {"energy_lost": np.array([energy_losses[0] - energy_losses[1]]), "final_centre": centre}
 
 
-# --- taking apart -----------------------------------------------------------------------------------------------------
+# --- decomposition ----------------------------------------------------------------------------------------------------
 
 
 class Grid:
-    """A route's cells, by the places of their values on each knob's scale, coarse to fine; the knob `h` comes first."""
+    """A route's cells by the indices of their values on each knob's scale, coarse to fine; the knob `h` is first."""
 
     def __init__(self, cells: Sequence[Cell]):
         values: dict[str, list] = {}
         for cell in cells:
             for knob, value in dict(cell.setting).items():
-                known = values.setdefault(knob, [])
-                known += [value] if value not in known else []
-        self.knobs = sorted((k for k, known in values.items() if len(known) > 1), key=lambda knob: knob != "h")
+                scale = values.setdefault(knob, [])
+                scale += [value] if value not in scale else []
+        self.knobs = sorted((k for k, scale in values.items() if len(scale) > 1), key=lambda knob: knob != "h")
         self.levels = [values[knob] for knob in self.knobs]
         self.cells = {self.place(cell.setting): cell for cell in cells}
 
     def place(self, setting: Setting) -> tuple[int, ...]:
-        """Where a setting stands: an index for every knob."""
+        """The place of a setting: an index for every knob."""
         return tuple(levels.index(setting[knob]) for knob, levels in zip(self.knobs, self.levels, strict=True))
 
     @property
@@ -145,23 +149,23 @@ class Grid:
         return tuple(len(levels) - 1 for levels in self.levels)
 
     def error(self, place: Sequence[int], quantity: str) -> np.ndarray:
-        """The signed error there; NaN where nothing came of the run, or off the grid."""
+        """The signed error at a place; NaN if the run gave none, or outside the grid."""
         cell = self.cells.get(tuple(place))
         return (cell.errors if cell else {}).get(quantity, np.full(2 if quantity == "final_centre" else 1, nan))
 
-    def mixed(self, place: Sequence[int], kept: Sequence[str]) -> list[int]:
-        """The place with the knobs `kept` as they are and all others finest."""
-        return [at if knob in kept else end for knob, at, end in zip(self.knobs, place, self.finest, strict=True)]
+    def mixed(self, place: Sequence[int], unchanged: Sequence[str]) -> list[int]:
+        """The place with the knobs `unchanged` as they are and all others finest."""
+        return [at if knob in unchanged else end for knob, at, end in zip(self.knobs, place, self.finest, strict=True)]
 
     def notch(self, place: Sequence[int], knob: str) -> list[int]:
-        """The place with one knob turned by one notch."""
+        """The place with one knob refined by one level."""
         return [at + (knob == other) for other, at in zip(self.knobs, place, strict=True)]
 
 
 class Parts(NamedTuple):
     """An error's parts, which add up to `total`, along the direction of the total error; in the quantity's unit.
 
-    `knob_parts`: what each model knob would leave if all others were at their finest, as the model part.
+    `knob_parts`: the part of each model knob with all other knobs at their finest, defined like the model part.
     """
 
     total: float
@@ -176,13 +180,13 @@ def parts(grid: Grid, place: Sequence[int], quantity: str) -> Parts:
     """The parts of the error at a place of the grid."""
     total = grid.error(place, quantity)
     size = float(np.linalg.norm(total))
-    # A signed number keeps its sign; of a vector's parts, what is at right angles to it adds nothing to its size.
+    # A signed number keeps its sign; components perpendicular to a vector do not contribute to its size.
     direction = np.ones(1) if total.size == 1 else total / size if size else np.zeros_like(total)
     model = [knob for knob in grid.knobs if knob != "h"]
     base = grid.error(grid.finest, quantity)
 
-    def along(kept: Sequence[str]) -> float:
-        return float(np.dot(grid.error(grid.mixed(place, kept), quantity) - base, direction))
+    def along(unchanged: Sequence[str]) -> float:
+        return float(np.dot(grid.error(grid.mixed(place, unchanged), quantity) - base, direction))
 
     whole, corner = float(np.dot(total, direction)), float(np.dot(base, direction))
     step_part, model_part = along(["h"]), along(model)
@@ -191,10 +195,10 @@ def parts(grid: Grid, place: Sequence[int], quantity: str) -> Parts:
 
 
 def advice(grid: Grid, place: Sequence[int], quantity: str) -> tuple[str, str]:
-    """The knob to turn next ("all": only together they help; "none": nothing does), and those that make it worse."""
+    """The knob to refine next ("all": only all together help; "none": nothing helps), and those that make it worse."""
     now = float(np.linalg.norm(grid.error(place, quantity)))
     after = {knob: float(np.linalg.norm(grid.error(grid.notch(place, knob), quantity))) for knob in grid.knobs}
-    # Comparisons with NaN are false: what leads off the grid or to a failed run is neither advised nor warned of.
+    # Comparisons with NaN are false: a step outside the grid or to a failed run is neither advised nor warned of.
     better = {knob: size for knob, size in after.items() if size < (1 - _MATTERS) * now}
     worse = [knob for knob, size in after.items() if size > (1 + _MATTERS) * now]
     if better:
@@ -205,17 +209,17 @@ def advice(grid: Grid, place: Sequence[int], quantity: str) -> tuple[str, str]:
 
 
 def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
-    """One row per case, route, quantity and setting; one per route that was refused."""
-    found = []
-    for who, group in by_route(cells).items():
-        common = dict(zip(("case", "solver", "route"), who, strict=True))
+    """One row per case, route, quantity and setting; one per unsupported route."""
+    table_rows = []
+    for key, group in by_route(cells).items():
+        common = dict(zip(("case", "solver", "route"), key, strict=True))
         grid = Grid(group)
         for quantity in QUANTITIES if grid.knobs else ("",):
             for cell in group:
                 row = {**common, "quantity": quantity, "setting": _varied(grid, cell.setting)}
                 row |= _told(grid, cell, quantity)
-                found.append({**row, "outcome": cell.outcome, "reason": cell.reason})
-    return found
+                table_rows.append({**row, "outcome": cell.outcome, "reason": cell.reason})
+    return table_rows
 
 
 def _told(grid: Grid, cell: Cell, quantity: str) -> dict[str, Any]:
@@ -223,15 +227,15 @@ def _told(grid: Grid, cell: Cell, quantity: str) -> dict[str, Any]:
         blank = {name: nan for name in ("total", "finest_error", "step_part", "model_part", "interaction")}
         return {**blank, "model_parts": "", "turn_next": "", "makes_worse": ""}
     place = grid.place(cell.setting)
-    told = parts(grid, place, quantity)
+    error_parts = parts(grid, place, quantity)
     turn, worse = advice(grid, place, quantity)
-    words = " ".join(f"{knob}={part:.2g}" for knob, part in told.knob_parts.items())
-    numbers = {name: value for name, value in told._asdict().items() if name != "knob_parts"}
+    words = " ".join(f"{knob}={part:.2g}" for knob, part in error_parts.knob_parts.items())
+    numbers = {name: value for name, value in error_parts._asdict().items() if name != "knob_parts"}
     return {**numbers, "model_parts": words, "turn_next": turn, "makes_worse": worse}
 
 
 def _varied(grid: Grid, setting: Setting) -> Setting:
-    """The setting's knobs that differ within the grid."""
+    """The setting reduced to the knobs that differ within the grid."""
     return Setting.of(**{knob: setting[knob] for knob in setting.keys() if knob in grid.knobs})
 
 

@@ -1,4 +1,4 @@
-"""The parts of an error: how much is the step's, how much the model's, and which knob to turn next."""
+"""The parts of an error: those of the step and of the model, and the parameter to refine next."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from .measure import Cell
 
 TITLE = "The parts of an error"
 QUESTION = (
-    "Step and model parameter are varied against each other: how much of an error is the step's, how much the facets', "
-    "the penalty's or the regularised friction's, and which to turn next."
+    "Step and model parameters are varied independently: how much of an error is due to the step, the facets, the "
+    "penalty or the regularised friction, and which to refine next."
 )
 TAKES = ("case", "solver")
 IN_REPORT = True
 TABLES = {
     "error_parts": Table(
-        "How much of an error is the step's, how much the model's, and which knob to turn next",
+        "The parts of an error due to the step and to the model, and the parameter to refine next",
         {
             "case": "the case",
             "solver": "the engine",
             "route": "its route",
             "quantity": "first_transition_time in s, energy_lost in J, final_centre in m",
-            "setting": "the knobs that differ within the grid",
+            "setting": "the parameters that differ within the grid",
             "total": "the error at this setting, signed (of the centre: its size)",
-            "finest_error": "the error where every knob is finest",
-            "step_part": "what the step adds if the model is at its finest",
-            "model_part": "what the model adds if the step is at its finest",
-            "interaction": "what is left of the total",
-            "model_parts": "what each knob of the model adds by itself",
-            "turn_next": "the knob whose next notch lowers the error most; all: only together; none: nothing does",
-            "makes_worse": "the knobs whose next notch makes the error larger",
+            "finest_error": "the error at the finest value of every parameter",
+            "step_part": "error added by the step with the finest model",
+            "model_part": "error added by the model with the finest step",
+            "interaction": "the remainder of the total",
+            "model_parts": "error added by each parameter of the model alone",
+            "turn_next": "parameter whose next level reduces the error most; all: only together; none: nothing does",
+            "makes_worse": "the parameters whose next level increases the error",
             "outcome": "right, wrong, refused, crashed or timed_out",
-            "reason": "why it is not right",
+            "reason": "the reason of any other outcome than right",
         },
     )
 }
@@ -47,6 +47,6 @@ def run(request: Request, calls: Calls) -> list[Cell]:
     return measure.measure(request.cases_or(measure.CASES), request.engines, calls)
 
 
-def rows(found: list[Cell]) -> dict[str, list[dict[str, Any]]]:
+def rows(cells: list[Cell]) -> dict[str, list[dict[str, Any]]]:
     """The table of parts."""
-    return {"error_parts": measure.rows(found)}
+    return {"error_parts": measure.rows(cells)}

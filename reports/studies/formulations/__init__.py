@@ -1,1 +1,1 @@
-"""Which coordinates to integrate."""
+"""Which coordinates to integrate: a study."""

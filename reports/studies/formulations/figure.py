@@ -1,4 +1,4 @@
-"""The drift of each formulation, its error, and what it costs."""
+"""The figure of the study: drift, error and cost of each formulation."""
 
 from __future__ import annotations
 
@@ -16,24 +16,29 @@ from .measure import FORMULATIONS
 _WORDS = (
     "Which coordinates to integrate",
     "The paper's ten coordinates without stabilisation, with Baumgarte's terms and with projection after each step, "
-    "and the two independent ones with their rates; one integrator, one matrix. Left: the gap that opens. Middle: the "
-    "error of the centre. Right: error against evaluations of (27). An unbalanced ellipse in an ellipse; above it "
-    "slips with friction until its first transition, below it slides without friction for five seconds.",
+    "and the two independent ones with their rates; all with the same integrator and matrix. Left: gap. Middle: error "
+    "of the centre. Right: error against evaluations of (27). An unbalanced ellipse in an ellipse; above, it slips "
+    "with friction until its first transition; below, it slides without friction for five seconds.",
 )
 
 
-def draw(told: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
-    """Write the picture into the folder; yields what was written."""
-    names = list(dict.fromkeys(row["scene"] for row in told))
+def draw(rows: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
+    """Write the figure to the folder; yields its entry."""
+    names = list(dict.fromkeys(row["scene"] for row in rows))
     with matplotlib.rc_context(STYLE):
         figure, axes = plt.subplots(len(names), 3, figsize=(9.6, 3.1 * len(names)), layout="constrained", squeeze=False)
         for line, name in zip(axes, names, strict=True):
             for i, (formulation, shade) in enumerate(zip(FORMULATIONS, ordinal(len(FORMULATIONS)), strict=True)):
-                own = [row for row in told if (row["scene"], row["formulation"]) == (name, formulation)]
+                formulation_rows = [row for row in rows if (row["scene"], row["formulation"]) == (name, formulation)]
                 look: dict[str, Any] = dict(color=shade, marker="os^Dv"[i], markersize=4)
                 for ax, (x, y) in zip(line, _AXES, strict=True):
-                    # Nothing is smaller than a double's rounding of lengths of a metre.
-                    ax.plot([r[x] for r in own], [max(r[y], 1e-16) for r in own], **look, label=formulation)
+                    # 1e-16 is the rounding of doubles of order one, here lengths in m.
+                    ax.plot(
+                        [r[x] for r in formulation_rows],
+                        [max(r[y], 1e-16) for r in formulation_rows],
+                        **look,
+                        label=formulation,
+                    )
             for ax, (x, y) in zip(line, _AXES, strict=True):
                 logarithmic(ax, "xy")
                 ax.set_xlabel(_LABELS[x])

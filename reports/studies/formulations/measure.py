@@ -1,9 +1,9 @@
-"""The paper's ten coordinates, plain, with Baumgarte's terms or projected, and the independent ones, integrated alike.
+"""Integration of the paper's ten coordinates (plain, with Baumgarte's terms, projected) and of the independent ones.
 
-The formulations solve the same matrix (27) with the same integrator (SciPy's DOP853), so that what differs is what is
-carried along: X₀, Y₀, θ, ξ₁, ξ₂ and their rates, of which (5), (6), (8), (9) leave only (ξ₁, ξ₂, ξ̇₁, ξ̇₂) free. The last
-one has (27) eliminated by hand, as the reference has. Cost is counted in evaluations of (27); CPU seconds are of one
-run on this machine, beside whatever else ran.
+The formulations solve the same matrix (27) with the same integrator (SciPy's DOP853), so they differ only in the
+integrated coordinates: X₀, Y₀, θ, ξ₁, ξ₂ and their rates, of which (5), (6), (8), (9) leave only (ξ₁, ξ₂, ξ̇₁, ξ̇₂) free.
+The last formulation has (27) eliminated by hand, as in the reference. Cost is the number of evaluations of (27); CPU
+seconds are of one run on this machine, possibly with other load.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ FORMULATIONS = (
     "independent, eliminated",
 )
 TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-# Baumgarte's α = β in 1/s: gaps then fade within a few hundredths of a second, ten times faster than these scenes move.
-# (Baumgarte 1972, Comput. Methods Appl. Mech. Eng. 1, 1, reference looked up; how to choose them nobody can say in
-# general.)
+# Baumgarte's α = β in 1/s: gaps then decay within a few hundredths of a second, ten times faster than these scenes
+# move. (Baumgarte 1972, Comput. Methods Appl. Mech. Eng. 1, 1, reference looked up; there is no general rule for
+# choosing them.)
 BAUMGARTE = 50.0
-# Newton's corrections of a position that is off by less than a step's error: two leave rounding.
+# Newton corrections of a position whose error is less than that of one step: after two only rounding remains.
 _CORRECTIONS = 2
 
 
@@ -57,7 +57,7 @@ class Answer(NamedTuple):
 # --- the scenes -------------------------------------------------------------------------------------------------------
 
 
-# An unbalanced ellipse in an ellipse: slipping with friction until its first transition, and sliding for long.
+# An unbalanced ellipse in an ellipse: slipping with friction until its first transition, and sliding for 5 s.
 SCENES = ("slipping, to the first transition", "sliding, 5 s")
 
 
@@ -86,7 +86,7 @@ def _ellipse_in_ellipse(friction: CoulombFriction | None, slip: float, duration:
 def solve(case: Case, mode: Mode, formulation: str, rtol: float) -> Answer:
     """The case in one mode from start to end by one of `FORMULATIONS`; raises FloatingPointError if it breaks down."""
     if formulation.endswith("eliminated"):
-        prepare(phase(case, Regime(mode)))  # derivations are set-up, as an engine's building is
+        prepare(phase(case, Regime(mode)))  # derivations count as set-up, like the building of an engine's model
     began = time.process_time()
     if formulation.startswith("independent"):
         t, states, evaluations = _independent(case, mode, rtol, formulation.endswith("eliminated"))
@@ -120,8 +120,8 @@ def _independent(case: Case, mode: Mode, rtol: float, eliminated: bool):
 
 
 def _march(rates: Callable, y: np.ndarray, case: Case, rtol: float, correct: Callable | None):
-    """DOP853 to the end of the case; `correct`, if there is one, is applied after each step."""
-    # The scales of length and angle are all near one here, so one absolute tolerance serves all.
+    """Integrate with DOP853 to the end of the case; `correct`, if not None, is applied after each step."""
+    # All lengths and angles are of order one here, so one absolute tolerance suffices.
     solver = DOP853(rates, 0.0, y, case.duration, rtol=rtol, atol=rtol)
     t, states = [0.0], [y]
     while solver.status == "running":
@@ -142,7 +142,7 @@ def _start(case: Case) -> np.ndarray:
 
 
 def _completed(case: Case, states: np.ndarray) -> np.ndarray:
-    """The ten coordinates of independent ones: (5), (6), (8), (9)."""
+    """The ten coordinates computed from the independent ones by (5), (6), (8), (9)."""
     x, y, theta = pose(case, states[0], states[1])
     rest = [plate_rates(case, state) for state in states.T]
     return np.vstack([x, y, theta, states[:2], np.array(rest).T, states[2:]])
@@ -155,7 +155,7 @@ def plate_rates(case: Case, state: np.ndarray) -> np.ndarray:
 
 
 def kinematics_of_ten(case: Case, y: np.ndarray) -> Kinematics:
-    """(1)–(4) with pose and rates as they are carried along, whether or not they fit the contact."""
+    """(1)–(4) with the integrated pose and rates, even if they violate the contact constraints."""
     R, Rp, Rs, Rt = np.array(case.track.jet(y[3])).reshape(4, 2)
     r, rp, rs, rt = np.array(case.plate.outline.jet(y[4])).reshape(4, 2)
     c, s = np.cos(y[2]), np.sin(y[2])
@@ -169,12 +169,12 @@ def contact_residual(k: Kinematics) -> np.ndarray:
 
 
 def _accelerations(case: Case, mode: Mode, t: float, y: np.ndarray, stabilise: float) -> np.ndarray:
-    """(27) with the ten coordinates as they are; Baumgarte's terms −2α φ̇ − α² φ beside C if asked for."""
-    filled = assemble(case, mode, kinematics_of_ten(case, y), (t, *y[:3], *y[5:8]))
-    matrix, right = filled.matrix, filled.right
+    """(27) with the ten coordinates; Baumgarte's terms −2α φ̇ − α² φ are added to C if `stabilise` (α) is not 0."""
+    system = assemble(case, mode, kinematics_of_ten(case, y), (t, *y[:3], *y[5:8]))
+    matrix, right = system.matrix, system.right
     if stabilise:
         drift = matrix[3:6, :3] @ y[5:8] + matrix[3:6, 3:5] @ y[8:]
-        right[3:6] -= 2 * stabilise * drift + stabilise**2 * contact_residual(filled.k)
+        right[3:6] -= 2 * stabilise * drift + stabilise**2 * contact_residual(system.k)
     return np.linalg.solve(matrix, right)[:5]
 
 
@@ -195,12 +195,12 @@ def _projected(case: Case, y: np.ndarray) -> np.ndarray:
 
 def measure(tolerances: Sequence[float], calls: Calls) -> list[dict[str, Any]]:
     """One row per scene, formulation and tolerance."""
-    asked = [(name, formulation, rtol) for name in SCENES for formulation in FORMULATIONS for rtol in tolerances]
-    answers = calls.all("formulations", drift, asked, keep=Keep())
+    requests = [(name, formulation, rtol) for name in SCENES for formulation in FORMULATIONS for rtol in tolerances]
+    answers = calls.all("formulations", drift, requests, keep=Keep())
     return [
         dict(zip(("scene", "formulation", "rtol"), call, strict=True))
         | (answer.value | {"outcome": "done", "reason": ""} if answer.outcome == "done" else _nothing(*answer.failure))
-        for call, answer in zip(asked, answers, strict=True)
+        for call, answer in zip(requests, answers, strict=True)
     ]
 
 
@@ -209,7 +209,7 @@ def _nothing(outcome: str, reason: str) -> dict[str, Any]:
 
 
 def drift(name: str, formulation: str, rtol: float) -> dict[str, float | int]:
-    """How far a formulation drifts off its constraints and off the truth on a scene, and what that costs."""
+    """The drift of a formulation from its constraints and from the truth on a scene, and its cost."""
     case, mode, truth = scene(name)
     answer = solve(case, mode, formulation, rtol)
     ks = [kinematics_of_ten(case, y) for y in answer.ten.T]

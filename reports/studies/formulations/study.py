@@ -13,7 +13,7 @@ from .figure import draw as draw
 TITLE = "Which coordinates to integrate"
 QUESTION = (
     "The paper's ten coordinates without stabilisation, with Baumgarte's, with projection, and the two independent "
-    "ones: how far each drifts off its constraints, and what it costs."
+    "ones: the drift of each from its constraints, and its cost."
 )
 TAKES = ()
 IN_REPORT = True
@@ -21,8 +21,8 @@ TABLES = {
     "formulation_study": Table(
         "Ten coordinates plain, stabilised, projected; independent coordinates: drift and cost",
         {
-            "scene": "which motion of an unbalanced ellipse in an ellipse",
-            "formulation": "what is integrated",
+            "scene": "the motion of an unbalanced ellipse in an ellipse",
+            "formulation": "the integrated coordinates",
             "rtol": "relative (and absolute) tolerance of the integrator",
             "gap": "largest distance of the contact points (5), m",
             "gap_drift": "the last such distance over the time it took, m/s",
@@ -31,9 +31,9 @@ TABLES = {
             "centre_error": "largest distance of the centre from the truth, m",
             "steps": "steps of the integrator",
             "evaluations": "evaluations of (27)",
-            "cpu_s": "CPU time of one run beside other work, s",
+            "cpu_s": "CPU time of one run, possibly with other load, s",
             "outcome": "done, crashed or timed_out",
-            "reason": "why it is not done",
+            "reason": "the reason of any other outcome than done",
         },
     )
 }
@@ -44,6 +44,6 @@ def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
     return measure.measure(measure.TOLERANCES if request.full else measure.TOLERANCES[::2], calls)
 
 
-def rows(found: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
-    """The one table."""
-    return {"formulation_study": found}
+def rows(findings: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """The table of drift and cost."""
+    return {"formulation_study": findings}

@@ -1,1 +1,1 @@
-"""Maps of the paper's application over friction and start, and where engines get it wrong."""
+"""Maps of the paper's application over friction and start, and where engines are wrong: a study."""

@@ -1,4 +1,4 @@
-"""The maps as pictures."""
+"""Figures of the maps."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ...sweeping.run import ROWS
 from .measure import MARKS, Map
 
 
-def draw(found: list[Map], folder: Path) -> Iterator[Drawn]:
-    """Write the pictures into the folder; yields what was written."""
-    for each in found:
+def draw(findings: list[Map], folder: Path) -> Iterator[Drawn]:
+    """Write the figures to the folder; yields their entries."""
+    for each in findings:
         kind = ROWS if each.solver == REFERENCE else f"{each.solver}.{each.route}"
         with tempfile.TemporaryDirectory() as place:
             rows = Folder(Path(place))
@@ -24,14 +24,14 @@ def draw(found: list[Map], folder: Path) -> Iterator[Drawn]:
                 rows.put(kind, start, content)
             if each.solver == REFERENCE:
                 figure = maps.of_reference(each.plan, rows, marks=MARKS)
-                title = "What follows when the disc is let go, over friction and start"
+                title = "Motion of the disc after its release, over friction and start"
                 caption = (
-                    f"{len(each.plan):,} motions. Thin lines: when the slip first ends, s, with R = 1 m, r = 0.1 m; "
-                    "thick ones: where (35) says that what follows changes. Dots: the paper's three coefficients, let "
-                    "go at ξ₁ = 0."
+                    f"{len(each.plan):,} motions. Thin lines: time at which the slip first ends, s, with R = 1 m, "
+                    "r = 0.1 m; thick lines: boundaries between kinds of motion by (35). Dots: the paper's three "
+                    "coefficients, with release at ξ₁ = 0."
                 )
             else:
-                title = f"{each.solver}, {each.route}: wrong verdicts as it comes, over friction and start"
-                caption = f"{len(each.plan):,} runs at its default setting: left what follows, right when."
+                title = f"{each.solver}, {each.route}: wrong verdicts with default settings, over friction and start"
+                caption = f"{len(each.plan):,} runs with default settings. Left: verdicts. Right: errors of the time."
                 figure = maps.of_engine(each.plan, rows, kind, f"{each.solver}, {each.route}")
             yield save(figure, folder, f"map_{kind.replace('.', '_')}", "", title, caption)

@@ -1,4 +1,4 @@
-"""The scenarios of the maps, made in workers like everything that may fail."""
+"""The scenarios of the maps, computed in workers."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from ...sweeping.maps import Mark, kind
 from ...sweeping.parts import Work
 from ...sweeping.run import scene
 
-# The paper's coefficients, let go on the level wall, which its text does not say.
+# The paper's coefficients, with release at ξ₁ = 0, which its text does not state.
 MARKS = tuple(Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
 ENGINES = ("exudyn", "pymunk")
-# Scenarios to a part: of the reference, and of an engine.
+# Scenarios per part: of the reference, and of an engine.
 CHUNK, FEW = 4000, 50
-# Seconds that a part may take.
+# Time limit of a part, in seconds.
 PATIENCE = 600.0
-# A plan names its case; what that is stands in its file.
+# A plan contains only the name of its case, so the key also contains the code that defines the case.
 _KEEP = Keep(of=lambda work, start, stop: (work, start, stop, scene(work.plan)))
 
 
 class Map(NamedTuple):
-    """A solver's rows over the plane, as Parquet files by their first scenario; why parts are missing, if they are."""
+    """A solver's rows over the plane, as Parquet files by their first scenario, and the reasons of failed parts."""
 
     solver: str
     route: str
@@ -45,61 +45,61 @@ class Map(NamedTuple):
 
 
 def measure(full: bool, calls: Calls) -> list[Map]:
-    """The reference's map; of a full report, the engines' too, on a coarser grid."""
-    found = [_map(_plan(121, 91), REFERENCE, "", CHUNK, calls)]
+    """The reference's map; in a full report also the engines' maps, on a coarser grid."""
+    maps = [_map(_plan(121, 91), REFERENCE, "", CHUNK, calls)]
     engines = ENGINES if full else ()
     for name, answer in zip(engines, calls.all("routes", routes, [(name,) for name in engines]), strict=True):
         for route in answer.value if answer.outcome == "done" else ():
-            found.append(_map(_plan(31, 25), name, route, FEW, calls))
-    return found
+            maps.append(_map(_plan(31, 25), name, route, FEW, calls))
+    return maps
 
 
 def _plan(mus: int, starts: int) -> Plan:
-    """Friction from the paper's smallest, starts from the level wall to nearly the bottom."""
+    """The plan: friction from the paper's smallest coefficient, starts from ξ₁ = 0 to nearly the bottom."""
     return plan("disc_in_circle", {"mu": f"0.01:0.4:{mus}", "xi1": f"0:1.5:{starts}"})
 
 
 def some_rows(work: Work, start: int, stop: int) -> np.ndarray:
-    """The bytes of a part, as an array: what a store keeps."""
+    """The bytes of a part as an array, the form that the store accepts."""
     return np.frombuffer(parts.perform(work, start, stop), dtype=np.uint8)
 
 
-def _map(asked: Plan, solver: str, route: str, length: int, calls: Calls) -> Map:
-    work = Work(asked, solver, route)
-    pieces = [(start, min(start + length, len(asked))) for start in range(0, len(asked), length)]
+def _map(sweep_plan: Plan, solver: str, route: str, length: int, calls: Calls) -> Map:
+    work = Work(sweep_plan, solver, route)
+    pieces = [(start, min(start + length, len(sweep_plan))) for start in range(0, len(sweep_plan), length)]
     title = f"map of {' '.join(filter(None, (solver, route)))}"
     answers = calls.all(title, some_rows, [(work, *piece) for piece in pieces], limit=PATIENCE, keep=_KEEP)
-    done = {p[0]: a.value.tobytes() for p, a in zip(pieces, answers, strict=True) if a.outcome == "done"}
+    contents = {p[0]: a.value.tobytes() for p, a in zip(pieces, answers, strict=True) if a.outcome == "done"}
     failures = tuple(a.failure[1] for a in answers if a.outcome != "done")
     for (start, stop), answer in zip(pieces, answers, strict=True):
-        if answer.outcome != "done":  # a row each, so that none is missing
+        if answer.outcome != "done":  # one row per scenario, so that none is missing
             rows = [parts.failed(work, i, *answer.failure) for i in range(start, stop)]
             tables = [parquet.read_table(pa.BufferReader(row)) for row in rows]
-            done[start] = parts.packed(pa.concat_tables(tables))
-    return Map(solver, route, asked, done, failures)
+            contents[start] = parts.packed(pa.concat_tables(tables))
+    return Map(solver, route, sweep_plan, contents, failures)
 
 
 def rows(maps: list[Map]) -> list[dict[str, Any]]:
-    """How many scenarios of each kind (of an engine: of each verdict), and when at the paper's points."""
-    told = []
-    for found in maps:
-        who = {"case": found.plan.name, "solver": found.solver, "route": found.route}
-        for what, times in _by_kind(found).items():
-            known = times[np.isfinite(times)]
-            many = {"scenarios": len(times), "share": len(times) / len(found.plan)}
+    """Number of scenarios of each kind (of an engine: of each verdict), and the range of their first times."""
+    table_rows = []
+    for one_map in maps:
+        common = {"case": one_map.plan.name, "solver": one_map.solver, "route": one_map.route}
+        for what, times in _by_kind(one_map).items():
+            finite = times[np.isfinite(times)]
+            many = {"scenarios": len(times), "share": len(times) / len(one_map.plan)}
             spread = (
-                {"earliest": known.min(), "latest": known.max()}
-                if known.size
+                {"earliest": finite.min(), "latest": finite.max()}
+                if finite.size
                 else {"earliest": np.nan, "latest": np.nan}
             )
-            told.append({**who, "what": what, **many, **spread})
-    return told
+            table_rows.append({**common, "what": what, **many, **spread})
+    return table_rows
 
 
-def _by_kind(found: Map) -> dict[str, np.ndarray]:
+def _by_kind(one_map: Map) -> dict[str, np.ndarray]:
     kinds: dict[str, list[float]] = {}
-    for row in found.table.to_pylist():
-        if found.solver == REFERENCE:
+    for row in one_map.table.to_pylist():
+        if one_map.solver == REFERENCE:
             what = kind(row["sequence"] or "", row["outcome"])
         else:
             what = row["verdict"] or row["outcome"]

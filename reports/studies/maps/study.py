@@ -1,4 +1,4 @@
-"""The paper's application over friction and start: what follows, when, and which engine gets it wrong where."""
+"""The paper's application over friction and start: kinds of motion, their times, and where engines are wrong."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ from .measure import Map
 
 TITLE = "Maps over friction and start"
 QUESTION = (
-    "The paper asks about three coefficients and does not say where the disc is let go. Here are all of both: when it "
-    "rolls, when its slip reverses, and, in a full report, where engines as they come get that wrong."
+    "The paper treats three coefficients of friction and does not state where the disc is released. These maps cover "
+    "the whole range of both: where it rolls, where its slip reverses, and, in a full report, where engines with "
+    "default settings are wrong."
 )
 TAKES = ()
 IN_REPORT = True
 TABLES = {
     "maps": Table(
-        "The paper's application over friction and start, counted",
+        "Kinds of motion of the paper's application over friction and start, counted",
         {
             "case": "the scene, over mu and xi1",
-            "solver": "who solves it",
-            "route": "by which route",
-            "what": "of the reference what the motion does first and next; of an engine its verdict, or its failure",
-            "scenarios": "in how many scenarios",
-            "share": "the same as a part of all",
+            "solver": "the solver",
+            "route": "its route",
+            "what": "for the reference the first and second phase of the motion; for an engine its verdict or failure",
+            "scenarios": "number of scenarios",
+            "share": "its fraction of all scenarios",
             "earliest": "the earliest first transition among them, s",
-            "latest": "and the latest",
+            "latest": "the latest first transition among them, s",
         },
     )
 }
@@ -40,6 +41,6 @@ def run(request: Request, calls: Calls) -> list[Map]:
     return measure.measure(request.full, calls)
 
 
-def rows(found: list[Map]) -> dict[str, list[dict[str, Any]]]:
+def rows(findings: list[Map]) -> dict[str, list[dict[str, Any]]]:
     """The table."""
-    return {"maps": measure.rows(found)}
+    return {"maps": measure.rows(findings)}

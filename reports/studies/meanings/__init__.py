@@ -1,1 +1,1 @@
-"""What the engines' parameters mean; `study` has it as a table, `__main__` as a page."""
+"""The meaning of the engines' parameters: `study` makes a table, `__main__` a page."""

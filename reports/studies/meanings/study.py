@@ -1,6 +1,6 @@
-"""What each engine's parameters of friction, restitution and rolling mean, as its adapter tells (`MEANINGS`).
+"""The meaning of each engine's parameters of friction, restitution and rolling, from its adapter's `MEANINGS`.
 
-`python -m reports.studies.meanings > docs/engine_parameters.md` writes the same for whoever reads the repository.
+`python -m reports.studies.meanings > docs/engine_parameters.md` writes the same table for readers of the repository.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from .. import Request
 TITLE = "What the engines' parameters mean"
 QUESTION = (
     "What each engine calls friction, restitution and rolling resistance, how it combines the two bodies' numbers, and "
-    "what it does with them. What it models by another law than a case's is run, and the run's row tells so."
+    "how it uses them. If an engine uses a different law from the case's, the run is made and marked."
 )
 TAKES = ("solver",)
 IN_REPORT = True
 COLUMNS = {
     "solver": "the engine",
-    "outcome": "done, crashed or timed_out: what came of asking its adapter",
-    "route": "the routes of its adapter it holds for",
+    "outcome": "done, crashed or timed_out: the outcome of the request to its adapter",
+    "route": "the routes of its adapter to which the row applies",
     "effect": "the effect of a case",
-    "parameter": "the engine's word for it, and what it is given",
-    "law": "what the engine does with it; why it is not known, where its adapter does not tell",
+    "parameter": "the engine's name for it, and the value passed",
+    "law": "how the engine uses it; if its adapter does not report that, the reason",
 }
-# The page for the repository is made where all adapters answer.
+# Columns of the page for the repository, which is made on a machine with all engines.
 IN_TEXT = ("solver", "route", "effect", "parameter", "law")
 TABLES = {"meanings": Table("What each engine's friction, restitution and rolling parameters mean", COLUMNS)}
 
@@ -41,7 +41,7 @@ TABLES = {"meanings": Table("What each engine's friction, restitution and rollin
 def of_one(name: str) -> list[dict[str, Any]]:
     """The rows of one engine. Raises ImportError if it is not installed."""
     module = solver(name)
-    told = [
+    entries = [
         _row(
             name,
             route=", ".join(meaning.routes or map(str, module.routes)),
@@ -51,45 +51,45 @@ def of_one(name: str) -> list[dict[str, Any]]:
         )
         for meaning in getattr(module, "MEANINGS", ())
     ]
-    return told or [_row(name, law="its adapter tells none")]
+    return entries or [_row(name, law="not reported by its adapter")]
 
 
-def _row(name: str, outcome: str = "done", **told: str) -> dict[str, Any]:
-    return dict.fromkeys(COLUMNS, "") | {"solver": name, "outcome": outcome} | told
+def _row(name: str, outcome: str = "done", **cells: str) -> dict[str, Any]:
+    return dict.fromkeys(COLUMNS, "") | {"solver": name, "outcome": outcome} | cells
 
 
 def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
-    """The rows of all engines; one that cannot be asked says why."""
-    asked = [name for name in request.solvers or all_solvers() if name != REFERENCE]
+    """The rows of all engines; an engine that fails has a row with the reason."""
+    engines = [name for name in request.solvers or all_solvers() if name != REFERENCE]
     limit = min(calls.limit, ASKING_SECONDS)
-    answers = calls.all("meanings", of_one, [(name,) for name in asked], limit=limit, brief=True)
-    return [row for name, answer in zip(asked, answers, strict=True) for row in _rows_of(name, answer)]
+    answers = calls.all("meanings", of_one, [(name,) for name in engines], limit=limit, brief=True)
+    return [row for name, answer in zip(engines, answers, strict=True) for row in _rows_of(name, answer)]
 
 
 def _rows_of(name: str, answer: Answer) -> list[dict[str, Any]]:
     if answer.outcome == "done":
         return answer.value
     outcome, reason = answer.failure
-    return [_row(name, outcome, law=f"not known: {reason}")]
+    return [_row(name, outcome, law=f"unknown: {reason}")]
 
 
-def rows(found: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
-    """The one table."""
-    return {"meanings": found}
+def rows(findings: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """The table of meanings."""
+    return {"meanings": findings}
 
 
-def draw(found: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
-    """Nothing: it is a table."""
+def draw(findings: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
+    """Write no figure: the study is a table."""
     yield from ()
 
 
-def as_lines(found: Sequence[dict[str, Any]]) -> list[str]:
-    """The table in Markdown, a line to a row."""
-    return ["| " + " | ".join(str(row[column]) for column in IN_TEXT) + " |" for row in found]
+def as_lines(findings: Sequence[dict[str, Any]]) -> list[str]:
+    """The table in Markdown, one line per row."""
+    return ["| " + " | ".join(str(row[column]) for column in IN_TEXT) + " |" for row in findings]
 
 
-def as_text(found: Sequence[dict[str, Any]]) -> str:
-    """The table as a page."""
+def as_text(findings: Sequence[dict[str, Any]]) -> str:
+    """The table as a page in Markdown."""
     head = ["| " + " | ".join(IN_TEXT) + " |", "|" + "---|" * len(IN_TEXT)]
     note = "Made from the adapters by `python -m reports.studies.meanings`; a test compares."
-    return "\n".join([f"# {TITLE}", "", QUESTION, "", *head, *as_lines(found), "", note])
+    return "\n".join([f"# {TITLE}", "", QUESTION, "", *head, *as_lines(findings), "", note])

@@ -1,4 +1,4 @@
-"""The paper's figures 3 to 12 beside motions that go on, and its closing remark as curves."""
+"""Figures of the study: the paper's figures 3 to 12 next to the continued motions, and its closing remark as curves."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from ...drawing.files import Drawn, save
 from ...drawing.style import FAINT, STYLE, logarithmic, ordinal
 from .measure import COEFFICIENTS, FIGURED, QUANTITIES, Paper
 
-# Figures 3 and 4 are the slip velocity for the two coefficients, and so on to 11 and 12.
+# Figures 3 and 4 show the slip velocity for the two coefficients; the other quantities follow in pairs up to 11 and 12.
 _FIRST_FIGURE = 3
 
 
-def diagrams(found: Paper) -> Figure:
-    """Figures 3 to 12, each up to v = 0 as the paper has it, and beside it the motion that goes on."""
+def diagrams(findings: Paper) -> Figure:
+    """Figures 3 to 12, each up to v = 0 as in the paper, and next to it the continued motion."""
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
             len(QUANTITIES), 2 * len(FIGURED), figsize=(10.4, 9.6), layout="constrained", sharex="col"
         )
         shades = ordinal(len(FIGURED))
         for i, mu in enumerate(FIGURED):
-            paper, ours, stop, after = found.curves[mu]
+            paper, ours, stop, after = findings.curves[mu]
             for row, (name, label) in enumerate(QUANTITIES.items()):
                 left, right = axes[row, 2 * i], axes[row, 2 * i + 1]
                 left.plot(paper["t"], paper[name], color=shades[i])
@@ -36,16 +36,16 @@ def diagrams(found: Paper) -> Figure:
                 right.plot(ours["t"], ours[name], color=FAINT)
                 right.plot(paper["t"], paper[name], color=shades[i])
                 right.axvline(stop, color=FAINT, linewidth=0.8, linestyle=":")
-                right.set_title(f"the same, going on: {after}" if row == 0 else "going on")
+                right.set_title(f"continued: {after}" if row == 0 else "continued")
             for ax in axes[-1, 2 * i : 2 * i + 2]:
                 ax.set_xlabel("t / s")
         figure.align_ylabels()
     return figure
 
 
-def remark(found: Paper) -> Figure:
-    """The closing remark as curves over μ₀, and with it where rolling follows."""
-    rows = found.remark
+def remark(findings: Paper) -> Figure:
+    """The closing remark as curves over μ₀, with the range in which rolling follows."""
+    rows = findings.remark
     mus = np.array([row["mu"] for row in rows])
     rolls = np.array([row["needed"] for row in rows], dtype=float) <= 1.0
     with plt.rc_context(STYLE):
@@ -58,11 +58,11 @@ def remark(found: Paper) -> Figure:
         reverses, follows = reversed(ordinal(2))
         for ax, (name, label) in zip(axes, panels, strict=True):
             values = np.array([row[name] for row in rows])
-            for chosen, colour, what in (
+            for selected, colour, what in (
                 (~rolls, reverses, "then it reverses"),
                 (rolls, follows, "then it rolls"),
             ):
-                ax.plot(mus[chosen], values[chosen], color=colour, label=what)
+                ax.plot(mus[selected], values[selected], color=colour, label=what)
             for mu in COEFFICIENTS:
                 ax.plot(mu, getattr(slip_end(mu), name), "o", color="black", markersize=4)
             logarithmic(ax, "xy" if name == "needed" else "x")
@@ -79,23 +79,23 @@ _PICTURES: tuple[tuple[str, Callable[[Paper], Figure], str, str], ...] = (
     (
         "paper_diagrams",
         diagrams,
-        "The paper's figures 3 to 12, and how the motion goes on",
-        "Each pair: up to v = 0, where the paper's diagrams end, and the whole motion. For both coefficients the slip "
-        "reverses there. The figures are not copied: they are drawn from the paper's equations with R = 1 m, "
-        "r = 0.1 m, m = 1 kg and a release at rest at ξ₁ = 0, which its text does not give.",
+        "The paper's figures 3 to 12, and the continued motion",
+        "Each pair: the motion up to v = 0, where the paper's diagrams end, and the whole motion. For both "
+        "coefficients the slip reverses there. The figures are not copies: they are drawn from the paper's equations "
+        "with R = 1 m, r = 0.1 m, m = 1 kg and a release at rest at ξ₁ = 0, which its text does not give.",
     ),
     (
         "paper_remark",
         remark,
         "The paper's closing remark",
-        "More friction ends the slip earlier and at a smaller ξ₁: true for all 200 coefficients drawn. Right: the "
-        "friction that rolling would take then, over what the cone holds; zero where the slip ends at the bottom. "
-        "Dots: the paper's 0.01, 0.1 and 0.2.",
+        "More friction ends the slip earlier and at a smaller ξ₁: true for all 200 coefficients shown. Right: the "
+        "friction that rolling would need at that time over the largest friction of the cone; zero where the slip ends "
+        "at the bottom. Dots: the paper's 0.01, 0.1 and 0.2.",
     ),
 )
 
 
-def draw(found: Paper, folder: Path) -> Iterator[Drawn]:
-    """Write the pictures into the folder; yields what was written."""
+def draw(findings: Paper, folder: Path) -> Iterator[Drawn]:
+    """Write the figures to the folder; yields their entries."""
     for name, make, title, caption in _PICTURES:
-        yield save(make(found), folder, name, "", title, caption)
+        yield save(make(findings), folder, name, "", title, caption)

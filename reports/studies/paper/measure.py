@@ -1,4 +1,4 @@
-"""What the paper says and what is so: its equations, its claim that rolling follows, its closing remark, its curves.
+"""The paper compared with computed motions: its equations, its claim that rolling follows, its remark, its curves.
 
 The paper's figures end where v vanishes. Its sizes and its start are not in its text; ours are those of
 `disc_in_circle`. What it claims depends on neither R, r, m nor g (`reference.paper.application`).
@@ -18,9 +18,9 @@ from reference.paper.lines import LINES
 
 from ...running.records import Row
 
-# The paper's coefficients, and those it draws.
+# The paper's coefficients, and those of its figures.
 COEFFICIENTS, FIGURED = (0.01, 0.1, 0.2), (0.01, 0.1)
-# What it draws, in its order.
+# The quantities of its figures, in its order.
 QUANTITIES = {
     "v": "v / (m/s)",
     "xi1": "ξ₁ / rad",
@@ -28,13 +28,13 @@ QUANTITIES = {
     "theta": "θ / rad",
     "lambda": "λ / (N/m)",
 }
-# Four decades of friction, evenly on a logarithmic axis: as many points as a line needs to look smooth.
+# Four decades of friction, evenly spaced on a logarithmic axis: enough points for a smooth line.
 MUS = np.geomspace(1e-3, 10.0, 200)
 
 
 class Paper(NamedTuple):
-    """The rows of the three tables, and for each coefficient of `FIGURED` its curves up to v = 0 and on, with when v
-    vanishes (s) and what follows."""
+    """The rows of the three tables, and for each coefficient of `FIGURED` the curves up to v = 0, the complete curves,
+    the time of v = 0 (s) and the mode that follows."""
 
     equations: list[Row]
     claims: list[Row]
@@ -43,24 +43,24 @@ class Paper(NamedTuple):
 
 
 def measure() -> Paper:
-    """All that the section shows."""
-    drawn = {}
+    """All findings of the study."""
+    by_coefficient = {}
     for mu in FIGURED:
         stop = _motion(mu).transitions[0]
-        drawn[mu] = curves(mu, stop.time), curves(mu), stop.time, str(stop.after).replace("_", " ")
-    return Paper(equation_rows(), claim_rows(), remark_rows(), drawn)
+        by_coefficient[mu] = curves(mu, stop.time), curves(mu), stop.time, str(stop.after).replace("_", " ")
+    return Paper(equation_rows(), claim_rows(), remark_rows(), by_coefficient)
 
 
 def equation_rows() -> list[Row]:
-    """One row for each numbered equation: what it says and where it stands in the code."""
+    """One row for each numbered equation: its content and its places in the code."""
     return [{"equation": f"({n})", "says": says, "places": ", ".join(places)} for n, says, places in LINES]
 
 
 def claim_rows() -> list[Row]:
     """One row for each of the paper's coefficients: where v vanishes, what follows, and the cone's margin there.
 
-    `needed` is the friction that rolling would take over what the cone holds; `rolls_beyond` (rad) the release from
-    rest from which on the disc rolls.
+    `needed`: the friction that rolling would need over the largest friction of the cone; `rolls_beyond` (rad): the disc
+    rolls if it is released from rest beyond this ξ₁.
     """
     rows: list[Row] = []
     for mu in COEFFICIENTS:
@@ -97,9 +97,9 @@ def curves(mu: float, until: float | None = None, points: int = 300) -> dict[str
     """
     motion = _motion(mu)
     end = motion.t[-1] if until is None else until
-    # Both sides of a jump of the force: the instants of the transitions are samples, too.
+    # The transitions are also samples, so that both sides of a jump of the force are included.
     t = np.unique([*np.linspace(0.0, end, points), *(x.time for x in motion.transitions if x.time < end)])
     state = motion(t)
     speed = cases.load("disc_in_circle", mu=mu).track.speed(np.asarray(state.xi1))
-    drawn = (state.slip, state.xi1, state.xi2, state.theta, state.normal_force / speed)
-    return {"t": t, **{name: np.asarray(values) for name, values in zip(QUANTITIES, drawn, strict=True)}}
+    quantities = (state.slip, state.xi1, state.xi2, state.theta, state.normal_force / speed)
+    return {"t": t, **{name: np.asarray(values) for name, values in zip(QUANTITIES, quantities, strict=True)}}
