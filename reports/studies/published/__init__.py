@@ -1,4 +1,4 @@
-"""Other people's numbers: `PUBLICATIONS`, `rows(PUBLICATIONS)` for the table, `COLUMNS` for its words."""
+"""Published numbers of other programs: `PUBLICATIONS`, `rows(PUBLICATIONS)` for the table, `COLUMNS` with headings."""
 
 from .bouncing import BOUNCING
 from .records import COLUMNS, Number, Publication, motion_of, rows

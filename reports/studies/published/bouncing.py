@@ -1,6 +1,6 @@
 """Bouncing balls and single impacts: FMI Reference FMUs, Siconos, PETSc, MFiX, Kratos.
 
-All were looked up in the repositories, at the commits named. Numbers only are taken from there.
+All numbers were looked up in the repositories at the given commits. Only numbers are taken from there.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def _reference_fmu() -> Publication:
         lambda: bouncing(1.0, 0.7, 9.81, 3.0),
         tuple(numbers),
         whole=True,
-        known="its speeds after the bounces fall short, by 1e-5 m/s at the first and 1e-3 m/s at the tenth, so its "
-        "times are early against the closed form, by 1.1 ms at the eleventh; there it stops, slower than 0.1 m/s",
+        explanation="its speeds after the bounces are too small, by 1e-5 m/s at the first and 1e-3 m/s at the tenth, "
+        "so its times are earlier than the closed form, by 1.1 ms at the eleventh; there it stops, slower than 0.1 m/s",
     )
 
 
@@ -94,7 +94,7 @@ def _siconos_impact_first() -> Publication:
         "Siconos",
         _TUTORIALS + "BouncingBallEventDriven/BouncingBallED-initialImpact.ref" + _COMMIT,
         "its test compares its own runs with the file to 1e-12",
-        # It meets the floor with 1 m/s at time zero and rebounds with 0.9 m/s; ours begins with the rebound.
+        # It hits the floor with 1 m/s at time zero and rebounds with 0.9 m/s; our case begins with the rebound.
         lambda: bouncing(0.0, 0.9, 9.81, 1.42, lift=0.9),
         tuple(numbers),
         whole=True,
@@ -120,7 +120,7 @@ def _siconos_no_rebound() -> Publication:
 
 
 def _siconos_spinning() -> Publication:
-    step = 0.005  # s; an impact is felt at the end of its step, so that places are sure to a step's path
+    step = 0.005  # s; an impact acts at the end of its step, so positions are accurate to the path of one step
 
     def case() -> Case:
         effects = (Gravity(9.81), CoulombFriction(0.1), Unilateral(), Flight(), Impact(0.9))
@@ -152,7 +152,7 @@ def _siconos_spinning() -> Publication:
 
 
 def thrown_stick(law: str = "moreau") -> Case:
-    """Siconos' stick of 1 m, thrown down at 45° onto a floor of friction 0.01; its end is a circle of 1 µm."""
+    """Siconos' stick of 1 m, thrown down at 45° onto a floor with friction 0.01; its end is a circle of 1 µm."""
     half, tilt, tip = 0.5, pi / 4, 1e-6
     start = Start(
         xi1=0.0,
@@ -168,8 +168,9 @@ def thrown_stick(law: str = "moreau") -> Case:
 
 
 def _siconos_stick() -> Publication:
-    # An impact is felt up to two steps of 1e-4 s late: it then closes faster by g·2e-4 s and its impulse is larger by
-    # 2 m·g·2e-4 s/2.5, 2.5 being what the arm adds; friction by a hundredth of that, the spin by 12·0.36 rad/s per N s.
+    # An impact acts up to two steps of 1e-4 s late: the closing speed is then larger by g·2e-4 s and the impulse by
+    # 2 m·g·2e-4 s/2.5, where 2.5 is the effect of the lever arm; friction changes by a hundredth of that, the spin by
+    # 12·0.36 rad/s per N s.
     late = 2e-4
     impulse = 2 * 10.0 * late / 2.5
     turn, friction = 12 * 0.36 * impulse, 0.01 * impulse
@@ -190,7 +191,7 @@ def _siconos_stick() -> Publication:
         "stick that hits with friction, e = 1",
         "Siconos",
         _TUTORIALS + "ImpactingStick/ImpactingStick.ref and ImpactingStick.cpp" + _COMMIT,
-        "what an impact felt two of its steps of 0.1 ms late changes; its law is Moreau's",
+        "the change by an impact that acts two of its steps of 0.1 ms late; its law is Moreau's",
         thrown_stick,
         numbers,
         whole=True,
@@ -232,13 +233,15 @@ def _mfix_soft() -> Publication:
         _MFIX + "DEM02/AUTOTEST/POST_HEIGHT.dat, column Height_MFIX, KN = 0.5E+07, commit 15c6363",
         "its own difference from the hard sphere, column %REL DIFF",
         lambda: bouncing(0.4, 0.9, 9.81, 4.6),
-        # The per cent are of the hard sphere's height.
+        # The percentages refer to the hard sphere's height.
         tuple(Number(f"height of bounce {i} / m", h, apex(i), h * p / (100 - p) + 1e-8) for i, h, p in rows),
     )
 
 
-def _kratos(degrees: float, spin: float, kept: float, spin_off: float = 0.0, kept_off: float = 0.0) -> Publication:
-    """`spin_off`, `kept_off`: how far, relatively, the two are known to lie off where the rim sticks."""
+def _kratos(
+    degrees: float, spin: float, speed_ratio: float, spin_off: float = 0.0, speed_ratio_off: float = 0.0
+) -> Publication:
+    """`spin_off`, `speed_ratio_off`: known relative errors of the two numbers if the rim sticks."""
     r, v, mu, e = 0.0025, 3.9, 0.092, 0.98
     angle = radians(degrees)
 
@@ -265,14 +268,14 @@ def _kratos(degrees: float, spin: float, kept: float, spin_off: float = 0.0, kep
             ),
             Number(
                 "tangential speed kept",
-                kept,
+                speed_ratio,
                 lambda m: float(m(m.t[-1]).vx) / (v * sin(angle)),
-                0.016 * kept,
-                kept_off * kept,
+                0.016 * speed_ratio,
+                speed_ratio_off * speed_ratio,
             ),
         ),
-        known="its contact has a tangential spring; where the rim sticks, the spring gives back what rigid friction "
-        "does not",
+        explanation="its contact has a tangential spring; if the rim sticks, the spring rebounds, which rigid "
+        "friction does not",
     )
 
 

@@ -1,4 +1,4 @@
-"""How a published number is read from our motion, and the scenes that several publishers share."""
+"""Readings of published numbers from our motion, and scenes that several publishers share."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def at(time: float, quantity: str) -> Reading:
 
 
 def moved(time: float) -> Reading:
-    """How far the centre has moved along X at a time."""
+    """The displacement of the centre along X at a time."""
     return lambda motion: float(motion(time).x - motion(0.0).x)
 
 
@@ -49,7 +49,7 @@ def impact(number: int) -> Reading:
 
 
 def apex(number: int) -> Reading:
-    """The centre's height half-way between an impact (counted from 1) and the next, where a level flight is highest."""
+    """The centre's height half-way between an impact (counted from 1) and the next, its largest over a level floor."""
 
     def read(motion: Trajectory) -> float:
         before, after = impact_times(motion)[number - 1 : number + 1]

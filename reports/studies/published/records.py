@@ -1,8 +1,8 @@
-"""Numbers that other people's programs publish, and ours beside them.
+"""Numbers published by other programs, compared with ours.
 
-`rows(publications)` computes their motions by the reference and gives one row per number; `COLUMNS` has the columns'
-words. A number counts as met when ours lies within the publisher's own accuracy. Where a
-publisher is known to be off by more, the number tells by how much and why, and that claim is tested in its place.
+`rows(publications)` computes their motions with the reference and returns one row per number; `COLUMNS` has the
+headings. A number agrees if ours lies within the publisher's own accuracy. If a published number is known to be wrong
+by more, its record gives the amount and the reason, and this claim is tested instead.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from ...running.records import Row
 
 Reading = Callable[[Trajectory], float]
 
-# The finest tolerance that both integrators reach; every publisher's accuracy but one (1e-12) is far coarser.
+# The finest tolerance that both integrators reach; all publishers' accuracies except one (1e-12) are far coarser.
 RTOL = 1e-13
 
 COLUMNS = {
-    "program": "whose number",
+    "program": "program",
     "scene": "scene",
     "quantity": "quantity",
     "published": "published",
@@ -36,10 +36,10 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Number:
-    """One published number: `read` takes it from our motion, in the same unit; `accuracy` is absolute.
+    """One published number: `read` computes it from our motion, in the same unit; `accuracy` is absolute.
 
-    `off` > 0: the published number is known to be wrong by more than its accuracy, by `off` at most; the publication's
-    `known` says why.
+    `off` > 0: the published number is known to be wrong by more than its accuracy, but at most by `off`; the reason is
+    in the publication's `explanation`.
     """
 
     quantity: str
@@ -51,10 +51,10 @@ class Number:
 
 @dataclass(frozen=True)
 class Publication:
-    """One motion that somebody else's program computes: the case it is here, where it stands, and its numbers.
+    """One motion computed by another program: our case for it, its source, and its numbers.
 
-    `accuracy` says in a phrase where the publisher's accuracy comes from. `whole` is true where the numbers follow the
-    motion through its transitions, from start to end.
+    `accuracy` describes the origin of the publisher's accuracy. `whole`: the numbers cover the motion through its
+    transitions from start to end. `explanation`: the reason of numbers that are known to be wrong.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Publication:
     case: Callable[[], Case]
     numbers: tuple[Number, ...]
     whole: bool = False
-    known: str = ""
+    explanation: str = ""
 
 
 def motion_of(publication: Publication) -> Trajectory:
@@ -73,7 +73,7 @@ def motion_of(publication: Publication) -> Trajectory:
 
 
 def verdict(number: Number, ours: float) -> str:
-    """ "agrees" within the publisher's accuracy; "known" within `off`; else "differs"."""
+    """ "agrees" within the publisher's accuracy; "known" within `off`; otherwise "differs"."""
     difference = abs(ours - number.published)
     if difference <= number.accuracy:
         return "agrees"
@@ -82,7 +82,7 @@ def verdict(number: Number, ours: float) -> str:
 
 def row(publication: Publication, number: Number, ours: float) -> Row:
     """One row of the table; keys as in COLUMNS."""
-    found = verdict(number, ours)
+    verdict_word = verdict(number, ours)
     return {
         "program": publication.program,
         "scene": publication.name,
@@ -91,8 +91,8 @@ def row(publication: Publication, number: Number, ours: float) -> Row:
         "ours": ours,
         "difference": ours - number.published,
         "accuracy": number.accuracy,
-        "verdict": found,
-        "note": publication.known if found == "known" else "",
+        "verdict": verdict_word,
+        "note": publication.explanation if verdict_word == "known" else "",
         "source": publication.source,
     }
 

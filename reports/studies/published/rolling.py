@@ -1,6 +1,6 @@
-"""Slip, roll and what lies between, on lines: Drake, MFiX, Newton, scopi.
+"""Slipping and rolling on lines, and the transitions between them: Drake, MFiX, Newton, scopi.
 
-All were looked up in the repositories, at the commits named. Numbers and formulas only are taken from there.
+All numbers were looked up in the repositories at the given commits. Only numbers and formulas are taken from there.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .readings import SPHERE, at, sliding, sphere
 from .records import Number, Publication, Reading
 
 # The ball is bowled along z at 8 m/s with a spin of −8π rad/s about z: its rim slips in a fixed direction u (friction
-# never turns it), along which the motion is a plate's; across u it goes on as it began.
+# does not change it), along which the motion is a plate's; the velocity across u is constant.
 _R, _V0, _SPIN = 0.10795, 8.0, -8 * pi
 _SLIP = sqrt((_SPIN * _R) ** 2 + _V0**2)
 _UX, _UZ = _SPIN * _R / _SLIP, _V0 / _SLIP
@@ -29,9 +29,9 @@ def _bowled() -> Case:
 
 
 def _in_space(quantity: str, time: float) -> Reading:
-    """x, z, vx, vz, wx, wz of the ball from the plate's motion along u and the uniform rest across it."""
+    """x, z, vx, vz, wx, wz of the ball from the plate's motion along u and the uniform motion across it."""
     across = _V0 * _UX  # the speed across u, along (−u_z, u_x) in (x, z)
-    kept = _SPIN * _UZ  # the spin about u
+    spin_along = _SPIN * _UZ  # the spin about u
 
     def read(motion: Trajectory) -> float:
         state = motion(time)
@@ -40,8 +40,8 @@ def _in_space(quantity: str, time: float) -> Reading:
             "z": state.x * _UZ + across * time * _UX,
             "vx": state.vx * _UX - across * _UZ,
             "vz": state.vx * _UZ + across * _UX,
-            "wx": -state.omega * _UZ + kept * _UX,
-            "wz": state.omega * _UX + kept * _UZ,
+            "wx": -state.omega * _UZ + spin_along * _UX,
+            "wz": state.omega * _UX + spin_along * _UZ,
         }
         return float(values[quantity])
 
@@ -107,16 +107,16 @@ _MFIX = "github.com/truongd8593/mfix (a copy of MFiX), tests/dem/"
 
 def _mfix_slip_to_roll(mu: float, time: float, speed: float, spin: float, errors: tuple[float, ...]) -> Publication:
     r, v0, g = 0.0005, 0.1, 9.81
-    printed = 5.1e-9
+    rounding = 5.1e-9
     readings: tuple[tuple[str, Reading], ...] = (
         ("start of rolling · μ g/v0", lambda m: m.transitions[0].time * mu * g / v0),
         ("speed in rolling/v0", lambda m: float(m(m.t[-1]).vx) / v0),
         ("spin in rolling · r/v0", lambda m: -float(m(m.t[-1]).omega) * r / v0),
     )
     exact, theirs = (0.28571429, 0.71428571, 0.71428571), (time, speed, spin)
-    numbers = [Number(name, value, read, printed) for (name, read), value in zip(readings, exact, strict=True)]
+    numbers = [Number(name, value, read, rounding) for (name, read), value in zip(readings, exact, strict=True)]
     for (name, read), value, percent, right in zip(readings, theirs, errors, exact, strict=True):
-        numbers.append(Number(f"{name}, its own", value, read, right * percent / 100 + 2 * printed))
+        numbers.append(Number(f"{name}, its own", value, read, right * percent / 100 + 2 * rounding))
     return Publication(
         f"DEM04, slip to roll, μ = {mu:g}",
         "MFiX",
@@ -146,7 +146,7 @@ _SCOPI = "github.com/hpc-maths/scopi, test/"
 
 
 def _along(slope: float, time: float) -> Reading:
-    """The way of the centre down the slope since the start."""
+    """The distance of the centre down the slope since the start."""
 
     def read(motion: Trajectory) -> float:
         here, start = motion(time), motion(0.0)
@@ -158,20 +158,20 @@ def _along(slope: float, time: float) -> Reading:
 def _scopi_formula(mu: float, slope: float, errors: tuple[float, float, float, float]) -> Publication:
     """The published closed form with r = g = 1 at 10.01 s; `errors` are scopi's own, relative, with steps of 10 ms."""
     time, landing = 10.01, sqrt(2 / cos(slope))
-    since, fallen = time - landing, 0.5 * landing**2 * sin(slope)
+    since, way_in_fall = time - landing, 0.5 * landing**2 * sin(slope)
     if tan(slope) <= 3 * mu:
         speed = 2 / 3 * time * sin(slope)
-        spin, turned = -speed, -(since**2 / 3 + 2 / 3 * landing * since) * sin(slope)
-        way = fallen - turned
+        spin, rotation_angle = -speed, -(since**2 / 3 + 2 / 3 * landing * since) * sin(slope)
+        way = way_in_fall - rotation_angle
     else:
         speed, spin = time * (sin(slope) - mu * cos(slope)), -2 * mu * time * cos(slope)
-        way = fallen + 0.5 * (time**2 - landing**2) * (sin(slope) - mu * cos(slope))
-        turned = -mu * (time**2 - landing**2) * cos(slope)
+        way = way_in_fall + 0.5 * (time**2 - landing**2) * (sin(slope) - mu * cos(slope))
+        rotation_angle = -mu * (time**2 - landing**2) * cos(slope)
     place, rotation, velocity, turning = errors
     numbers = (
         Number("way down the slope", way, _along(slope, time), place * way),
-        # Of the rotation it gives the error of the quaternion, half as large.
-        Number("rotation / rad", turned, at(time, "theta"), 2 * rotation),
+        # For the rotation, scopi gives the error of the quaternion, which is half as large.
+        Number("rotation / rad", rotation_angle, at(time, "theta"), 2 * rotation),
         Number("speed", speed, lambda m: float(m(time).vx) / cos(slope), velocity * speed),
         Number("spin", spin, at(time, "omega"), -turning * spin),
     )
@@ -192,7 +192,7 @@ def _scopi_run() -> Publication:
     start_y = 3 / cos(slope)
 
     def place(coordinate: str) -> Reading:
-        # Ours begins where the disc's nearest point of the incline is the origin; theirs straight above it.
+        # Our disc starts where the origin is the incline's nearest point; theirs starts vertically above the origin.
         shift = {"x": 3 * sin(slope), "y": 3 * cos(slope)}
         return lambda m: float(getattr(m(20.0), coordinate)) - shift[coordinate] + (start_y if coordinate == "y" else 0)
 

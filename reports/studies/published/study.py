@@ -1,4 +1,4 @@
-"""Other people's numbers beside ours."""
+"""Numbers published by other programs, compared with ours."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .. import Request
 from . import COLUMNS, PUBLICATIONS
 from .records import rows as compared
 
-TITLE = "Other people's numbers"
+TITLE = "Published numbers of other programs"
 QUESTION = (
-    "Motions that other people's programs publish, computed by the reference: each number with its source, its "
-    "publisher's own accuracy and the difference. Where a publisher is known to be off, it is said why."
+    "Published motions of other programs, computed by the reference: each number with its source, its publisher's own "
+    "accuracy and the difference. Where a published value is known to be wrong, the note gives the reason."
 )
 TAKES = ()
 IN_REPORT = True
@@ -24,28 +24,28 @@ TABLES = {"published": Table("Numbers that other programs publish, and ours", CO
 
 
 def of_one(index: int) -> list[Row]:
-    """The rows of one publication, by its place in `PUBLICATIONS`."""
+    """The rows of one publication, by its index in `PUBLICATIONS`."""
     return compared(PUBLICATIONS[index : index + 1])
 
 
 def run(request: Request, calls: Calls) -> list[Row]:
-    """The rows of all publications; one that could not be computed says why."""
+    """The rows of all publications; one that could not be computed has a row with the reason."""
     answers = calls.all("published numbers", of_one, [(i,) for i in range(len(PUBLICATIONS))], keep=Keep())
-    found: list[Row] = []
+    table_rows: list[Row] = []
     for publication, answer in zip(PUBLICATIONS, answers, strict=True):
         if answer.outcome == "done":
-            found += answer.value
+            table_rows += answer.value
         else:
-            known = dict(program=publication.program, scene=publication.name, source=publication.source)
-            found.append(dict.fromkeys(COLUMNS) | known | {"verdict": answer.outcome, "note": answer.reason})
-    return found
+            labels = dict(program=publication.program, scene=publication.name, source=publication.source)
+            table_rows.append(dict.fromkeys(COLUMNS) | labels | {"verdict": answer.outcome, "note": answer.reason})
+    return table_rows
 
 
-def rows(found: list[Row]) -> dict[str, list[Row]]:
-    """The one table."""
-    return {"published": found}
+def rows(findings: list[Row]) -> dict[str, list[Row]]:
+    """The table of published numbers."""
+    return {"published": findings}
 
 
-def draw(found: list[Row], folder: Path) -> Iterator[Drawn]:
-    """Nothing: it is a table."""
+def draw(findings: list[Row], folder: Path) -> Iterator[Drawn]:
+    """Write no figure: the study is a table."""
     yield from ()

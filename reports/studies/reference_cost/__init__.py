@@ -1,1 +1,1 @@
-"""What the reference costs: hot, cold, and as a motion grows."""
+"""The cost of the reference: warm, from a cold start, and for longer motions: a study."""

@@ -1,4 +1,4 @@
-"""What a new process pays: importing the reference, and its first motion, with a cache on disk and without."""
+"""The cost of a new process: import of the reference, and its first motion, with and without a cache on disk."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ began = time.process_time()
 reference.simulate(cases.load(sys.argv[1])).transitions
 print(time.process_time() - began)
 """
-# Of so many new processes the quickest tells: what else the machine does only adds.
+# The result is the minimum over this many new processes: other load can only add time.
 PROCESSES = 3
-# Where the suite lies: what is run by `python -c` imports first what lies where it is run, maybe somebody's `cases`.
+# The folder of the suite: `python -c` imports from its working directory first, which might contain another `cases`.
 _HOME = Path(cases.__file__).parents[1]
 
 
 class Cold(NamedTuple):
-    """CPU s beyond imports of the first motion of new processes: without a cache on disk, and with one."""
+    """CPU seconds of the first motion of a new process after the imports: without a cache on disk, and with one."""
 
     without_s: float
     warm_s: float
@@ -33,20 +33,20 @@ class Cold(NamedTuple):
 
 def _told(program: str, *words: str) -> float:
     argv = [sys.executable, "-c", program, *words]
-    told = subprocess.run(argv, check=True, capture_output=True, text=True, cwd=_HOME)
-    return float(told.stdout)
+    process = subprocess.run(argv, check=True, capture_output=True, text=True, cwd=_HOME)
+    return float(process.stdout)
 
 
 def imported() -> float:
-    """CPU s of `import reference` in a new process."""
+    """CPU seconds of `import reference` in a new process."""
     return min(_told(_IMPORT) for _ in range(PROCESSES))
 
 
 def first_motion(label: str) -> Cold:
-    """The case's first motion in new processes."""
+    """The cost of a case's first motion in new processes."""
     with kept.off():
         without = _told(_FIRST, label)
-    # NaN where nothing is kept on this machine.
+    # NaN if this machine has no cache.
     if kept.place() is None:
         return Cold(without, float("nan"))
     _told(_FIRST, label)
@@ -54,6 +54,6 @@ def first_motion(label: str) -> Cold:
 
 
 def labels(full: bool) -> list[str]:
-    """The first variant of every case of the catalogue; of every eighth unless it is a full study."""
+    """The first variant of every eighth case of the catalogue; of every case in a `full` study."""
     names = cases.names()
     return [cases.select(name)[0].label for name in (names if full else names[::8])]

@@ -1,4 +1,4 @@
-"""What is timed hot, in turns: first slip phases at an equal error, whole motions, and the calls around them."""
+"""Programs that are timed warm and in turns: first slip phases at an equal error, whole motions, and whole calls."""
 
 from __future__ import annotations
 
@@ -26,45 +26,47 @@ COEFFICIENTS = (0.01, 0.1, 0.2)
 
 
 class Program(NamedTuple):
-    """What is timed, and its error at the first transition (s, NaN for whole motions)."""
+    """A program to time, and its error at the first transition (s, NaN for whole motions)."""
 
     run: Callable[[], Any]
     error: float = nan
 
 
 def contestants() -> dict[str, Program]:
-    """All that take turns, by name. All are hot: compiled, and run again and again."""
-    found: dict[str, Program] = {}
+    """All contestants by name. All are warm: compiled, and run repeatedly."""
+    programs: dict[str, Program] = {}
     for mu in COEFFICIENTS:
         if taylor.AVAILABLE:
-            found[f"heyoka on (35), first slip, mu={mu}"] = _reached(mu, closed_form_by_heyoka)
+            programs[f"heyoka on (35), first slip, mu={mu}"] = _reached(mu, closed_form_by_heyoka)
         for nodes in (16, 32, 64, 128, 256, 512):
             plain_c = in_c.first_slip(mu, nodes)
             if plain_c is None:
                 break
-            found[f"plain C, first slip, mu={mu}"] = Program(plain_c, plain_c() - _exact(mu))
+            programs[f"plain C, first slip, mu={mu}"] = Program(plain_c, plain_c() - _exact(mu))
             if abs(plain_c() - _exact(mu)) <= ACHIEVED:
                 break
         for method in reference.METHODS:
-            found[f"{method}, first slip, mu={mu}"] = _reached(mu, partial(first_slip, method=method))
-            found[f"simulate by {method}, first slip, new mu={mu}"] = _reached(mu, partial(whole_call, method=method))
+            programs[f"{method}, first slip, mu={mu}"] = _reached(mu, partial(first_slip, method=method))
+            programs[f"simulate by {method}, first slip, new mu={mu}"] = _reached(
+                mu, partial(whole_call, method=method)
+            )
     valley = scenes()["cosine valley, 2 s"]
-    known = slip_on(valley, 1e-14, reference.METHODS[0])()
+    exact = slip_on(valley, 1e-14, reference.METHODS[0])()
     for method in reference.METHODS:
-        found[f"{method}, first slip, cosine valley"] = _reaching(known, partial(slip_on, valley, method=method))
+        programs[f"{method}, first slip, cosine valley"] = _reaching(exact, partial(slip_on, valley, method=method))
     for method in reference.METHODS:
         for name, case in scenes().items():
             if method != reference.METHODS[0] and name == "superellipse on hill":
-                continue  # what it is there for, the search, is the same
-            found[f"{method}, {name}"] = Program(integration(case, method))
-            found[f"simulate by {method}, {name}"] = Program(partial(simulate_anew, case, method))
-            found[f"{method} with decisions and second contacts, {name}"] = Program(decided(case, method))
-    return found
+                continue  # this scene tests the search, which is the same for all methods
+            programs[f"{method}, {name}"] = Program(integration(case, method))
+            programs[f"simulate by {method}, {name}"] = Program(partial(simulate_anew, case, method))
+            programs[f"{method} with decisions and second contacts, {name}"] = Program(decided(case, method))
+    return programs
 
 
 def scenes() -> dict[str, cases.Case]:
-    """The whole motions that are timed: the paper's disc with eight transitions, a general curve on which a theorem
-    excludes second contacts, and one on which they are searched for."""
+    """The timed whole motions: the paper's disc with eight transitions, a general curve on which a theorem excludes
+    second contacts, and one that requires a search for them."""
     valley = cases.Case(
         track=cosine(0.3, 2.0),
         plate=cases.disc(0.1, 1.0),
@@ -80,7 +82,7 @@ def scenes() -> dict[str, cases.Case]:
 
 
 def _exact(mu: float) -> float:
-    """When the slip of the paper's disc vanishes, s: a quadrature of 20 digits."""
+    """The time (s) at which the slip of the paper's disc vanishes, by a quadrature with 20 digits."""
     return float(sliding_disc_in_circle("1", "0.1", str(mu), "9.81").time)
 
 
@@ -89,18 +91,18 @@ def _reached(mu: float, make: Callable[[float, float], Callable[[], float]]) -> 
     return _reaching(_exact(mu), partial(make, mu))
 
 
-def _reaching(known: float, make: Callable[[float], Callable[[], float]]) -> Program:
-    """`make(tolerance)` at the coarsest power of ten that reaches the error; at the finest where none does."""
+def _reaching(exact: float, make: Callable[[float], Callable[[], float]]) -> Program:
+    """`make(tolerance)` at the coarsest power of ten that reaches the error; at the finest if none does."""
     for digits in range(5, 15):
         run = make(10.0**-digits)
-        error = run() - known
+        error = run() - exact
         if abs(error) <= ACHIEVED:
             break
     return Program(run, error)
 
 
 def closed_form_by_heyoka(mu: float, tolerance: float) -> Callable[[], float]:
-    """heyoka on (35) until v = 0, written by hand with its numbers compiled in; returns the time."""
+    """heyoka on (35) until v = 0, hand-written with compiled-in constants; returns the time."""
     import heyoka as hy
 
     R, r, g = 1.0, 0.1, 9.81
@@ -132,19 +134,19 @@ def first_slip(mu: float, rtol: float, method: str) -> Callable[[], float]:
 
 
 def slip_on(case: cases.Case, rtol: float, method: str) -> Callable[[], float]:
-    """A case's first phase, in which it slips forward, until it ends; returns the time."""
+    """A case's first phase, in which it slips forward; the program returns the time of its end."""
     _, integrate = solve.INTEGRATORS[method]
     now, start = phase(case, Regime(cases.Mode.SLIP_FORWARD)), start_state(case)
     return lambda: integrate(now, 0.0, start, case.duration, rtol).event.time
 
 
 def whole_call(mu: float, rtol: float, method: str) -> Callable[[], float]:
-    """What a user calls in a loop over μ, ended just after the first transition; returns its time."""
+    """The call of a user's loop over μ, with a duration just beyond the first transition; returns its time."""
     end = 1.01 * _exact(mu)
     number = count()
 
     def run() -> float:
-        # Each call has a friction of its own, so that nothing is kept of the call before but what μ does not change.
+        # Each call has a different friction, so that only results independent of μ are cached between calls.
         other = mu * (1.0 + 1e-14 * next(number))
         case = cases.load("disc_in_circle", mu=other, duration=end)
         return reference.simulate(case, rtol=rtol, method=method).transitions[0].time
@@ -153,7 +155,7 @@ def whole_call(mu: float, rtol: float, method: str) -> Callable[[], float]:
 
 
 def simulate_anew(case: cases.Case, method: str) -> int:
-    """The whole call for a case that is made anew; returns the number of transitions."""
+    """The whole call for a newly made case; returns the number of transitions."""
     again = cases.Case(case.track, case.plate, case.effects, case.start, case.duration)
     return len(reference.simulate(again, rtol=RTOL, method=method).transitions)
 
@@ -167,9 +169,9 @@ def decided(case: cases.Case, method: str) -> Callable[[], int]:
 
 
 def integration(case: cases.Case, method: str) -> Callable[[], int]:
-    """The same phases, each integrated from its start, and nothing else; returns their number."""
+    """Only the integration of the same phases, each from its start; returns their number."""
     start = start_state(case)
     _, integrate = solve.INTEGRATORS[method]
     segments, _, _ = solve.solved(case, solve.first_regime(case, start), start, RTOL, integrate)
-    begun = [(s.phase, s.start, s.states(np.array([s.start]))[:, 0].tolist()) for s in segments]
-    return lambda: len([integrate(now, t, y, case.duration, RTOL) for now, t, y in begun])
+    phase_starts = [(s.phase, s.start, s.states(np.array([s.start]))[:, 0].tolist()) for s in segments]
+    return lambda: len([integrate(now, t, y, case.duration, RTOL) for now, t, y in phase_starts])

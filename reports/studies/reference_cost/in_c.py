@@ -1,7 +1,7 @@
-"""The paper's application in plain C: the least that the first slip phase's end can cost on this machine.
+"""The paper's application in plain C: the lowest cost of the end of the first slip phase on this machine.
 
 With w = ξ̇² (35) is linear in ξ: w' + 2μ w = (2g/L) (cos ξ - μ sin ξ), so that w, the time and the slip are integrals of
-elementary functions; ξ = s² takes the root from their start. Newton's method on the slip, kept between bounds.
+elementary functions; ξ = s² removes the square-root singularity at the start. Newton's method on the slip, with bounds.
 """
 
 from __future__ import annotations
@@ -57,29 +57,29 @@ def library() -> ctypes.CDLL | None:
     if compiler is None:
         return None
     with tempfile.TemporaryDirectory() as folder:
-        source, made = Path(folder) / "first_slip.c", Path(folder) / "first_slip.so"
+        source, shared_object = Path(folder) / "first_slip.c", Path(folder) / "first_slip.so"
         source.write_text(SOURCE)
-        command = [compiler, "-O3", "-march=native", "-shared", "-fPIC", str(source), "-o", str(made), "-lm"]
+        command = [compiler, "-O3", "-march=native", "-shared", "-fPIC", str(source), "-o", str(shared_object), "-lm"]
         if subprocess.run(command, capture_output=True).returncode:
             return None
-        found = ctypes.CDLL(str(made))
-    found.first_slip.restype = ctypes.c_double
+        loaded = ctypes.CDLL(str(shared_object))
+    loaded.first_slip.restype = ctypes.c_double
     pointer = ctypes.POINTER(ctypes.c_double)
-    found.first_slip.argtypes = [*[ctypes.c_double] * 3, ctypes.c_int, pointer, pointer]
-    return found
+    loaded.first_slip.argtypes = [*[ctypes.c_double] * 3, ctypes.c_int, pointer, pointer]
+    return loaded
 
 
 def first_slip(mu: float, nodes: int) -> Callable[[], float] | None:
-    """A call that returns when the slip of the paper's disc (R = 1 m, r = 0.1 m) vanishes, s, by a quadrature
-    of so many nodes; None without compiler."""
-    made = library()
-    if made is None:
+    """A function that returns the time (s) at which the slip of the paper's disc (R = 1 m, r = 0.1 m) vanishes, by a
+    quadrature with `nodes` nodes; None without a C compiler."""
+    compiled_library = library()
+    if compiled_library is None:
         return None
     places, weights = np.polynomial.legendre.leggauss(nodes)
     x, c = 0.5 * (places + 1.0), 0.5 * weights
     nodes_of_c, weights_of_c = (np.ctypeslib.as_ctypes(np.ascontiguousarray(part)) for part in (x, c))
 
     def run() -> float:
-        return made.first_slip(mu, 9.81, 0.9, nodes, nodes_of_c, weights_of_c)
+        return compiled_library.first_slip(mu, 9.81, 0.9, nodes, nodes_of_c, weights_of_c)
 
     return run
