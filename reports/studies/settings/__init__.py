@@ -1,1 +1,1 @@
-"""Whether every rung of a ladder pays: a study; `study` says how."""
+"""Whether every rung of a ladder is worth its cost: a study."""

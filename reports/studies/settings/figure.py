@@ -1,4 +1,4 @@
-"""Errors of ladders and grids against their costs: a rung that pays lies on the lower envelope."""
+"""The figure of the study: errors against costs; a rung on the lower envelope is worth its cost."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from ...drawing.style import FAINT, STYLE, Looks, logarithmic
 from .measure import QUANTITIES, Cell, points
 
 _WORDS = (
-    "Whether every rung pays",
-    "Each point is one setting in the mean of the scenes; grey: a grid of all knobs; joined: the ladder's rungs. A "
-    "rung pays if no grey point lies left of it and below.",
+    "Whether every rung is worth its cost",
+    "Each point is one setting, averaged over the scenes; grey: a grid of all parameters; connected: the ladder's "
+    "rungs. A rung is worth its cost if no grey point lies to the left of it and below it.",
 )
 
 
 def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
-    """Write one figure: a row for each quantity, a column for each route."""
-    found = {who: own for who, own in points(cells).items() if own}
-    if not found:
+    """Write one figure with a row for each quantity and a column for each route; yields its entry."""
+    findings = {route_key: route_points for route_key, route_points in points(cells).items() if route_points}
+    if not findings:
         return
-    looks = Looks(found)
+    looks = Looks(findings)
     with matplotlib.rc_context(STYLE):
         figure, axes = plt.subplots(
-            len(QUANTITIES), len(found), figsize=(3.2 * len(found), 5.6), layout="constrained", squeeze=False
+            len(QUANTITIES), len(findings), figsize=(3.2 * len(findings), 5.6), layout="constrained", squeeze=False
         )
-        for column, ((name, route), own) in enumerate(found.items()):
+        for column, ((name, route), route_points) in enumerate(findings.items()):
             for row, quantity in enumerate(QUANTITIES):
                 ax = axes[row][column]
-                rungs = [point for point in own if point.place.startswith("rung")]
-                grid = [point for point in own if not point.place.startswith("rung")]
+                rungs = [point for point in route_points if point.place.startswith("rung")]
+                grid = [point for point in route_points if not point.place.startswith("rung")]
                 ax.plot([p.cost for p in grid], [p.errors[row] for p in grid], ".", color=FAINT, markersize=4)
                 ax.plot(
                     [p.cost for p in rungs],

@@ -1,9 +1,9 @@
-"""Whether every rung pays: each route's ladder beside a grid of all its knobs, over several scenes.
+"""Whether every rung is worth its cost: each route's ladder compared with a grid of all its parameters, over scenes.
 
-A setting is good if nothing cheaper is as good. Over the scenes that it gives a motion of, a setting has a mean error
-and a mean cost (geometric; the cost in parts of the scene's own median). A setting of the grid beats a rung if it is
-cheaper by MARGIN and no less accurate, or no dearer and by MARGIN² more accurate, in every quantity. The first rung,
-the engine as it comes, is not for the choosing.
+Over the scenes for which it gives a motion, a setting has a mean error and a mean cost (geometric means; the cost is
+relative to the scene's median). A setting of the grid beats a rung if it is faster by MARGIN and at least as accurate,
+or at most as slow and by MARGIN² more accurate, in every quantity. The first rung, the engine's default settings, is
+not compared.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ...running.serving import Answer
 from ...running.solvers import solver
 from ...running.tasks import reading_of, timed
 
-# Slip that ends, begins, and begins at once; on a line, in a circle and on a hill; with a load that turns it.
+# Slip that ends, that begins, and that begins at once; on a line, in a circle and on a hill; with a turning load.
 CASES = (
     "disc_in_circle[mu=0.1]",
     "disc_in_circle[mu=0.2]",
@@ -36,21 +36,21 @@ CASES = (
     "driven_disc",
 )
 QUANTITIES = ("first_transition", "all_transitions")
-# Times of one run are good to a tenth or so, the least of three to less: what differs by less is no better.
+# Times of one run are accurate to about 10 %, the minimum of three to less: smaller differences do not count.
 MARGIN, REPEATS = 1.25, 3
-# No error below this is one: what reading the samples adds, s.
+# Smallest error that counts, s: the error of reading transitions from samples.
 LEAST_ERROR = 1e-9
-# A motion with transitions missed or invented has none of their errors; it counts as one that is off by this, s.
+# A motion with missed or spurious transitions has no errors of their times; it counts with this error, s.
 WRONG = 0.1
 LIMIT_SECONDS = 120.0
-# Where a cell stands whose route offers nothing.
+# Place of a cell whose route offers no setting.
 _PLACES = {"rung": "ladder", "grid": "grid"}
 
 
 class Cell(NamedTuple):
-    """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU s of the fastest run, errors in s.
+    """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU time of the fastest run, errors (s).
 
-    Where a route offers no setting its one cell's place is "ladder" or "grid". `reason` says why there is no motion.
+    If a route offers no setting, it has one cell with the place "ladder" or "grid". `reason`: why there is no motion.
     """
 
     case: str
@@ -65,7 +65,7 @@ class Cell(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A setting over all cases: geometric means of its relative cost and of its errors, and in how many it is right."""
+    """A setting over all cases: geometric means of its relative cost and errors, and the number of right cases."""
 
     place: str
     settings: tuple[Setting, ...]
@@ -75,21 +75,22 @@ class Point(NamedTuple):
     cases: int
 
 
-def measure(chosen: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[Cell]:
-    """Run ladder and grid of every route on every case, one run at a time; what cannot be run is a cell that says why.
+def measure(case_list: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[Cell]:
+    """Run ladder and grid of every route on every case, one run at a time; a failure is a cell with the reason.
 
-    Cases without transitions have nothing to compare."""
-    truths, by_label = find_truths(chosen, calls), {case.label: case for case in chosen}
+    Cases without transitions have no errors to compare.
+    """
+    truths, by_label = find_truths(case_list, calls), {case.label: case for case in case_list}
     cells: list[Cell] = []
     todo: list[tuple[str, tuple[Case, str, str, Setting, Truth]]] = []
     for knobs, word in (("ladder", "rung"), ("wide_grid", "grid")):
-        for (label, name), of_routes in offers(chosen, solvers, calls, knobs).items():
+        for (label, name), of_routes in offers(case_list, solvers, calls, knobs).items():
             case, truth = by_label[label], truths[label]
             for offer in of_routes if truth.failure or truth.transitions else ():
                 outcome, reason = _excuse(offer, truth, word)
-                failed = Cell(label, name, offer.route, _PLACES[word], Setting.of(), outcome, reason=reason)
-                if outcome and not any(cell[:3] == failed[:3] for cell in cells):
-                    cells.append(failed)
+                failed_cell = Cell(label, name, offer.route, _PLACES[word], Setting.of(), outcome, reason=reason)
+                if outcome and not any(cell[:3] == failed_cell[:3] for cell in cells):
+                    cells.append(failed_cell)
                 for place, setting in enumerate(() if outcome else offer.settings):
                     if not setting.is_default:
                         todo.append((f"{word} {place}", (case, name, offer.route, setting, truth)))
@@ -99,11 +100,11 @@ def measure(chosen: Sequence[Case], solvers: Sequence[str], calls: Calls) -> lis
 
 
 def _excuse(offer: Offer, truth: Truth, word: str) -> tuple[str, str]:
-    """Outcome and reason where there is nothing to run; empty where there is, and of a route without a grid."""
+    """Outcome and reason if there is nothing to run; empty otherwise, and for a route without a grid."""
     if offer.outcome:
         return offer.outcome, offer.reason
     if truth.failure:
-        return "refused", f"there is no truth to judge it by: {truth.failure}"
+        return "refused", f"there is no truth to compare it with: {truth.failure}"
     return ("", "") if offer.settings or word == "grid" else ("refused", "it offers no setting for this case")
 
 
@@ -123,9 +124,9 @@ def run_setting(
     motion, seconds = timed(module, case, route, setting), list[float]()
     for _ in range(REPEATS):
         model = module.build(case, route, setting)
-        begun = process_time()
+        start = process_time()
         module.run(model)
-        seconds.append(process_time() - begun)
+        seconds.append(process_time() - start)
     rows = ledger.match(truth.transitions, reading_of(case, motion).transitions)
     first = next((abs(row.error) for row in rows if row.event == 1 and row.verdict == "matched"), WRONG)
     wrong = any(row.verdict != "matched" for row in rows)
@@ -134,15 +135,19 @@ def run_setting(
 
 
 def points(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
-    """Of each solver and route the settings over all cases that ran whole: rungs and grid, by their places."""
-    found: dict[tuple[str, str], list[Point]] = {}
-    for who in dict.fromkeys(cell[1:3] for cell in cells):
-        own = [cell for cell in cells if cell[1:3] == who and isfinite(cell.cpu_s)]
-        usual = {case: median(c.cpu_s for c in own if c.case == case) for case in {c.case for c in own}}
-        # Ladders and grids that differ from case to case have their common places compared.
-        places = [p for p in dict.fromkeys(c.place for c in own) if sum(c.place == p for c in own) == len(usual)]
-        found[who] = [_point([c for c in own if c.place == place], usual) for place in places]
-    return found
+    """For each solver and route, the settings that ran in all cases: rungs and grid, by place."""
+    by_route: dict[tuple[str, str], list[Point]] = {}
+    for route_key in dict.fromkeys(cell[1:3] for cell in cells):
+        route_cells = [cell for cell in cells if cell[1:3] == route_key and isfinite(cell.cpu_s)]
+        usual = {case: median(c.cpu_s for c in route_cells if c.case == case) for case in {c.case for c in route_cells}}
+        # If ladders or grids differ from case to case, only their common places are compared.
+        places = [
+            p
+            for p in dict.fromkeys(c.place for c in route_cells)
+            if sum(c.place == p for c in route_cells) == len(usual)
+        ]
+        by_route[route_key] = [_point([c for c in route_cells if c.place == place], usual) for place in places]
+    return by_route
 
 
 def _point(cells: Sequence[Cell], usual: dict[str, float]) -> Point:
@@ -161,25 +166,27 @@ def _mean(values: Sequence[float]) -> float:
     return exp(sum(map(log, values)) / len(values))
 
 
-def beats(one: Point, other: Point) -> bool:
-    """Whether a setting makes another pointless (see the module), and is right as often."""
-    if one.right < other.right:
+def beats(candidate: Point, other: Point) -> bool:
+    """Whether a setting beats another (see the module) and is right in at least as many cases."""
+    if candidate.right < other.right:
         return False
-    shares = [mine / theirs for mine, theirs in zip(one.errors, other.errors, strict=True)]
-    cost = one.cost / other.cost
+    shares = [own_error / other_error for own_error, other_error in zip(candidate.errors, other.errors, strict=True)]
+    cost = candidate.cost / other.cost
     return (cost <= 1 / MARGIN and max(shares) <= 1.0) or (cost <= 1.0 and max(shares) <= 1 / MARGIN**2)
 
 
 def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
-    """A row for every rung and every setting of a grid; of a rung also the setting that beats it, if one does. What
-    gave no motion in a case has a row that says why in the first such case."""
-    found: list[dict[str, Any]] = []
-    for (name, route), own in points(cells).items():
-        grid = [point for point in own if point.place.startswith("grid")]
-        for point in own:
+    """A row for every rung and every setting of a grid; for a rung also the setting that beats it, if there is one.
+
+    A setting without a motion in some case has a row with the reason in the first such case.
+    """
+    table_rows: list[dict[str, Any]] = []
+    for (name, route), route_points in points(cells).items():
+        grid = [point for point in route_points if point.place.startswith("grid")]
+        for point in route_points:
             better = min((other for other in grid if beats(other, point)), key=lambda p: p.cost, default=None)
             rung = point.place.startswith("rung")
-            found.append(
+            table_rows.append(
                 {
                     "solver": name,
                     "route": route,
@@ -195,8 +202,8 @@ def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
                     "beaten_by": str(better.settings[0]) if rung and better else "",
                 }
             )
-    failed = {cell[1:4]: cell for cell in reversed(cells) if not isfinite(cell.cpu_s)}
-    return found + [_failed_row(cell) for cell in reversed(failed.values())]
+    failed_cells = {cell[1:4]: cell for cell in reversed(cells) if not isfinite(cell.cpu_s)}
+    return table_rows + [_failed_row(cell) for cell in reversed(failed_cells.values())]
 
 
 def _failed_row(cell: Cell) -> dict[str, Any]:

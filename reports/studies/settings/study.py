@@ -1,4 +1,4 @@
-"""Whether every rung of every ladder pays, or another setting of the same engine is cheaper and as good."""
+"""Whether every rung is worth its cost, or another setting of the same engine is faster and as accurate."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from .measure import Cell
 if TYPE_CHECKING:
     from ...drawing.files import Drawn
 
-TITLE = "Whether every rung pays"
+TITLE = "Whether every rung is worth its cost"
 QUESTION = (
-    "Each engine's ladder beside a grid of all its knobs, over several scenes: whether a setting is left that is "
-    "cheaper and as good as a rung."
+    "Each engine's ladder compared with a grid of all its parameters, over several scenes: is there a setting that is "
+    "faster than a rung and as accurate?"
 )
 TAKES = ("case", "solver")
-IN_REPORT = False  # it holds the ladders to what they promise, and says nothing of the cases
+IN_REPORT = False  # it checks the choice of the ladders, not the cases
 TABLES = {
     "settings": Table(
-        "Rungs and settings of a grid, in the mean of the cases, and what beats a rung",
+        "Rungs and settings of a grid, averaged over the cases, and the settings that beat a rung",
         {
             "solver": "the engine",
             "route": "its route",
-            "place": "which rung of the ladder or setting of the grid; ladder or grid where the route offers none",
+            "place": "number of the rung or of the setting in the grid; ladder or grid if the route offers none",
             "setting": "the setting, as it is in the first of the cases",
-            "outcome": "right or wrong over the cases; refused, crashed or timed_out: it gave no motion in one of them",
-            "reason": "why, and in which case",
+            "outcome": "right or wrong over the cases; refused, crashed or timed_out: no motion in one of them",
+            "reason": "the reason, and the case",
             "cost": "CPU time over the case's median setting, geometric mean",
             "first_transition": "error of the first transition's time, s, geometric mean",
             "all_transitions": "largest error of all transitions' times, s, geometric mean",
-            "right": "in how many of the cases all transitions are matched",
-            "cases": "how many cases it gave a motion of, where it did of all",
-            "on_envelope": "whether no setting of the grid is cheaper and as good, or as cheap and better",
-            "beaten_by": "the cheapest setting of the grid that is, of a rung",
+            "right": "number of cases in which all transitions are matched",
+            "cases": "number of cases, if it gave a motion in all of them",
+            "on_envelope": "whether no setting of the grid is faster and as accurate, or as fast and more accurate",
+            "beaten_by": "for a rung: the fastest setting of the grid that beats it",
         },
     )
 }
@@ -49,13 +49,13 @@ def run(request: Request, calls: Calls) -> list[Cell]:
     return measure.measure(request.cases_or(measure.CASES), request.engines, calls)
 
 
-def rows(found: list[Cell]) -> dict[str, list[dict[str, Any]]]:
+def rows(cells: list[Cell]) -> dict[str, list[dict[str, Any]]]:
     """The table of settings."""
-    return {"settings": measure.rows(found)}
+    return {"settings": measure.rows(cells)}
 
 
-def summary(found: list[Cell]) -> str:
-    """The rungs alone; the grid is in the table."""
+def summary(cells: list[Cell]) -> str:
+    """The rungs as text for the terminal; the grid is only in the table."""
     from tabulate import tabulate
 
     keys = (
@@ -70,12 +70,12 @@ def summary(found: list[Cell]) -> str:
         "on_envelope",
         "beaten_by",
     )
-    rungs = [{key: row[key] for key in keys} for row in measure.rows(found) if not row["place"].startswith("grid")]
+    rungs = [{key: row[key] for key in keys} for row in measure.rows(cells) if not row["place"].startswith("grid")]
     return tabulate(rungs, headers="keys", floatfmt=".3g", tablefmt="plain")
 
 
-def draw(found: list[Cell], folder: Path) -> Iterator[Drawn]:
+def draw(cells: list[Cell], folder: Path) -> Iterator[Drawn]:
     """Write the figure of errors against costs."""
-    from .figure import draw as drawn
+    from .figure import draw as draw_figure
 
-    yield from drawn(found, folder)
+    yield from draw_figure(cells, folder)

@@ -1,4 +1,4 @@
-"""Outcomes on the atlas of hard scenes as one chart, and the steps at which engines blow up. Looks as in `figures`."""
+"""Figures of the hard scenes: a chart of the outcomes, and the steps at which engines become unstable."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ...running.records import REFERENCE
 from . import measure
 from .measure import Stability
 
-# Blue and vermilion are Okabe and Ito's; the rest are greys, told apart by hatching as well.
+# Blue and vermilion are Okabe and Ito's; the others are greys, some of them hatched to be distinguishable.
 _FACES: dict[str, dict[str, Any]] = {
     "right": {"facecolor": "#9ecae1"},
     "wrong": {"facecolor": "#f2a477"},
@@ -29,46 +29,50 @@ _FACES: dict[str, dict[str, Any]] = {
 }
 _WORDS = (
     "Hard scenes, solver by solver",
-    "Each cell is one route at its finest setting tried; the small strip at its left is the engine as it comes. The "
-    "number is the largest distance of the centre from the truth, as a part of its path. Beside the case: how near to "
-    "singular the paper's matrix comes (its condition number in the plate's own units), and by what part of its path "
-    "one unit in the last place of the inputs moves the centre. Nobody is ranked where that decides.",
+    "Each cell is one route at its finest setting run; the narrow strip at its left is the engine with default "
+    "settings. The number is the largest distance of the centre from the truth, as a fraction of its path. Next to the "
+    "case: the condition number of the paper's matrix in the plate's own units, and the displacement of the centre, as "
+    "a fraction of its path, by one unit in the last place of the inputs. Chaotic scenes, in which that unit decides "
+    "the outcome, are not ranked.",
 )
 _STEP_WORDS = (
-    "The step at which an engine blows up",
-    "Largest step that works (right end of the bar) and smallest that fails (cross), found by bisection with all "
-    "else left as a middle rung has it, in parts of the duration. An arrow: no step up to a quarter of the duration "
-    "blows up.",
+    "The step at which an engine becomes unstable",
+    "Largest step that works (right end of the bar) and smallest that fails (cross), by bisection with all other "
+    "parameters from a middle rung, as a fraction of the duration. Arrow: no step up to a quarter of the duration is "
+    "unstable.",
 )
 
 
-def draw(found: Stability, folder: Path) -> Iterator[Drawn]:
-    """Write both pictures into the folder; yields what was written."""
-    if not found.cases:
+def draw(stability: Stability, folder: Path) -> Iterator[Drawn]:
+    """Write both figures to the folder; yields their entries."""
+    if not stability.cases:
         return
     with matplotlib.rc_context(STYLE):
-        yield save(outcomes(found), folder, "stability", "", *_WORDS)
-        if found.unstable:
-            yield save(steps(found), folder, "unstable_steps", "", *_STEP_WORDS)
+        yield save(outcomes(stability), folder, "stability", "", *_WORDS)
+        if stability.unstable:
+            yield save(steps(stability), folder, "unstable_steps", "", *_STEP_WORDS)
 
 
-def outcomes(found: Stability) -> Figure:
+def outcomes(stability: Stability) -> Figure:
     """The chart: a row for each case, a column for each route."""
-    told = measure.rows(found)
-    labels = [case.label for case in found.cases]
-    routes = list(dict.fromkeys((r["solver"], r["route"]) for r in told if r["route"]))
-    routes.sort(key=lambda who: (who[0] != REFERENCE, who))
+    rows = measure.rows(stability)
+    labels = [case.label for case in stability.cases]
+    routes = list(dict.fromkeys((r["solver"], r["route"]) for r in rows if r["route"]))
+    routes.sort(key=lambda route_key: (route_key[0] != REFERENCE, route_key))
     cells = {
-        who: {label: [r for r in told if r["case"] == label and (r["solver"], r["route"]) == who] for label in labels}
-        for who in routes
+        route_key: {
+            label: [r for r in rows if r["case"] == label and (r["solver"], r["route"]) == route_key]
+            for label in labels
+        }
+        for route_key in routes
     }
     figure, ax = plt.subplots(figsize=(2.6 + 0.95 * (len(routes) + 2), 0.9 + 0.21 * len(labels)), layout="constrained")
     for y, label in enumerate(labels):
-        scene = found.scenes[label]
+        scene = stability.scenes[label]
         for x, value in enumerate((scene.conditioning.scaled, scene.spread.centre)):
             ax.text(x + 0.5, y + 0.5, _small(value), ha="center", va="center", fontsize=7, color="#555555")
-        for x, who in enumerate(routes, start=2):
-            _cell(ax, x, y, cells[who][label])
+        for x, route_key in enumerate(routes, start=2):
+            _cell(ax, x, y, cells[route_key][label])
     ax.set_xlim(0, len(routes) + 2)
     ax.set_ylim(len(labels), 0)
     ax.set_yticks([y + 0.5 for y in range(len(labels))], labels, fontsize=7)
@@ -88,14 +92,14 @@ def outcomes(found: Stability) -> Figure:
 
 
 def _cell(ax, x: int, y: int, rows: list[dict[str, Any]]) -> None:
-    """The finest setting's outcome, and a strip for the engine's own defaults."""
+    """Draw the finest setting's outcome, and a strip for the engine's default settings."""
     if not rows:
         return
-    own = [row for row in rows if row["setting"].is_default]
+    defaults = [row for row in rows if row["setting"].is_default]
     ladder = [row for row in rows if not row["setting"].is_default] or rows
-    strip = 0.12 if own else 0.0
-    if own:
-        ax.add_patch(Rectangle((x + 0.03, y + 0.06), strip, 0.88, **_face(own[0])))
+    strip = 0.12 if defaults else 0.0
+    if defaults:
+        ax.add_patch(Rectangle((x + 0.03, y + 0.06), strip, 0.88, **_face(defaults[0])))
     ax.add_patch(Rectangle((x + 0.03 + strip, y + 0.06), 0.94 - strip, 0.88, **_face(ladder[-1])))
     if ladder[-1]["outcome"] in ("right", "wrong", "chaotic"):
         ax.text(x + 0.5 + strip / 2, y + 0.5, _small(ladder[-1]["centre_error"]), ha="center", va="center", fontsize=7)
@@ -115,10 +119,10 @@ def _small(value: float) -> str:
     return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e") if value else "0"
 
 
-def steps(found: Stability) -> Figure:
-    """Brackets of the unstable step, case by case."""
-    brackets = [b for b in found.unstable if isfinite(b.works) or isfinite(b.fails)]
-    durations = {case.label: case.duration for case in found.cases}
+def steps(stability: Stability) -> Figure:
+    """The figure of the brackets of the unstable step, case by case."""
+    brackets = [b for b in stability.unstable if isfinite(b.works) or isfinite(b.fails)]
+    durations = {case.label: case.duration for case in stability.cases}
     figure, ax = plt.subplots(figsize=(7.4, 0.9 + 0.26 * max(len(brackets), 1)), layout="constrained")
     looks = Looks((b.solver, b.route) for b in brackets)
     for y, b in enumerate(brackets):

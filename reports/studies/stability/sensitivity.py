@@ -1,4 +1,4 @@
-"""How much hangs on the last bit: condition of the paper's matrix along a motion, and what neighbours of a case do."""
+"""Sensitivity of a motion: condition number of the paper's matrix, and motions of neighbouring cases."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from reference.paper.augmented import condition, fill
 
 from ...judging.residuals import looks
 
-# Neighbours by one unit in the last place that are asked: each takes a run of the reference.
+# Number of neighbouring cases (by one unit in the last place): each takes a run of the reference.
 NEIGHBOURS = 4
-# A run tells where its inputs' last bits matter if it resolves about as little as they move. DOP853, which joins in to
-# ask whether the sequence of modes is sure, takes thousands of steps at the limits of its rounding below 1e-11.
+# A run shows the effect of the inputs' last bits if its own error is about as small as that effect. DOP853, which only
+# checks the sequence of modes, takes thousands of steps at its rounding limit below 1e-11.
 SPREAD_RTOL, OTHERS_RTOL = 1e-13, 1e-11
 
 
@@ -28,8 +28,8 @@ SPREAD_RTOL, OTHERS_RTOL = 1e-13, 1e-11
 
 
 class Conditioning(NamedTuple):
-    """Condition numbers of the matrix of (27) along a motion: the largest as it stands in SI units, the largest in the
-    plate's own units (its mass, its radius of gyration, arc lengths), and when (s) the latter is met."""
+    """Condition numbers of the matrix of (27) along a motion: the largest in SI units, the largest in the plate's own
+    units (its mass, its radius of gyration, arc lengths), and the time (s) of the latter."""
 
     largest: float
     scaled: float
@@ -37,24 +37,24 @@ class Conditioning(NamedTuple):
 
 
 def conditioning(case: Case, motion: Trajectory) -> Conditioning:
-    """How near to singular the augmented matrix comes along a motion that tells its modes."""
+    """The largest condition numbers of the augmented matrix along a motion with modes."""
     times, state = looks(motion)
-    found = Conditioning(0.0, 0.0, nan)
+    largest_so_far = Conditioning(0.0, 0.0, nan)
     for i, t in enumerate(times):
         mode = _mode_at(motion, float(t))
         if mode is None or mode is Mode.FLIGHT:
             continue
         at = velocity(case, *(float(np.asarray(v)[i]) for v in (state.xi1, state.xi2, state.slip, state.omega)))
-        filled = fill(case, mode, (at.xi1, at.xi2, at.xi1_dot, at.xi2_dot), time=float(t))
-        if not np.all(np.isfinite(filled.matrix)):
+        system = fill(case, mode, (at.xi1, at.xi2, at.xi1_dot, at.xi2_dot), time=float(t))
+        if not np.all(np.isfinite(system.matrix)):
             continue
-        scaled = condition(case, filled)
-        found = Conditioning(
-            max(found.largest, float(np.linalg.cond(filled.matrix))),
-            max(found.scaled, scaled),
-            float(t) if scaled > found.scaled else found.when,
+        scaled = condition(case, system)
+        largest_so_far = Conditioning(
+            max(largest_so_far.largest, float(np.linalg.cond(system.matrix))),
+            max(largest_so_far.scaled, scaled),
+            float(t) if scaled > largest_so_far.scaled else largest_so_far.when,
         )
-    return found
+    return largest_so_far
 
 
 def _mode_at(motion: Trajectory, t: float) -> Mode | None:
@@ -70,7 +70,7 @@ def _mode_at(motion: Trajectory, t: float) -> Mode | None:
 
 
 class Spread(NamedTuple):
-    """What one unit in the last place of the inputs changes: `sequence` (a sentence if the modes change, else ""),
+    """Changes by one unit in the last place of the inputs: `sequence` (a sentence if the modes change, otherwise ""),
     the time of a transition (s), and the centre over the motion's extent."""
 
     sequence: str
@@ -79,10 +79,10 @@ class Spread(NamedTuple):
 
 
 def neighbours(case: Case, count: int = NEIGHBOURS) -> Iterator[Case]:
-    """The case with every input moved by one unit in the last place, up or down by chance (the same each time).
+    """Neighbours of a case: every input is changed by one unit in the last place, up or down at random (fixed seed).
 
-    Inputs are the curves' sizes, mass, inertia, the effects' numbers and the start; what is exactly zero stays.
-    Raises CaseError where a neighbour is no case.
+    Inputs are the curves' sizes, mass, inertia, the effects' numbers and the start; exact zeros do not change. Raises
+    CaseError if a neighbour is not a valid case.
     """
     rng = np.random.default_rng(20010)
 
@@ -90,18 +90,20 @@ def neighbours(case: Case, count: int = NEIGHBOURS) -> Iterator[Case]:
         up = rng.random() < 0.5
         return float(np.nextafter(value, inf if up else -inf)) if value else value
 
-    def curve(known: Curve) -> Curve:
-        floats = sorted({abs(float(f)) for e in known.expression for f in e.atoms(sp.Float)})
-        moved = {size: move(size) for size in floats}
+    def curve(original: Curve) -> Curve:
+        floats = sorted({abs(float(f)) for e in original.expression for f in e.atoms(sp.Float)})
+        new_values = {size: move(size) for size in floats}
         swap = {
-            f: sp.Float(moved[abs(float(f))] * (1 if f > 0 else -1), 17) for e in known.expression
+            f: sp.Float(new_values[abs(float(f))] * (1 if f > 0 else -1), 17) for e in original.expression
             for f in e.atoms(sp.Float)
         }  # fmt: skip
-        return Curve(lambda s: tuple(e.xreplace(swap) for e in known.expression), known.domain)
+        return Curve(lambda s: tuple(e.xreplace(swap) for e in original.expression), original.domain)
 
-    def numbers(known: Any) -> Any:
-        floats = {f.name: getattr(known, f.name) for f in fields(known) if isinstance(getattr(known, f.name), float)}
-        return replace(known, **{name: move(value) for name, value in floats.items()})
+    def numbers(original: Any) -> Any:
+        floats = {
+            f.name: getattr(original, f.name) for f in fields(original) if isinstance(getattr(original, f.name), float)
+        }
+        return replace(original, **{name: move(value) for name, value in floats.items()})
 
     for _ in range(count):
         plate = case.plate
@@ -115,13 +117,13 @@ def neighbours(case: Case, count: int = NEIGHBOURS) -> Iterator[Case]:
 
 
 def spread(case: Case, methods: tuple[str, ...] = reference.METHODS) -> Spread:
-    """How far the reference's answers to a case and to its neighbours, by all methods in turn, lie apart.
+    """The largest differences between the reference's motions of a case and of its neighbours, by all methods in turn.
 
-    What is smaller than the methods' own errors is not seen: some 30 units in the last place where DOP853 is alone.
+    Differences below the methods' own errors are invisible: about 30 units in the last place if DOP853 is alone.
     """
     centre = reference.simulate(case, rtol=SPREAD_RTOL, method=methods[0])
     kinds = [(t.before, t.after) for t in centre.transitions]
-    times, found = np.linspace(0.0, 1.0, 101), Spread("", 0.0, 0.0)
+    times, largest = np.linspace(0.0, 1.0, 101), Spread("", 0.0, 0.0)
     extent = max(float(np.hypot(np.ptp(centre.x), np.ptp(centre.y))), 1e-3 * case.plate.reach)
     try:
         for i, other in enumerate(neighbours(case)):
@@ -129,13 +131,13 @@ def spread(case: Case, methods: tuple[str, ...] = reference.METHODS) -> Spread:
             rtol = SPREAD_RTOL if method == methods[0] else OTHERS_RTOL
             motion = reference.simulate(other, rtol=rtol, method=method)
             if motion.status != centre.status or [(t.before, t.after) for t in motion.transitions] != kinds:
-                told = f"{len(motion.transitions)} transitions ({motion.status})"
-                return Spread(f"{len(kinds)} transitions ({centre.status}) become {told}", inf, inf)
+                outcome = f"{len(motion.transitions)} transitions ({motion.status})"
+                return Spread(f"{len(kinds)} transitions ({centre.status}) become {outcome}", inf, inf)
             last = min(centre.t[-1], motion.t[-1])
             here, there = centre(times * last), motion(times * last)
-            apart = float(np.hypot(here.x - there.x, here.y - there.y).max()) / extent
+            distance = float(np.hypot(here.x - there.x, here.y - there.y).max()) / extent
             late = [abs(a.time - b.time) for a, b in zip(centre.transitions, motion.transitions, strict=True)]
-            found = Spread("", max(found.time, *late, 0.0), max(found.centre, apart))
+            largest = Spread("", max(largest.time, *late, 0.0), max(largest.centre, distance))
     except CaseError as problem:
-        return Spread(f"a neighbour is refused: {problem}", inf, inf)
-    return found
+        return Spread(f"a neighbouring case is rejected: {problem}", inf, inf)
+    return largest

@@ -1,7 +1,7 @@
-"""The step at which an engine blows up: bracketed by doubling, closed in on by bisection, never guessed.
+"""The step at which an engine becomes unstable: bracketed by doubling or halving, then refined by bisection.
 
-Everything but the step stays as a middle rung of the route's ladder has it, so that stiffness and regularisation do not
-move with it.
+All other parameters are those of a middle rung of the route's ladder, so that stiffness and regularisation do not
+change with the step.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from ...judging.soundness import sound
 from ...running.solvers import solver
 from ...running.tasks import sentence, timed
 
-# A scene without load cannot gain energy; a tenth of all that moves is no inaccuracy any more.
+# A scene without load cannot gain energy; a gain of a tenth of its energy scale is instability, not inaccuracy.
 BLOWN_UP = 0.1
-# Six halvings of a factor of two leave the bracket a per cent wide.
+# Six bisections reduce a factor of two to a bracket about 1 % wide.
 HALVINGS = 6
-# The steps looked at, as parts of the duration: with fewer than four there is no motion to speak of, and more than so
-# many nobody takes to be stable.
+# Range of the search, in steps per duration: fewer than FEW do not represent a motion, and an engine that needs more
+# than MANY to be stable is of no practical use.
 FEW, MANY = 4, 200_000
-# Wall seconds for one search.
+# Wall-clock limit of one search, in seconds.
 PATIENCE = 60.0
-# The hard scenes on which a default report looks for the step: one where contact is all but conforming, one where the
-# disc slips, rolls and slips again, one whose plate is no disc.
+# The hard scenes for which a default report searches the step: one with nearly conforming contact, one in which the
+# disc slips, rolls and slips again, one whose plate is not a disc.
 LOOKED_AT = ("at_any_size[length=0.001]", "nearly_conforming[gap=0.01]", "degenerate_release[mu=0.3,tilt=0.5]")
 
 
 class Bracket(NamedTuple):
-    """The largest step (s) known to work and the smallest known to blow up, the duration over the latter, and how it
-    fails; NaN where there is none."""
+    """The largest step (s) that works and the smallest that is unstable, the duration over the latter, and how it
+    fails; NaN if there is none."""
 
     case: str
     solver: str
@@ -52,21 +52,21 @@ class Bracket(NamedTuple):
 
 
 def bracket(case: Case, name: str, route: str, middle: Setting) -> Bracket:
-    """Search the unstable step of a route on a case, all but the step as in a middle rung of its ladder."""
+    """Search the unstable step of a route on a case, with all other parameters from the `middle` rung of its ladder."""
     rest = str(middle.but(h=None, rung=None))
     if "h" not in middle:
-        return Bracket(case.label, name, route, rest, nan, nan, nan, "its settings name no step h")
+        return Bracket(case.label, name, route, rest, nan, nan, nan, "its settings have no step h")
     module = solver(name)
 
     def failure(h: float) -> str:
         return blow_up(module, case, route, middle.but(h=h))
 
-    found = search(failure, min(float(middle["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
-    return Bracket(case.label, name, route, rest, found.works, found.fails, case.duration / found.fails, found.how)
+    limit = search(failure, min(float(middle["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
+    return Bracket(case.label, name, route, rest, limit.works, limit.fails, case.duration / limit.fails, limit.how)
 
 
 class Found(NamedTuple):
-    """The largest step known to work, the smallest known to fail (NaN where there is none), and how it fails."""
+    """The largest step that works, the smallest that fails (NaN if there is none), and how it fails."""
 
     works: float
     fails: float
@@ -88,7 +88,7 @@ def search(failure: Callable[[float], str], h: float, least: float, most: float)
     if isnan(works):
         return Found(nan, fails, f"at every step tried: {how}")
     if isnan(fails):
-        return Found(works, nan, f"no step up to {h:.2g} s blows up")
+        return Found(works, nan, f"no step up to {h:.2g} s is unstable")
     for _ in range(HALVINGS):
         h = sqrt(works * fails)
         now = failure(h)
@@ -97,7 +97,7 @@ def search(failure: Callable[[float], str], h: float, least: float, most: float)
 
 
 def blow_up(module, case: Case, route: str, setting: Setting) -> str:
-    """How a run blows up, in a few words, or ""."""
+    """How a run becomes unstable, in a few words; "" if it does not."""
     try:
         motion = timed(module, case, route, setting)
     except EngineFailure as problem:
@@ -107,12 +107,12 @@ def blow_up(module, case: Case, route: str, setting: Setting) -> str:
     if not sound(motion):
         return "numbers that are not finite"
     growth = energy_growth(case, motion)
-    return f"the energy grows by {growth:.2g} of what moves" if growth > BLOWN_UP else ""
+    return f"the energy grows by {growth:.2g} of its scale" if growth > BLOWN_UP else ""
 
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
-    """The most the energy rises above its least so far, over the start's kinetic energy and what lifts the plate by its
-    own size; 0 under a load, which may do any work."""
+    """The largest rise of the energy above its minimum so far, divided by an energy scale; 0 under a load, which may do
+    any work. The scale is the start's kinetic energy plus the energy that lifts the plate by its own size."""
     if case.effect(Load) is not None:
         return 0.0
     gravity = case.effect(Gravity)
