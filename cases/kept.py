@@ -50,6 +50,8 @@ _FILE = re.compile(rf"[0-9a-f]{{64}}{re.escape(_SUFFIX)}")
 taken: Counter[str] = Counter()
 made: Counter[str] = Counter()
 _written = -1
+# What is made and not written yet, inside `withheld`.
+_pending: list[tuple[Path, bytes]] | None = None
 
 
 @in_one_thread
@@ -117,6 +119,19 @@ def off() -> Iterator[None]:
             os.environ[VARIABLE] = before
 
 
+@contextmanager
+def withheld() -> Iterator[Callable[[], None]]:
+    """Inside, what is made is not written; the function that is given writes it, if it is called before the end. For a
+    process in which third-party code runs: other processes take what is kept, so it is looked first whether this one
+    still computes as it should."""
+    global _pending
+    _pending = []
+    try:
+        yield _write_pending
+    finally:
+        _pending = None
+
+
 @lru_cache(maxsize=8)
 def _checked(text: str) -> Path | None:
     """The folder if it is safe to read from; else the log says once what is wrong."""
@@ -167,24 +182,33 @@ def _read(file: Path) -> tuple[Any] | None:
 
 
 def _write(file: Path, value: Any) -> None:
-    """Put it there at once and whole, or not at all."""
-    global _written
+    """Put it there at once and whole, or not at all; inside `withheld`, later."""
     stream = BytesIO()
     try:
         _Pickler(stream, protocol=5).dump(value)
-        content = stream.getvalue()
+    except (pickle.PicklingError, AttributeError, TypeError, ValueError) as error:
+        _log().warning("%s could not be kept: %s", file, error)
+        return
+    if _pending is None:
+        _put(file, stream.getvalue())
+    else:
+        _pending.append((file, stream.getvalue()))
+
+
+def _write_pending() -> None:
+    for file, content in _pending or ():
+        _put(file, content)
+
+
+def _put(file: Path, content: bytes) -> None:
+    global _written
+    try:
         owned_folder.write(file, hashlib.sha256(content).digest() + content, mode=0o600, durable=False)
         if _written < 0 or _written > _LOOK_BYTES:
             _written = 0
             _trim(file.parent)
         _written += max(len(content), _LOOK_BYTES // _LOOK_FILES)  # small files count, too
-    except (
-        OSError,
-        pickle.PicklingError,
-        AttributeError,
-        TypeError,
-        ValueError,
-    ) as error:
+    except OSError as error:
         _log().warning("%s could not be kept: %s", file, error)
 
 

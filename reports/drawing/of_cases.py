@@ -30,7 +30,7 @@ def draw(experiment: Experiment, folder: Path, calls: Calls) -> Iterator[Drawn]:
     routes, main = tuple(dict.fromkeys((r.solver, r.route) for r in experiment.runs)), headline_case(experiment)
     drawable = [case for case in experiment.cases if not experiment.truths[case.label].failure]
     requests = [(case, _part(experiment, case.label), routes, case is main, printed()) for case in drawable]
-    answers = calls.all("figures", draw_case, requests, limit=_PATIENCE, keep=_KEEP)
+    answers = calls.all("figures", draw_case, requests, limit=_PATIENCE, keep=_KEEP, group="")
     for case, answer in zip(drawable, answers, strict=True):
         if answer.outcome == "done":
             yield from (picture.write(folder) for picture in answer.value)

@@ -32,9 +32,8 @@ def draw(
     requests: list[tuple] = [(_TIMINGS, printed(), bare, measured)] if measured.cases else []
     requests += [(result.name, printed(), result.findings) for result in results if not result.failure]
     by_study: dict[str, list[Drawn]] = {result.name: [] for result in results}
-    for (name, *_), answer in zip(
-        requests, calls.all("other figures", drawn_of, requests, limit=_PATIENCE), strict=True
-    ):
+    answers = calls.all("other figures", drawn_of, requests, limit=_PATIENCE, group="")
+    for (name, *_), answer in zip(requests, answers, strict=True):
         if answer.outcome == "done":
             by_study[name] = [picture.write(folder) for picture in answer.value]
         else:

@@ -21,7 +21,7 @@ from .fingerprint import Key, adapter_sources, made_with, of_argument, sources
 from .progress import Progress, silent
 from .records import now
 from .serving import Answer
-from .solvers import is_missing, names, version
+from .solvers import groups_of, is_missing, named_in, version
 from .spent import Spent
 from .store import Store
 from .versions import parted
@@ -69,7 +69,8 @@ class Calls:
     `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
     depends on the solver is kept. `lost`: a sentence for each call that something outside ended twice, so that it would
     come out otherwise another time. `spent`: what each step took. `cluster`: who makes calls of the kinds ELSEWHERE, if
-    that is not this machine. A context manager: the workers of this machine end with it.
+    that is not this machine. `timed`: nothing but the calls runs in the workers. A context manager: the workers of this
+    machine end with it.
     """
 
     jobs: int = 2
@@ -80,9 +81,10 @@ class Calls:
     lost: list[str] = field(default_factory=list)
     spent: Spent = field(default_factory=Spent)
     cluster: Cluster | None = None
+    timed: bool = False
 
     def __enter__(self) -> Calls:
-        self._pool = workers.Pool(self.jobs)
+        self._pool = workers.Pool(self.jobs, known_run=not self.timed)
         return self
 
     def __exit__(self, *_) -> None:
@@ -91,14 +93,14 @@ class Calls:
     def begin(self, solvers: Iterable[str]) -> None:
         """Have workers start, and meanwhile read the code that decides the solvers' results."""
         solvers = tuple(solvers)
-        self._pool.begin(sorted({group for name in solvers if not parted(group := _group((name,), names()[1:]))[1]}))
+        self._pool.begin(sorted({group for group in groups_of((name,) for name in solvers) if not parted(group)[1]}))
         for name in solvers:
             with suppress(SyntaxError, ValueError, LookupError, OSError):  # its solver fails when it is asked, in a row
                 adapter_sources(name)
 
     def alone(self) -> Calls:
         """The same with one worker of its own, on this machine, and nothing shown: for what is timed."""
-        return replace(self, jobs=1, progress=silent, cluster=None)
+        return replace(self, jobs=1, progress=silent, cluster=None, timed=True)
 
     def ask_versions(self, solvers: Iterable[str]) -> None:
         """Note the versions of solvers that are not known yet."""
@@ -126,10 +128,12 @@ class Calls:
         keep: Keep | None = None,
         skip: Skip = lambda call, slow: None,
         brief: bool = False,
+        group: str | None = None,
     ) -> Iterator[tuple[int, Answer]]:
         """Index and answer of `function(*arguments[i])` for every i as they come: what is kept first, then the rest.
 
-        `limit` stands in the place of the usual one; `brief` calls take milliseconds each. With `keep` a call that
+        `limit` stands in the place of the usual one; `brief` calls take milliseconds each.
+        `group`: the worker group of all of them ("": nothing of an engine is loaded). With `keep` a call that
         returned is made only once, and so is one that ended its process or ran out of time under this limit; the
         function's annotation says what it returns. What came from outside (a signal, an exception that is the machine's
         fault) is not kept.
@@ -151,7 +155,7 @@ class Calls:
             return
         calls = [arguments[i] for i in left]
         title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
-        groups = [_group(call, names()[1:]) for call in calls]
+        groups = groups_of(calls) if group is None else [group] * len(calls)
         pool = self.cluster if self.cluster is not None and keep and keep.kind in ELSEWHERE else self._pool
         with closing(pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
             for k, answer in self.progress(title, len(calls), coming):
@@ -188,7 +192,7 @@ class Calls:
         argument has something that cannot be compared."""
         said = keep.of(*call)
         cases = [each for each in said if isinstance(each, Case)]
-        engines = made_with(self.versions, sorted(_solvers(said, self.versions.__contains__)))
+        engines = made_with(self.versions, sorted(named_in(said, self.versions.__contains__)))
         arguments = [of_argument(each) for each in said]
         if engines is None or None in arguments:
             return None
@@ -210,23 +214,3 @@ def _named(call: tuple) -> str:
     """A call's cases, solvers and settings, for people."""
     told = [argument.label if isinstance(argument, Case) else str(argument) for argument in call[:4]]
     return " ".join(text for text in told if text and len(text) <= _NAMED_CHARACTERS)
-
-
-def _group(call: tuple, engines: Sequence[str]) -> str:
-    """Whose workers make a call: what an engine leaves in its process reaches no digit of the reference, and two
-    versions of one do not fit into one process."""
-    named = _solvers(call, lambda text: parted(text)[0] in engines)
-    versioned = [name for name in named if parted(name)[1]]
-    # What names several loads none of them: it draws what they did.
-    return versioned[0] if len(versioned) == 1 else "engines" if named else ""
-
-
-def _solvers(arguments: Iterable, known: Callable[[str], bool]) -> set[str]:
-    """The solvers that arguments name, within tuples and lists as well."""
-    found: set[str] = set()
-    for argument in arguments:
-        if isinstance(argument, str) and known(argument):
-            found.add(argument)
-        elif isinstance(argument, tuple | list):
-            found |= _solvers(argument, known)
-    return found

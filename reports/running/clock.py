@@ -28,6 +28,7 @@ from cases import Case, kept
 from .records import legible
 from .serving import reap
 from .solvers import solver
+from .third_party import third_party
 
 # The median is known well enough when its standard error, as a part of it, is below this.
 BOUND = 0.02
@@ -194,6 +195,7 @@ def _entry(one: Contestant) -> Entry:
     return Entry(one, partial(module.build, one.case, one.route, one.setting), module.run, module.read)
 
 
+@third_party()
 def _import(entry: Entry) -> None:
     """Build once, before the budget runs: importing an engine takes seconds where the disk is cold."""
     try:
@@ -292,6 +294,7 @@ def timing(entry: Entry, loop: float) -> Timing:
     )
 
 
+@third_party()
 def _repeat(entry: Entry, loops: list[float]) -> None:
     """Build, run and (until it is known) read back; the calibration loops' times go into `loops`."""
     try:

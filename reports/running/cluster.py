@@ -21,6 +21,7 @@ from . import elsewhere, probe
 from .elsewhere import Identity
 from .records import legible
 from .serving import Answer
+from .solvers import groups_of
 from .workers import read
 
 LOCAL = "local"
@@ -108,7 +109,7 @@ class Cluster:
     ) -> Generator[tuple[int, Answer]]:
         """As `Pool.run`; its workers are there already, whether calls are brief or not. A call that ended DEADLY
         workers has "died", from outside."""
-        run = _Run(self, function, arguments, limit, skip, groups or [""] * len(arguments))
+        run = _Run(self, function, arguments, limit, skip, groups or groups_of(arguments))
         try:
             yield from run.answers()
         finally:

@@ -17,7 +17,6 @@ from pathlib import Path
 from . import code, fingerprint
 from .serving import Answer
 from .solvers import version
-from .versions import parted
 from .workers import Pool
 
 # What a machine says of itself: names and values.
@@ -73,8 +72,7 @@ def _digest(file: Path) -> str:
 def asked(solvers: tuple[str, ...], files: tuple[str, ...]) -> Identity | str:
     """The identity of this machine, or in a phrase why it has none."""
     with _ONE:
-        groups = [name if parted(name)[1] else "engines" for name in solvers]
-        said = dict(_own().run(version, [(name,) for name in solvers], groups=groups))
+        said = dict(_own().run(version, [(name,) for name in solvers]))
         for i, answer in said.items():
             if answer.outcome != "done":
                 return f"{solvers[i]} does not say its version ({answer.reason})"

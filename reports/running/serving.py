@@ -43,6 +43,8 @@ _GROWTH_BYTES = 150 * 2**20
 _OUTPUT_CHARACTERS = 2000
 # What a worker says when it begins with a call; its time runs from then.
 BEGUN = "begun"
+# The engines whose code may run in this process (`solvers.groups_of`): "" for none, None if it is no worker.
+group: str | None = None
 # Half a unit in the last place, and the least number there is: what becomes of them tells how this process rounds.
 _HALVES = (1.0, -1.0, 2.0**-53, 2.0**-54, 5e-324)
 
@@ -67,8 +69,12 @@ class Answer:
         return outcome, f"{self.reason}; it last printed: {self.output[-200:]}" if self.output else self.reason
 
 
-def serve(pipe: Connection, scratch: str, parent: int, ahead: str = "") -> None:
-    """Take a call, answer it under its number, until the pipe is closed. `ahead`: a module to import before that."""
+def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: bool, ahead: str = "") -> None:
+    """Take a call, answer it under its number, until the pipe is closed. `engines`: the group whose calls are made
+    here; `known_run`: whether one is made after each call of an engine; `ahead`: a module to import before the first
+    call."""
+    global group
+    group = engines
     os.setsid()
     supervision.end_with_parent(parent, by=signal.SIGTERM)
     supervision.supervise(MEMORY_BYTES, first=pipe.close)
@@ -77,20 +83,30 @@ def serve(pipe: Connection, scratch: str, parent: int, ahead: str = "") -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
     if ahead:
         importlib.import_module(ahead)
-    at_first = None
+    at_first, canary = None, None
     while True:
         try:
             number, function, args, limit = pipe.recv()
         except (EOFError, OSError):
             return
+        if group and canary is None:
+            # Made before the first call, when the call's modules have been imported, and no adapter.
+            canary = importlib.import_module(f"{__package__}.canary").Canary(known_run)
         at_first = at_first or _resident()
         pipe.send_bytes(pickle.dumps((number, BEGUN)))
         # The system's own alarm ends the process even if the parent is gone and the engine holds the interpreter.
         signal.alarm(int(limit) + 10)
         before = _numerics()
-        answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
+        folder = Path(tempfile.mkdtemp(dir=scratch))
+        with kept.withheld() as write:
+            answer = _call(function, args, folder)
+            change = canary.change() if canary else ""
+            if change:
+                answer = Answer("raised", reason=f"it left its process changed, so its result is not used: {change}")
+            else:
+                write()
         signal.alarm(0)
-        spent = _resident() - at_first > _GROWTH_BYTES or _numerics() != before or _left_running()
+        spent = bool(change) or _resident() - at_first > _GROWTH_BYTES or _numerics() != before or _left_running()
         try:
             told = pickle.dumps((number, answer, spent, kept.counted()))
         except Exception as problem:  # whatever a solver's own object does when it is asked for its content

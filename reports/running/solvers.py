@@ -4,17 +4,22 @@ workers."""
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, requires
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, distribution, requires
 from typing import Any
+
+from packaging.requirements import Requirement
 
 import adapters
 from adapters.interface import ReturnsOnce, returns_once
 
-from . import code, versions
+from . import code, serving, versions
 from .records import REFERENCE, legible
 
 _LONGEST_VERSION = 100
+# The worker groups of calls that name several engines, and of engines that are not installed.
+_SEVERAL, _ABSENT = "several engines", "absent engines"
 
 
 def names() -> tuple[str, ...]:
@@ -29,6 +34,8 @@ def solver(name: str) -> Any:
         from . import reference_adapter
 
         return ReturnsOnce(reference_adapter)  # like an engine, for the clock's sake
+    if serving.group == "":
+        raise RuntimeError(f"{name} is asked for in a worker whose calls load no engine")
     versions.demand(name)
     return ReturnsOnce(returns_once(adapters.engine)(versions.parted(name)[0]))
 
@@ -48,6 +55,48 @@ def version(name: str) -> str:
 def is_missing(version: str) -> bool:
     """Whether what a solver said of its version says that it is not there."""
     return version.startswith(NOT_INSTALLED)
+
+
+def groups_of(calls: Iterable[Iterable]) -> list[str]:
+    """The worker group of each call, by the engines that its arguments name.
+
+    Each engine, and each version of one, has its own workers, so that what it leaves in its process changes no digit of
+    another. "" is for calls without engines. Engines that are not installed share a group, and so do calls that name
+    several.
+    """
+    engines = names()[1:]
+
+    def group(call: Iterable) -> str:
+        named = sorted(named_in(call, lambda text: versions.parted(text)[0] in engines))
+        if len(named) == 1:
+            return named[0] if is_installed(named[0]) else _ABSENT
+        return _SEVERAL if named else ""
+
+    return [group(call) for call in calls]
+
+
+def named_in(arguments: Iterable, known: Callable[[str], bool]) -> set[str]:
+    """The solvers that arguments name, within tuples and lists as well."""
+    found: set[str] = set()
+    for argument in arguments:
+        if isinstance(argument, str) and known(argument):
+            found.add(argument)
+        elif isinstance(argument, tuple | list):
+            found |= named_in(argument, known)
+    return found
+
+
+@lru_cache(maxsize=256)
+def is_installed(name: str) -> bool:
+    """Whether the package that an adapter names in `KNOWN` is installed here, or it names none; loads no engine."""
+    engine, version = versions.parted(name)
+    try:
+        package = code.literal_of(engine, "KNOWN")
+        return bool(version) or not isinstance(package, str) or bool(distribution(Requirement(package).name))
+    except PackageNotFoundError:
+        return False
+    except (SyntaxError, ValueError, LookupError, OSError, ImportError):  # its code cannot be read: it says so itself
+        return True
 
 
 def missing_words(versions: Mapping[str, str]) -> list[str]:

@@ -26,6 +26,7 @@ from . import reference_adapter
 from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
 from .serving import reap, settle
 from .solvers import NOT_INSTALLED, solver
+from .third_party import third_party
 
 # What a figure can show; samples beyond are left out at even distances.
 _SHOWN_SAMPLES = 1500
@@ -179,15 +180,16 @@ def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory
 def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
     """Build, run and read, with the clock around `run` alone; build and read count as set-up. What an engine returns
     passes the gate: raises EngineFailure for what does not."""
-    began = time.perf_counter()
-    model = module.build(case, route, setting)
-    setup = time.perf_counter() - began
-    cpu, wall = time.process_time(), time.perf_counter()
-    module.run(model)
-    cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
-    began = time.perf_counter()
-    trajectory = module.read(model)
-    setup += time.perf_counter() - began
+    with third_party():
+        began = time.perf_counter()
+        model = module.build(case, route, setting)
+        setup = time.perf_counter() - began
+        cpu, wall = time.process_time(), time.perf_counter()
+        module.run(model)
+        cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+        began = time.perf_counter()
+        trajectory = module.read(model)
+        setup += time.perf_counter() - began
     reap()
     if getattr(module, "__name__", "") != reference_adapter.__name__:
         trajectory = gate.motion(trajectory, case)

@@ -30,6 +30,7 @@ from . import versions
 from .code import is_adapters
 from .records import legible
 from .serving import BEGUN, MEMORY_BYTES, Answer, serve
+from .solvers import groups_of
 
 # A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
 _STARTUP_SECONDS = 60.0
@@ -39,6 +40,8 @@ _ENDING_SECONDS = 8.0
 _OWN_FAULTS = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, signal.SIGBUS, signal.SIGSYS}
 # One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+# Workers beyond those at work: one for the reference and for each of a few engines. Each holds some 150 MB.
+_MOST_IDLE = 6
 # So few brief calls are over before another process has begun.
 _FEW = 40
 # The largest answer is a case's figures, some megabytes. What is no answer at all looks like a longer one.
@@ -48,17 +51,19 @@ _NUMBERS = itertools.count(1)
 
 class Pool:
     """Workers that make calls, `jobs` at a time. Closed, they are killed and their scratch directories gone; what is
-    left of a process that was killed itself is removed by the next."""
+    left of a process that was killed itself is removed by the next. `known_run`: whether a worker makes a known run
+    after each call of an engine; not where that would change what is measured."""
 
-    def __init__(self, jobs: int):
-        self._jobs = jobs
+    def __init__(self, jobs: int, known_run: bool = True):
+        self._jobs, self._known_run = jobs, known_run
         owned_folder.remove_leftovers()
         self._scratch = owned_folder.TemporaryFolder()
         self._workers: list[_Worker] = []
 
     def begin(self, groups: Sequence[str]) -> None:
         """Start a worker of each group, which imports what a report's calls need while nobody waits for it."""
-        self._workers += [_Worker(self._scratch.path, group, ahead="reports.running.tasks") for group in groups]
+        ahead = "reports.running.tasks"
+        self._workers += [_Worker(self._scratch.path, group, self._known_run, ahead) for group in groups]
 
     def close(self) -> None:
         """End the workers."""
@@ -78,14 +83,14 @@ class Pool:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
         Calls with the same first argument begin in order, by one worker where that leaves nobody idle: what it
-        compiled for a case serves all of the case's runs. Calls of unlike `groups` never share a worker; one
-        that is called as a solver with a version is run with that version. Yields
+        compiled for a case serves all of the case's runs. Calls of unlike `groups` (by default: `groups_of` them) never
+        share a worker; one that is called as a solver with a version is run with that version. Yields
         (i, answer) as they end; `skip(i)`, called just before call i would begin, may give an answer in its place. The
         function and its arguments travel by pickle, so the function lives at the top of a module. Calls that are still
         running when the iterator ends are killed. `brief`: each takes milliseconds, and no more workers are started
         than calls of so few need.
         """
-        groups = groups or [""] * len(arguments)
+        groups = groups or groups_of(arguments)
         waiting = dict(enumerate(arguments))
         once_more = set(waiting)
         try:
@@ -140,17 +145,27 @@ class Pool:
         if brief and len(waiting) <= _FEW and all(groups[i] in at_work for i in waiting):
             return None
         group = groups[next((i for i in waiting if groups[i] not in at_work), next(iter(waiting)))]
-        self._workers.append(worker := _Worker(self._scratch.path, group))
+        self._make_room({groups[i] for i in waiting})
+        self._workers.append(worker := _Worker(self._scratch.path, group, self._known_run))
         return worker, worker.next_of({i: args for i, args in waiting.items() if groups[i] == group}, taken)
+
+    def _make_room(self, wanted: set[str]) -> None:
+        """End idle workers beyond the number that is kept, first those of groups that no call waits for."""
+        idle = [worker for worker in self._workers if not worker.busy]
+        excess = len(self._workers) - self._jobs - _MOST_IDLE + 1
+        for worker in sorted(idle, key=lambda worker: worker.group in wanted)[: max(0, excess)]:
+            worker.kill()
+        self._workers = [worker for worker in self._workers if worker.alive]
 
 
 class _Worker:
     """One process and the pipe to it."""
 
-    def __init__(self, folder: Path, group: str, ahead: str = ""):
+    def __init__(self, folder: Path, group: str, known_run: bool, ahead: str = ""):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self.pipe, far_end = context.Pipe()
-        self.process = context.Process(target=serve, args=(far_end, str(folder), os.getpid(), ahead), daemon=True)
+        given = far_end, str(folder), os.getpid(), group, known_run, ahead
+        self.process = context.Process(target=serve, args=given, daemon=True)
         with _as_started(versions.paths(group)):
             self.process.start()
         far_end.close()

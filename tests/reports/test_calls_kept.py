@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import cases
-from reports.running import calls
+from reports.running import calls, solvers
 from reports.running.calls import Calls, Keep
 from reports.running.serving import Answer
 from reports.running.spent import Seconds, Spent
@@ -126,13 +126,25 @@ def test_code_function_and_arguments_decide(made, monkeypatch):
 
 def test_solvers_are_found_within_lists_and_tuples():
     known = {"a", "b", "c"}.__contains__
-    assert calls._solvers(("a", ["b", ("c", 1)], "other", 2), known) == {"a", "b", "c"}
+    assert solvers.named_in(("a", ["b", ("c", 1)], "other", 2), known) == {"a", "b", "c"}
 
 
-def test_versions_of_an_engine_have_workers_of_their_own():
-    engines = ("pymunk", "exudyn")
-    groups = [calls._group(call, engines) for call in [("pymunk@6.11.1",), ("pymunk",), ("reference",), (LINE,)]]
-    assert groups[0] == "pymunk@6.11.1" and len(set(groups)) >= 3 and groups[2] == groups[3] == ""
+def test_each_engine_and_each_version_of_one_has_workers_of_its_own(monkeypatch):
+    monkeypatch.setattr(solvers, "is_installed", lambda name: name not in ("gone", "away"))
+    monkeypatch.setattr(solvers, "names", lambda: ("reference", "pymunk", "exudyn", "gone", "away"))
+    calls = [
+        ("pymunk@6.11.1",),
+        ("pymunk",),
+        ("exudyn", 1),
+        ([("pymunk", 1), ("exudyn", 2)],),
+        ("gone",),
+        ("reference",),
+    ]
+    groups = solvers.groups_of(calls)
+    assert groups[:3] == ["pymunk@6.11.1", "pymunk", "exudyn"] and len(set(groups)) == 6
+    # Those that are not installed run no code of an engine: one process is enough for all of them.
+    assert solvers.groups_of([("away",)]) == [groups[4]]
+    assert solvers.groups_of([(LINE,)]) == [groups[5]] == [""]
 
 
 class Cluster:

@@ -1,0 +1,106 @@
+"""Code of an engine: what it sets for its whole process is afterwards as it was."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import decimal
+import gc
+import locale
+import os
+import resource
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+# Bytes of the C library's fenv_t; the largest, of x86-64, has 32.
+_FENV_BYTES = 512
+_LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
+
+
+@contextmanager
+def third_party() -> Iterator[None]:
+    """In the block an engine's code runs. Afterwards the settings of the process are as they were: working folder,
+    locale, decimal context, recursion limit, umask, limits of resources, signal handlers, garbage collection, warning
+    filters and NumPy's handling of errors; rounding is as when this module was imported. The environment and the places
+    of modules stay as the engine leaves them: it may need them for what it imports later."""
+    before = [(write, read()) for read, write in _SETTINGS]
+    with warnings.catch_warnings(), np.errstate():
+        try:
+            yield
+        finally:
+            for write, value in before:
+                with suppress(OSError, ValueError):  # a limit that was lowered for good; the canary or the call tells
+                    write(value)
+            _restore_arithmetic()
+
+
+def _limits() -> list[tuple[int, int]]:
+    return [(limit, resource.getrlimit(limit)[0]) for limit in _LIMITS]
+
+
+def _set_limits(limits: list[tuple[int, int]]) -> None:
+    for limit, soft in limits:
+        now, hard = resource.getrlimit(limit)
+        if now != soft:
+            resource.setrlimit(limit, (soft, hard))
+
+
+def _handlers() -> list[tuple[int, Any]]:
+    return [(number, signal.getsignal(number)) for number in signal.valid_signals()]
+
+
+def _set_handlers(handlers: list[tuple[int, Any]]) -> None:
+    for number, handler in handlers:
+        if handler is not None and signal.getsignal(number) is not handler:
+            signal.signal(number, handler)
+
+
+def _umask() -> int:
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
+
+
+def _set_collection(enabled: bool) -> None:
+    (gc.enable if enabled else gc.disable)()
+
+
+_SETTINGS: tuple[tuple[Callable[[], Any], Callable[[Any], Any]], ...] = (
+    (os.getcwd, os.chdir),
+    (lambda: locale.setlocale(locale.LC_ALL), lambda name: locale.setlocale(locale.LC_ALL, name)),
+    (lambda: decimal.getcontext().copy(), decimal.setcontext),
+    (sys.getrecursionlimit, sys.setrecursionlimit),
+    (_limits, _set_limits),
+    (_handlers, _set_handlers),
+    (partial(signal.pthread_sigmask, signal.SIG_BLOCK, ()), partial(signal.pthread_sigmask, signal.SIG_SETMASK)),
+    (_umask, os.umask),
+    (gc.isenabled, _set_collection),
+    (gc.get_threshold, lambda thresholds: gc.set_threshold(*thresholds)),
+)  # fmt: skip
+
+
+def _floating_point() -> tuple[Any, Any] | None:
+    """The C library's maths, and the floating-point environment of this process; None where it has none."""
+    try:
+        maths = ctypes.CDLL(ctypes.util.find_library("m"))
+        environment = ctypes.create_string_buffer(_FENV_BYTES)
+        return None if maths.fegetenv(environment) else (maths, environment)
+    except (OSError, AttributeError):
+        return None
+
+
+# As a process begins: rounded to nearest, with numbers below the least normal one.
+_AT_FIRST = _floating_point()
+
+
+def _restore_arithmetic() -> None:
+    if _AT_FIRST is not None:
+        maths, environment = _AT_FIRST
+        maths.fesetenv(environment)

@@ -1,0 +1,145 @@
+"""What an adapter does to its process changes no digit of another's rows, and its own row says what happened."""
+
+import ctypes
+import decimal
+import gc
+import os
+import platform
+import resource
+import signal
+import sys
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cases
+from cases import kept
+from reports.running import experiment, serving, solvers, tasks
+from reports.running.calls import Calls
+from reports.running.canary import Canary
+from reports.running.records import Experiment, Run
+from reports.running.third_party import third_party
+
+from .. import fake_adapter, side_effects
+from .identical import identical
+
+CASE = cases.load(fake_adapter.CASE)
+
+
+def comparable(runs: Iterable[Run]) -> list[Run]:
+    """Runs without their times."""
+    return [replace(run, when="", cost=replace(run.cost, cpu_s=0.0, wall_s=0.0, setup_s=0.0)) for run in runs]
+
+
+def rows(names: tuple[str, ...]) -> Experiment:
+    with Calls(2) as calls:
+        return experiment.run((CASE,), names, calls)
+
+
+def check_own_rows(name: str, runs: Iterable[Run]) -> None:
+    _, outcome, reason = side_effects.EFFECTS[name]
+    said = [(run.outcome, run.reason) for run in runs if run.solver == name]
+    assert len(said) == 2 and all(o == outcome and reason in why for o, why in said), (name, said)
+
+
+@pytest.fixture
+def install(tmp_path, monkeypatch):
+    """Puts adapters with side effects where they are found."""
+    monkeypatch.syspath_prepend(tmp_path)
+    return lambda names: [side_effects.install(tmp_path, name) for name in names]
+
+
+def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install, monkeypatch):
+    monkeypatch.setenv(kept.VARIABLE, kept.OFF)
+    install(side_effects.SAMPLE)
+    found = rows((*side_effects.SAMPLE, "pymunk"))
+    for name in side_effects.SAMPLE:
+        check_own_rows(name, found.runs)
+    others = [run for run in found.runs if run.solver == "pymunk"]
+    truth = found.truths[CASE.label]
+    for run in others:
+        again = tasks.perform(CASE, run.solver, run.route, run.setting, run.rung, truth)
+        if not run.samples:  # only the finest run of a route keeps what figures draw
+            again = replace(again, samples={}, off={})
+        assert identical(comparable([run]), comparable([again]))
+    assert sum(run.outcome == "right" for run in others) > 3
+
+
+@pytest.mark.slow
+def test_no_side_effect_of_an_adapter_reaches_another_row(install, tmp_path, monkeypatch):
+    names, others = tuple(side_effects.EFFECTS), ("reference", "pymunk", "exudyn")
+    assert len(names) >= 40
+    undisturbed = rows(others)
+    # What the adapters' processes compile is taken from here by the others'.
+    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "kept"))
+    install(names)
+    runs = rows((*names, *others)).runs
+    for name in names:
+        check_own_rows(name, runs)
+    assert identical(comparable(run for run in runs if run.solver in others), comparable(undisturbed.runs))
+
+
+def test_no_engine_is_loaded_among_the_references_calls(monkeypatch):
+    monkeypatch.setattr(serving, "group", "")
+    with pytest.raises(RuntimeError, match="load no engine"):
+        solvers.solver("pymunk")
+    monkeypatch.setattr(serving, "group", "pymunk")
+    assert solvers.solver("pymunk").NAME == "pymunk"
+
+
+@pytest.fixture(scope="module")
+def canary():
+    return Canary()
+
+
+@pytest.mark.parametrize(
+    "place, name",
+    [("numpy", "hypot"), ("cases.trajectory", "Trajectory.__call__"), ("reference", "simulate")],
+)
+def test_a_replaced_function_is_named(place, name, canary, monkeypatch):
+    owner, _, attribute = f"{place}.{name}".rpartition(".")
+    assert canary.change() == ""
+    with monkeypatch.context() as patch:
+        patch.setattr(f"{owner}.{attribute}", lambda *given: None)
+        assert canary.change().endswith(f"{name} was replaced")
+    assert canary.change() == ""
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="the constant is that processor's")
+def test_a_known_run_gives_other_numbers_where_rounding_has_changed(canary):
+    with third_party():
+        ctypes.CDLL("libm.so.6").fesetround(0x800)  # upwards
+        assert canary.change() == "a known run gives other numbers"
+    assert canary.change() == ""
+
+
+def test_settings_of_the_process_are_restored_after_an_engines_code(tmp_path):
+    def settings():
+        context, handler = decimal.getcontext().prec, signal.getsignal(signal.SIGUSR2)
+        limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+        return os.getcwd(), context, handler, limit, sys.getrecursionlimit(), gc.isenabled(), np.geterr()
+
+    before = settings()
+    with third_party():
+        os.chdir(tmp_path)
+        decimal.getcontext().prec = 2
+        signal.signal(signal.SIGUSR2, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (64, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+        sys.setrecursionlimit(500)
+        gc.disable()
+        np.seterr(all="raise")
+        assert all(now != then for now, then in zip(settings(), before, strict=True))
+    assert settings() == before
+
+
+@pytest.mark.parametrize("trusted", [True, False])
+def test_what_is_compiled_after_an_engines_code_is_kept_only_when_it_is_trusted(trusted, tmp_path, monkeypatch):
+    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "kept"))
+    with kept.withheld() as write:
+        assert kept.kept("a test", "of this", tmp_path, lambda: 7) == 7
+        assert not list((tmp_path / "kept").iterdir())
+        if trusted:
+            write()
+    assert len(list((tmp_path / "kept").iterdir())) == trusted
