@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -14,6 +15,7 @@ PAGES = [
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
     ROOT / "adapters" / "executables" / "README.md",
+    ROOT / "docs" / "gallery.ipynb",
     *(page for page in sorted((ROOT / "docs").glob("*.md")) if page.name not in GENERATED),
 ]
 # A pattern, and what to write instead: the field's word, or the literal one.
@@ -49,6 +51,15 @@ DIALECT = {
 _CODE = re.compile(r"```.*?```|`[^`\n]*`|^    [^\n]*$|\]\([^)]*\)|<!--.*?-->", flags=re.S | re.M)
 
 
+def read_page(page: Path) -> str:
+    """The text of a page; of a notebook, that of its Markdown cells."""
+    content = page.read_text(encoding="utf-8")
+    if page.suffix != ".ipynb":
+        return content
+    cells = json.loads(content)["cells"]
+    return "\n\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
+
+
 def prose(page: str) -> str:
     """The text without code, link targets and comments."""
     return _CODE.sub(" ", page)
@@ -65,7 +76,7 @@ def dialect(page: str) -> list[str]:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_no_word_of_the_dialect_is_on_a_page(page):
-    assert dialect(page.read_text(encoding="utf-8")) == []
+    assert dialect(read_page(page)) == []
 
 
 @pytest.mark.parametrize(
