@@ -13,7 +13,9 @@ import cases
 import reference
 from cases import registry
 from cases.pictures import animation
-from reports import options
+from reports import options, publish
+from reports.analysis import time_to_accuracy
+from reports.analysis.columns import COLUMNS
 
 ROOT = Path(__file__).parent.parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -79,6 +81,16 @@ def test_the_site_leaves_no_page_out():
     told = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     for page in (ROOT / "docs").iterdir():
         assert page.suffix not in (".md", ".ipynb") or f": {page.name}\n" in told, page.name
+
+
+def test_the_page_on_reports_lists_every_value_of_award_and_names_columns_and_tables_that_exist():
+    page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
+    values = {getattr(time_to_accuracy, name) for name in ("REACHED", "BY_CHANCE", "NEVER", "NOT_TIMED", "NOT_KNOWN")}
+    assert set(re.findall(r"^\| `([^`]+)` \|", page, flags=re.M)) == values | {time_to_accuracy.DISTURBED}
+    tables = {path.name for path in (publish.releases()[-1] / "tables").iterdir()} | {"left_out.csv"}
+    assert {name for name in re.findall(r"(\w+\.csv)", page)} <= tables
+    columns = set(re.findall(r"`([a-z]+(?:_[a-z]+)+)`", page))
+    assert columns and columns <= COLUMNS.keys() | {"timed_out"}
 
 
 def test_the_gallery_runs_and_shows_itself(desk):
