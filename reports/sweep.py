@@ -94,8 +94,8 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, given, width: float | None, 
 
     ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not there
     folder = Folder(out, given.fresh)
-    with folder.opened(run.asked(plan, given.certify)):
-        folder.tell({"command": command})
+    with folder.exclusive(run.asked(plan, given.certify)):
+        folder.record({"command": command})
         try:
             with Display() as display:
                 machines = run.Machines(jobs, given.dask, display)

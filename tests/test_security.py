@@ -131,7 +131,7 @@ def rows_of(path: Path, asked: dict) -> list:
     entries = [f"{digest(file)}  {file.relative_to(path).as_posix()}\n" for file in names]
     (path / LIST).write_text("".join(["# slip-to-roll sweep\n", *entries]))
     folder = sweep_folder.Folder(path)
-    with folder.opened(asked):
+    with folder.exclusive(asked):
         return list(folder.rows("rows"))
 
 

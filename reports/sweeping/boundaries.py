@@ -1,4 +1,4 @@
-"""Boundaries that are known without a simulation, drawn over the maps."""
+"""Boundaries with exact formulas, drawn over the maps."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ class Line(NamedTuple):
     label: str
 
 
-# So many points of a boundary; each takes a root search.
+# Points of a boundary; each takes a root search.
 POINTS = 60
 
 
 def known(plan: Plan, x: str, y: str) -> list[Line]:
-    """The boundaries known in the plane of parameters x and y; none where nothing is known."""
+    """The exact boundaries in the plane of parameters x and y; an empty list if there are none."""
     lines = _circle(plan) if plan.name == "disc_in_circle" and {x, y} == {"mu", "xi1"} else []
     return lines if x == "mu" else [Line(line.y, line.x, line.label) for line in lines]
 
 
 def _circle(plan: Plan) -> list[Line]:
-    """The paper's application: rolling from the start by (35), and rolling or reversing at the first v = 0."""
+    """Boundaries of the paper's application by (35): rolling from the start, rolling or reversal at the first v = 0."""
     axis = next(axis for axis in plan.axes if axis.name == "mu")
     low, high = (axis.low, axis.high) if not axis.values else (min(axis.values), max(axis.values))
     mu = np.linspace(max(low, 1e-3), high, POINTS)
-    # Let go on the level wall the disc rolls from a coefficient on: there the second line ends.
+    # Released at ξ₁ = 0, the disc rolls if μ is larger than `most`: there the second line ends.
     most = brentq(lambda m: slip_end(m).needed - 1.0, 0.05, 0.5, xtol=1e-9)
     mu = np.unique(np.append(mu, most * (1.0 - 1e-9))) if low < most < high else mu
     after = np.array([rolls_beyond(float(m)) for m in mu])

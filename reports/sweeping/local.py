@@ -1,5 +1,7 @@
-"""The parts of a sweep, in workers of this machine or of a cluster: a part that ends its worker is halved until the
-scenario that does it stands alone, and is a row."""
+"""Computation of the parts of a sweep in workers of this machine or of a cluster.
+
+A part that ends its worker is halved until the scenario that causes it is isolated; that scenario is a row of failure.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,14 @@ from ..running.workers import Pool
 from . import parts
 from .parts import Work
 
-# Wall seconds that a part may take before it counts as lost: parts are made to take seconds.
+# Wall-clock limit of a part in seconds: parts are sized to take seconds.
 PATIENCE = 900.0
-# Parts a pool is given at a time: it looks through what waits whenever it hands one out.
+# Parts submitted to a pool at a time: the pool searches its waiting parts whenever it assigns one.
 TOGETHER = 1000
 
 
 class Part(NamedTuple):
-    """Scenarios start … stop − 1."""
+    """A range of scenarios: start … stop − 1."""
 
     start: int
     stop: int
@@ -29,30 +31,30 @@ class Part(NamedTuple):
 Progress = Callable[[str, int, Iterator], Iterator]
 
 
-def done(work: Work, wanted: Sequence[Part], pool: Pool | Cluster) -> Iterator[tuple[Part, bytes]]:
-    """The bytes of each part as they come; the pool is closed at the end."""
+def done(work: Work, pending: Sequence[Part], pool: Pool | Cluster) -> Iterator[tuple[Part, bytes]]:
+    """Yield the bytes of each part as it is completed; closes the pool at the end."""
     try:
-        failed = []
-        for begin in range(0, len(wanted), TOGETHER):
-            some = wanted[begin : begin + TOGETHER]
-            for i, answer in pool.run(parts.perform, [(work, *part) for part in some], PATIENCE):
+        failed_parts = []
+        for begin in range(0, len(pending), TOGETHER):
+            batch = pending[begin : begin + TOGETHER]
+            for i, answer in pool.run(parts.perform, [(work, *part) for part in batch], PATIENCE):
                 if answer.outcome == "done":
-                    yield some[i], answer.value
+                    yield batch[i], answer.value
                 else:
-                    failed.append(some[i])
-        for whole in failed:
+                    failed_parts.append(batch[i])
+        for whole in failed_parts:
             yield whole, _in_halves(pool, work, whole)
     finally:
         pool.close()
 
 
 def _in_halves(pool: Pool | Cluster, work: Work, whole: Part) -> bytes:
-    """A part that failed, by ever smaller pieces."""
+    """Compute a failed part by repeated halving."""
     waiting, tables = [whole], []
     while waiting:
-        some, waiting = waiting, []
-        for i, answer in pool.run(parts.perform, [(work, *piece) for piece in some], PATIENCE):
-            start, stop = some[i]
+        batch, waiting = waiting, []
+        for i, answer in pool.run(parts.perform, [(work, *piece) for piece in batch], PATIENCE):
+            start, stop = batch[i]
             if answer.outcome == "done":
                 tables.append(answer.value)
             elif stop - start == 1:
@@ -65,7 +67,7 @@ def _in_halves(pool: Pool | Cluster, work: Work, whole: Part) -> bytes:
 
 
 def joined(contents: Sequence[bytes]) -> bytes:
-    """Pieces of a part as one file."""
+    """Join the pieces of a part to one file."""
     from pyarrow import parquet
 
     tables = [parquet.read_table(pa.BufferReader(content)) for content in contents]

@@ -1,6 +1,6 @@
-"""A part of a sweep, as a worker does it: scenarios start … stop − 1 in, the bytes of a Parquet file out.
+"""Functions that compute a part of a sweep in a worker: scenarios start … stop − 1 in, bytes of a Parquet file out.
 
-The same functions run in a worker of this machine and in one of a cluster; all they are given is the plan.
+The same functions run in a worker of this machine and of a cluster; their only input is the plan.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from ..running.solvers import solver
 
 
 class Work(NamedTuple):
-    """What is to be done with a plan's scenarios: by which solver and route ("reference" and "": the reference), with
-    certified error bars or not."""
+    """The computation for a plan's scenarios: solver and route ("reference" and "" for the reference), and whether with
+    certified error bars."""
 
     plan: Plan
     solver: str = REFERENCE
@@ -36,11 +36,11 @@ class Work(NamedTuple):
 
 
 def made_with() -> dict[str, str]:
-    """What decides the reference's rows on a machine: versions and code."""
+    """Versions and code that determine the reference's rows on a machine."""
     packages = ("numpy", "scipy", "sympy", "heyoka")
-    told = {"python": platform.python_version(), "method of the reference": reference.METHODS[0]}
-    told |= {package: fingerprint.installed(package) for package in packages}
-    return dict(sorted((told | {"code of the suite": fingerprint.sources(table)[:16]}).items()))
+    facts = {"python": platform.python_version(), "method of the reference": reference.METHODS[0]}
+    facts |= {package: fingerprint.installed(package) for package in packages}
+    return dict(sorted((facts | {"code of the suite": fingerprint.sources(table)[:16]}).items()))
 
 
 def perform(work: Work, start: int, stop: int) -> bytes:
@@ -58,41 +58,41 @@ def packed(rows: pa.Table) -> bytes:
 
 
 def rate(work: Work) -> float:
-    """Scenarios a second, CPU time of one core, of a few stretches of the plan; what is compiled is not counted."""
+    """Scenarios per second of one core's CPU time, measured on a few ranges of the plan without compilation."""
     n, few = len(work.plan), 1 if work.solver != REFERENCE else 64
     starts = sorted({0, n // 3, 2 * n // 3, max(n - few, 0)})
     perform(work, starts[0], min(starts[0] + few, n))
-    began, done = time.process_time(), 0
+    began, completed = time.process_time(), 0
     for start in starts:
         perform(work, start, min(start + few, n))
-        done += min(start + few, n) - start
+        completed += min(start + few, n) - start
         if time.process_time() - began > 5.0:
             break
-    return done / max(time.process_time() - began, 1e-6)
+    return completed / max(time.process_time() - began, 1e-6)
 
 
 def failed(work: Work, number: int, outcome: str, reason: str) -> bytes:
-    """The row of a scenario that ended its worker, or ran out of time."""
+    """The row of a scenario that ended its worker or exceeded its time limit, as the bytes of a Parquet file."""
     parameters = work.plan.columns(number, number + 1)
     schema = table.schema(work.plan) if work.solver == REFERENCE else engine_schema(work.plan)
-    known = {"scenario": number, "outcome": outcome, "reason": reason}
-    known |= {name: float(column[0]) for name, column in parameters.items()}
-    return packed(pa.Table.from_pylist([{field.name: known.get(field.name) for field in schema}], schema=schema))
+    values = {"scenario": number, "outcome": outcome, "reason": reason}
+    values |= {name: float(column[0]) for name, column in parameters.items()}
+    return packed(pa.Table.from_pylist([{field.name: values.get(field.name) for field in schema}], schema=schema))
 
 
 # --- engines ----------------------------------------------------------------------------------------------------------
 
 ENGINE_COLUMNS = {
     "outcome": (pa.string(), "done, refused, crashed or bad_case"),
-    "reason": (pa.string(), "why it is not done"),
-    "setting": (pa.string(), "the engine as it comes"),
-    "first_mode": (pa.string(), "the mode it begins with"),
-    "first_time": (pa.float64(), "when its first transition is, s"),
-    "first_after": (pa.string(), "and what follows"),
-    "reference_time": (pa.float64(), "the same of the reference, s"),
-    "reference_after": (pa.string(), "and what follows there"),
-    "error": (pa.float64(), "the engine's time minus the reference's, s, where both have one"),
-    "verdict": (pa.string(), "right, or wrong: another first mode, or another mode or none after it"),
+    "reason": (pa.string(), "the reason of any other outcome than done"),
+    "setting": (pa.string(), "the engine's default settings"),
+    "first_mode": (pa.string(), "the first mode"),
+    "first_time": (pa.float64(), "time of the first transition, s"),
+    "first_after": (pa.string(), "the mode after it"),
+    "reference_time": (pa.float64(), "time of the reference's first transition, s"),
+    "reference_after": (pa.string(), "the reference's mode after it"),
+    "error": (pa.float64(), "the engine's time minus the reference's, s, if both have one"),
+    "verdict": (pa.string(), "right, or wrong: a different first mode, or a different or no mode after it"),
     "cpu_s": (pa.float64(), "CPU time of the engine's run, s"),
 }
 
@@ -104,23 +104,23 @@ def engine_schema(plan: Plan) -> pa.Schema:
 
 
 def of_engine(work: Work, start: int, stop: int) -> pa.Table:
-    """An engine as it comes, scenario by scenario, beside the reference."""
+    """The rows of an engine with default settings, compared with the reference, scenario by scenario."""
     truth = table.solved(work.plan, start, stop).to_pylist()
     names = [axis.name for axis in work.plan.axes]
     rows = []
-    for known in truth:
-        row = {name: known[name] for name in ("scenario", *names)}
-        row |= {"reference_time": known["first_time"], "reference_after": known["first_after"] or ""}
-        if known["outcome"] in (table.BAD, table.FAILED):
-            row |= {"outcome": known["outcome"], "reason": known["reason"]}
+    for reference_row in truth:
+        row = {name: reference_row[name] for name in ("scenario", *names)}
+        row |= {"reference_time": reference_row["first_time"], "reference_after": reference_row["first_after"] or ""}
+        if reference_row["outcome"] in (table.BAD, table.FAILED):
+            row |= {"outcome": reference_row["outcome"], "reason": reference_row["reason"]}
         else:
-            row |= _engine_run(work, {name: known[name] for name in names}, known)
+            row |= _engine_run(work, {name: reference_row[name] for name in names}, reference_row)
         rows.append({name: row.get(name) for name in engine_schema(work.plan).names})
     return pa.Table.from_pylist(rows, schema=engine_schema(work.plan))
 
 
-def _engine_run(work: Work, parameters: dict[str, float], known: dict) -> dict:
-    """What came of one run at the engine's own settings."""
+def _engine_run(work: Work, parameters: dict[str, float], reference_row: dict) -> dict:
+    """The columns of one run with the engine's default settings."""
     case, engine = work.plan.make(**parameters), solver(work.solver)
     refusal = engine.refuses(case, work.route)
     if refusal:
@@ -139,12 +139,14 @@ def _engine_run(work: Work, parameters: dict[str, float], known: dict) -> dict:
         return row | {"outcome": "crashed", "reason": tasks.sentence(problem)}
     if not soundness.sound(motion):
         return row | {"outcome": "crashed", "reason": f"it gave {soundness.UNSOUND}"}
-    told = tasks.reading_of(case, motion)
-    first = told.transitions[0] if told.transitions else None
-    row |= {"outcome": "done", "first_mode": str(told.first_mode), "cpu_s": motion.cost.cpu_s}
+    reading = tasks.reading_of(case, motion)
+    first = reading.transitions[0] if reading.transitions else None
+    row |= {"outcome": "done", "first_mode": str(reading.first_mode), "cpu_s": motion.cost.cpu_s}
     row |= {"first_time": first.time if first else np.nan, "first_after": str(first.after) if first else ""}
-    row["error"] = row["first_time"] - (np.nan if known["first_time"] is None else known["first_time"])
-    sequence = known["sequence"].split(table.ARROW)[:2]
-    own = [row["first_mode"], *([row["first_after"]] if first else [])]
-    inside = first is None or 0.0 <= first.time <= case.duration  # a slip may be extrapolated to beyond its end
-    return row | {"verdict": "right" if own == sequence and inside else "wrong"}
+    row["error"] = row["first_time"] - (np.nan if reference_row["first_time"] is None else reference_row["first_time"])
+    sequence = reference_row["sequence"].split(table.ARROW)[:2]
+    engine_sequence = [row["first_mode"], *([row["first_after"]] if first else [])]
+    inside = (
+        first is None or 0.0 <= first.time <= case.duration
+    )  # an extrapolated end of slip may be after the case's end
+    return row | {"verdict": "right" if engine_sequence == sequence and inside else "wrong"}

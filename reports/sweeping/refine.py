@@ -1,8 +1,8 @@
-"""Boundaries between what follows: a quadtree where the verdict changes, then bisection along its edges.
+"""Search for boundaries between kinds of motion: a quadtree where the kind changes, then bisection along its edges.
 
-The plan's grid is where it begins. A cell whose corners differ is cut in four, down to cells of a 256th of the ranges;
-then every edge of them whose ends differ holds a point of a boundary, and all of these are bisected together. A motion
-of a third kind inside an edge makes two boundaries of one.
+The search starts with the plan's grid. A cell whose corners differ is divided in four, down to cells of 1/256 of the
+ranges. Every edge of these cells whose ends differ contains a point of a boundary; all these edges are bisected
+together. A motion of a third kind inside an edge gives two boundaries instead of one.
 """
 
 from __future__ import annotations
@@ -23,18 +23,19 @@ from .folder import Folder
 from .maps import kind
 
 FILE = "boundary.parquet"
-# Cells to a side of the ranges where the quadtree ends.
+# Cells per range at the quadtree's last level.
 CELLS = 256
-# The integrator's tolerance beside the width that is asked for: verdicts hang on a cone that is known as well.
+# The integrator's tolerance as a factor of the requested width, and its minimum: decisions at the friction cone must be
+# more accurate than the width.
 FINER, FINEST = 1e-2, 1e-14
-# Scenarios that go in one wave.
+# Scenarios computed together.
 TOGETHER = 4000
 
 Place = tuple[int, ...]
 
 
 class Edges(NamedTuple):
-    """Points of boundaries and the kinds beside them, how many scenarios it took, how wide each is."""
+    """Points of boundaries, the kinds on both sides, the width of each bracket, and the number of scenarios."""
 
     x: np.ndarray
     y: np.ndarray
@@ -44,12 +45,12 @@ class Edges(NamedTuple):
 
     @property
     def points(self) -> int:
-        """How many there are."""
+        """Number of points."""
         return len(self.x)
 
 
 class _Bracket(NamedTuple):
-    """Two places in parts of the ranges, in one direction, between which the kind changes."""
+    """Two places (as fractions of the ranges) along one axis, between which the kind changes."""
 
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -58,19 +59,19 @@ class _Bracket(NamedTuple):
 
 
 def check(plan: Plan) -> None:
-    """Raises BadValue for a plan whose boundaries cannot be looked for."""
+    """Raise BadValue for a plan whose boundaries cannot be searched."""
     if plan.sample != "grid" or len(plan.axes) > 2:
-        raise BadValue("--refine needs a grid of one or two parameters to begin with")
+        raise BadValue("--refine needs a grid of one or two parameters")
     for axis in plan.axes:
         if axis.values or len(axis) < 2:
             raise BadValue(
-                f"--refine needs a range to cut; write {axis.name}=low:high:count, with a count of 2 or more"
+                f"--refine needs a range to divide; write {axis.name}=low:high:count, with a count of 2 or more"
             )
 
 
 def run(plan: Plan, folder: Folder, width: float) -> Edges:
-    """Find the boundaries to that width of the first parameter (of the second: the same part of its range), and keep
-    them in the folder."""
+    """Search the boundaries to a width in the first parameter (in the second: the same fraction of its range), and
+    write them to the folder."""
     edges = found(plan, width)
     columns = {plan.axes[0].name: edges.x}
     columns |= {plan.axes[1].name: edges.y} if len(plan.axes) == 2 else {}
@@ -83,7 +84,7 @@ def run(plan: Plan, folder: Folder, width: float) -> Edges:
 
 
 def found(plan: Plan, width: float) -> Edges:
-    """The boundaries of a plan to that width."""
+    """The boundaries of a plan to a width in the first parameter."""
     check(plan)
     search = _Search(replace(plan, rtol=min(plan.rtol, max(FINER * width, FINEST))))
     brackets = search.brackets()
@@ -92,7 +93,7 @@ def found(plan: Plan, width: float) -> Edges:
         wide = [b for b in brackets if _length(b) > max(part, 4 * np.spacing(1.0))]
         if not wide:
             break
-        brackets = [b for b in brackets if _length(b) <= max(part, 4 * np.spacing(1.0))] + search.halved(wide)
+        brackets = [b for b in brackets if _length(b) <= max(part, 4 * np.spacing(1.0))] + search.halves(wide)
     brackets.sort()
     middles = np.array([0.5 * (np.array(b.low) + b.high) for b in brackets]).reshape(-1, len(plan.axes))
     places = [axis.drawn(middles[:, i]) for i, axis in enumerate(plan.axes)]
@@ -106,40 +107,40 @@ def _length(bracket: _Bracket) -> float:
 
 
 class _Search:
-    """The kinds of motion at places, in parts of the ranges, and what it took to know them."""
+    """Kinds of motion at places (as fractions of the ranges), with the number of scenarios computed."""
 
     def __init__(self, plan: Plan):
         self.plan, self.scenarios = plan, 0
-        # Of the lattice of the finest cells: a CELLSth of the ranges, or the grid's own where that is finer.
+        # Levels from the grid to the lattice of the finest cells: 1/CELLS of the ranges, or the grid if it is finer.
         self.level = max(0, *(int(np.ceil(np.log2(CELLS / (len(axis) - 1)))) for axis in plan.axes))
         self.size = tuple((len(axis) - 1) << self.level for axis in plan.axes)
-        self.known: dict[Place, str] = {}
+        self.kind_at: dict[Place, str] = {}
 
     def kinds(self, places: np.ndarray) -> list[str]:
-        """What happens at places (n, axes) in parts of the ranges."""
-        told: list[str] = []
+        """The kinds of motion at places (n, axes), given as fractions of the ranges."""
+        kind_names: list[str] = []
         for start in range(0, len(places), TOGETHER):
-            some = places[start : start + TOGETHER]
-            columns = {axis.name: axis.drawn(some[:, i]) for i, axis in enumerate(self.plan.axes)}
+            batch = places[start : start + TOGETHER]
+            columns = {axis.name: axis.drawn(batch[:, i]) for i, axis in enumerate(self.plan.axes)}
             rows = table.rows(self.plan, columns)
-            self.scenarios += len(some)
+            self.scenarios += len(batch)
             pairs = zip(rows.column("sequence").to_pylist(), rows.column("outcome").to_pylist(), strict=True)
-            told += [kind(sequence or "", outcome) for sequence, outcome in pairs]
-        return told
+            kind_names += [kind(sequence or "", outcome) for sequence, outcome in pairs]
+        return kind_names
 
     def look(self, places: Iterable[Place]) -> None:
-        """Find out what happens at places of the lattice."""
-        new = sorted({place for place in places if place not in self.known})
+        """Compute the kinds of motion at places of the lattice that are still missing."""
+        new = sorted({place for place in places if place not in self.kind_at})
         if new:
-            self.known |= zip(new, self.kinds(np.array(new) / self.size), strict=True)
+            self.kind_at |= zip(new, self.kinds(np.array(new) / self.size), strict=True)
 
     def brackets(self) -> list[_Bracket]:
-        """The edges of the quadtree's last cells whose ends differ."""
+        """Brackets: the edges of the quadtree's finest cells whose ends differ."""
         step = 1 << self.level
         cells = [tuple(place) for place in product(*(range(0, size, step) for size in self.size))]
         while True:
             self.look(corner for cell in cells for corner in _corners(cell, step))
-            cells = [cell for cell in cells if len({self.known[corner] for corner in _corners(cell, step)}) > 1]
+            cells = [cell for cell in cells if len({self.kind_at[corner] for corner in _corners(cell, step)}) > 1]
             if step == 1 or not cells:
                 break
             step //= 2
@@ -149,14 +150,14 @@ class _Search:
                 for part in _corners((0,) * len(cell), step)
             ]
         edges = {edge for cell in cells for edge in _edges(cell, step)}
-        return [self._bracket(*edge) for edge in sorted(edges) if self.known[edge[0]] != self.known[edge[1]]]
+        return [self._bracket(*edge) for edge in sorted(edges) if self.kind_at[edge[0]] != self.kind_at[edge[1]]]
 
     def _bracket(self, low: Place, high: Place) -> _Bracket:
         ends = [tuple(float(i / size) for i, size in zip(place, self.size, strict=True)) for place in (low, high)]
-        return _Bracket(ends[0], ends[1], self.known[low], self.known[high])
+        return _Bracket(ends[0], ends[1], self.kind_at[low], self.kind_at[high])
 
-    def halved(self, brackets: list[_Bracket]) -> list[_Bracket]:
-        """The halves in which the kind changes."""
+    def halves(self, brackets: list[_Bracket]) -> list[_Bracket]:
+        """Bisect brackets; returns the halves in which the kind changes."""
         middles = [tuple(0.5 * (a + b) for a, b in zip(k.low, k.high, strict=True)) for k in brackets]
         halves = []
         for bracket, middle, there in zip(brackets, middles, self.kinds(np.array(middles)), strict=True):

@@ -1,4 +1,4 @@
-"""A sweep from its plan to its rows: parts that are there are left, the others are made and kept as they come."""
+"""Computation of a sweep from its plan: missing parts are computed and written as they are completed."""
 
 from __future__ import annotations
 
@@ -20,39 +20,41 @@ from .folder import Folder
 from .local import Part
 from .parts import Work
 
-# A task lasts about so long, s: long beside what it takes to hand one out (a millisecond), short beside a coffee.
+# Approximate duration of a task, s: long compared with its scheduling (1 ms), short compared with a user's patience.
 LASTS = 2.0
-# A part of slow scenarios has at least so many.
+# Smallest number of scenarios in a part.
 LEAST = 8
 ROWS = "rows"
 
 
 @dataclass(frozen=True)
 class Machines:
-    """Where parts are made: so many workers here, or a Dask cluster; and who watches."""
+    """The workers that compute parts (`jobs` on this machine, or a Dask cluster), and the display of progress."""
 
     jobs: int
     dask: str | None
     progress: Callable[[str, int, Iterator], Iterator]
 
-    def done(self, work: Work, wanted: list[Part]) -> Iterator[tuple[Part, bytes]]:
-        """The bytes of each part, as they come."""
-        return local.done(work, wanted, Pool(self.jobs) if self.dask is None else self._cluster(work))
+    def compute(self, work: Work, pending: list[Part]) -> Iterator[tuple[Part, bytes]]:
+        """Yield the bytes of each part as it is completed."""
+        return local.done(work, pending, Pool(self.jobs) if self.dask is None else self._cluster(work))
 
     def _cluster(self, work: Work) -> cluster.Cluster:
         engines = () if work.solver == REFERENCE else (work.solver,)
-        told = dict(elsewhere.identity(versions_of(engines), work.plan.files))
-        del told[elsewhere.PROCESSOR]  # it has a say in last digits; half a cluster idle would be the worse of the two
-        return cluster.Cluster(self.dask or "", self.jobs, tuple(told.items()), engines, work.plan.files)
+        identity = dict(elsewhere.identity(versions_of(engines), work.plan.files))
+        del identity[
+            elsewhere.PROCESSOR
+        ]  # it affects only last digits, and a mixed cluster would otherwise be partly idle
+        return cluster.Cluster(self.dask or "", self.jobs, tuple(identity.items()), engines, work.plan.files)
 
 
 def asked(plan: Plan, certified: bool) -> dict[str, Any]:
-    """All that decides the rows of a sweep."""
+    """Everything that determines the rows of a sweep."""
     return {"plan": plan.as_text(), "scene": scene(plan), "certified": certified, "made with": parts.made_with()}
 
 
 def scene(plan: Plan) -> str:
-    """The code of the case's function and of its file, in a few letters."""
+    """A digest of the file that defines the case's function."""
     try:
         file = inspect.getsourcefile(plan.function)
         return fingerprint.digest(Path(file).read_text(encoding="utf-8") if file else plan.name)[:16]
@@ -61,28 +63,33 @@ def scene(plan: Plan) -> str:
 
 
 def run(plan: Plan, folder: Folder, certified: bool, machines: Machines) -> int:
-    """Make what is not there of the reference's rows; how many scenarios were made now."""
+    """Compute the missing parts of the reference's rows; returns the number of scenarios computed now."""
     return _made(Work(plan, certified=certified), folder, ROWS, machines)
 
 
 def routes_of(solver: str) -> tuple[str, ...]:
-    """The routes of an engine; raises BadValue if it is not there."""
+    """The routes of an engine; raises BadValue if it is not installed."""
     return _of_engine(routes, solver)
 
 
 def versions_of(engines: Sequence[str]) -> dict[str, str]:
-    """The versions of engines; raises BadValue if one is not there."""
+    """The versions of engines; raises BadValue if one is not installed."""
     return {name: _of_engine(version, name) for name in engines}
 
 
 def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], machines: Machines) -> dict[str, str]:
-    """The same of every route of an engine; by kind of rows the title of each. Raises BadValue if the folder has rows
-    that the engine made in another version, or by another adapter."""
-    own = {**versions_of([solver]), "its adapter": fingerprint.adapter_sources(solver)[:16]}
-    there = folder.told(f"made with {solver}")
-    if there not in (None, own):
-        raise BadValue(f"{folder.path} holds rows of {there}, not {own}; give another --out, or --fresh to forget them")
-    folder.tell({f"made with {solver}": own})
+    """Compute the missing rows of every route of an engine; returns titles by kind of rows.
+
+    Raises BadValue if the folder has rows of another version of the engine, or of another version of its adapter.
+    """
+    environment_now = {**versions_of([solver]), "its adapter": fingerprint.adapter_sources(solver)[:16]}
+    recorded = folder.value(f"made with {solver}")
+    if recorded not in (None, environment_now):
+        raise BadValue(
+            f"{folder.path} holds rows of {recorded}, not {environment_now}; give another --out, or --fresh to delete "
+            "them"
+        )
+    folder.record({f"made with {solver}": environment_now})
     kinds = {}
     for route in ways:
         kinds[f"{solver}.{route}"] = f"{solver}, {route}"
@@ -91,35 +98,35 @@ def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], m
 
 
 def _of_engine(function: Callable, name: str):
-    """What an engine is asked, in a worker: it is not loaded here."""
+    """Call a function on an engine in a worker, so that the engine is not loaded in this process."""
     pool = Pool(1)
     try:
         ((_, answer),) = pool.run(function, [(name,)])
     finally:
         pool.close()
     if answer.outcome != "done":
-        raise BadValue(f"{name} cannot take part: {answer.failure[1]}")
+        raise BadValue(f"{name} cannot be used: {answer.failure[1]}")
     return answer.value
 
 
 def _made(work: Work, folder: Folder, kind: str, machines: Machines) -> int:
-    length = folder.told(f"chunk of {kind}")
+    length = folder.value(f"chunk of {kind}")
     if not isinstance(length, int) or length < 1:
         length = _length(work)
-        folder.tell({f"chunk of {kind}": length})
-    n, there = len(work.plan), folder.done(kind)
-    wanted = [Part(start, min(start + length, n)) for start in range(0, n, length) if start not in there]
+        folder.record({f"chunk of {kind}": length})
+    n, starts = len(work.plan), folder.part_starts(kind)
+    pending = [Part(start, min(start + length, n)) for start in range(0, n, length) if start not in starts]
     name = work.solver if not work.route else f"{work.solver} {work.route}"
-    title = f"{name}, {length} scenarios a part" + (f" ({len(there)} parts were there)" if there else "")
-    if not wanted:
+    title = f"{name}, {length} scenarios per part" + (f" ({len(starts)} parts already complete)" if starts else "")
+    if not pending:
         return 0
-    for part, content in machines.progress(title, len(wanted), machines.done(work, wanted)):
-        folder.put(kind, part.start, content)
-    return sum(part.stop - part.start for part in wanted)
+    for part, content in machines.progress(title, len(pending), machines.compute(work, pending)):
+        folder.add_part(kind, part.start, content)
+    return sum(part.stop - part.start for part in pending)
 
 
 def _length(work: Work) -> int:
-    """How many scenarios make a part, by a pilot; halves and doubles of the usual, so that noise seldom matters."""
+    """Number of scenarios per part, from a pilot run; CHUNK divided by a power of two, so that noise rarely matters."""
     if len(work.plan) <= LEAST:
         return LEAST
     pool = Pool(1)
@@ -128,7 +135,7 @@ def _length(work: Work) -> int:
     finally:
         pool.close()
     if answer.outcome != "done":
-        return LEAST  # one of the first scenarios ends its worker: small parts find it soonest
+        return LEAST  # one of the first scenarios ends its worker: small parts isolate it soonest
     length = CHUNK
     while length > LEAST and length > LASTS * answer.value:
         length //= 2

@@ -28,7 +28,7 @@ def test_a_publication_says_where_it_stands_and_how_sure_it_is():
         assert publication.source.startswith("github.com/"), publication.name
         assert "commit" in publication.source and publication.accuracy, publication.name
         assert all(number.accuracy > 0.0 for number in publication.numbers), publication.name
-        assert bool(publication.known) or not any(number.off for number in publication.numbers), publication.name
+        assert bool(publication.explanation) or not any(number.off for number in publication.numbers), publication.name
 
 
 @pytest.mark.parametrize("publication", PUBLICATIONS, ids=lambda publication: publication.name)

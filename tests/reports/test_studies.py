@@ -98,7 +98,7 @@ def test_a_picture_that_fails_leaves_the_numbers(tmp_path):
 def test_a_bar_is_passed_failed_or_not_timed():
     bar = reference_cost.BARS[0]
     for cpu_s, outcome in ((bar.limit, "pass"), (bar.limit * 1.01, "fail"), (nan, "not timed")):
-        hot = [{"contestant": bar.contestant, "cpu_s": cpu_s}, {"contestant": bar.beside, "cpu_s": 1.0}]
+        hot = [{"contestant": bar.contestant, "cpu_s": cpu_s}, {"contestant": bar.baseline, "cpu_s": 1.0}]
         told = reference_cost.bars(reference_cost.Found(hot, [], []))
         assert told[0]["outcome"] == outcome and {row["outcome"] for row in told[1:]} == {"not timed"}
 
@@ -109,7 +109,7 @@ def test_a_motion_may_cost_what_it_grows_by(longest, outcome):
     sizes, seconds = [(what, size) for size in (1, 10, 100)], (0.5, 0.5 + 9e-3, 0.5 + longest * 99e-3)
     answers = [Answer("done", growth.Grown(s, s, 0, 0, 0.0, "completed")) for s in seconds]
     found = reference_cost.Found([], reference_cost._growth_rows(sizes, answers), [])
-    assert next(r for r in reference_cost.bars(found) if what.counted in r["what"])["outcome"] == outcome
+    assert next(r for r in reference_cost.bars(found) if what.quantity in r["what"])["outcome"] == outcome
 
 
 def test_plain_c_is_the_closed_form():
@@ -129,7 +129,7 @@ def test_what_the_reference_costs():
     with Calls(1) as calls:
         found = reference_cost.run(studies.Request(full=True), calls)
     assert [row for row in found.hot if row["reason"]] == [] and [row for row in found.cold if row["reason"]] == []
-    assert {row["status"] for row in found.grown} == {"completed"}
+    assert {row["status"] for row in found.growth} == {"completed"}
     told = reference_cost.bars(found)
     assert len(found.cold) == len(cases.names()) and "not timed" not in {row["outcome"] for row in told}
     missed = {row["what"]: row for row in told if row["measured"] > 2.0 * row["limit"]}

@@ -78,7 +78,7 @@ def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypat
     assert sweep.main(few) == 0
     (tmp_path / "sweep" / "sweep.json").unlink()
     assert sweep.main(few) == 2
-    assert "holds another sweep (sweep.json does not say which)" in capsys.readouterr().err
+    assert "holds another sweep (sweep.json does not identify it)" in capsys.readouterr().err
     assert sweep.main([*few, "--fresh"]) == 0
 
 

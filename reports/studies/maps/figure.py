@@ -21,7 +21,7 @@ def draw(findings: list[Map], folder: Path) -> Iterator[Drawn]:
         with tempfile.TemporaryDirectory() as place:
             rows = Folder(Path(place))
             for start, content in each.parts.items():
-                rows.put(kind, start, content)
+                rows.add_part(kind, start, content)
             if each.solver == REFERENCE:
                 figure = maps.of_reference(each.plan, rows, marks=MARKS)
                 title = "Motion of the disc after its release, over friction and start"

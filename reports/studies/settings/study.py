@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 TITLE = "Whether every rung is worth its cost"
 QUESTION = (
-    "Each engine's ladder compared with a grid of all its parameters, over several scenes: is there a setting that is "
-    "faster than a rung and as accurate?"
+    "Each engine's ladder compared with a grid of all its parameters, over several scenes: whether another setting is "
+    "faster than a rung and as accurate."
 )
 TAKES = ("case", "solver")
 IN_REPORT = False  # it checks the choice of the ladders, not the cases
