@@ -244,11 +244,19 @@ def _number(place: Path, table: str, column: str, **wanted: str) -> float:
 
 def refresh(readme: Path, place: Path) -> None:
     """Write the README's part that comes from the published report; raises BadValue if it has no room for it."""
-    text = readme.read_text(encoding="utf-8")
-    new, count = re.subn(f"{re.escape(BEGIN)}.*?{re.escape(END)}", lambda _: headline(place), text, flags=re.DOTALL)
-    if count != 1:
-        raise BadValue(f"{readme} has no part between {BEGIN} and {END}; put both lines where the picture belongs")
-    write(readme, new)
+    before, after = around(readme)
+    write(readme, before + headline(place) + after)
+
+
+def around(readme: Path) -> tuple[str, str]:
+    """The README's text before and after the part that comes from the published report; raises BadValue unless it has
+    exactly one such part."""
+    parts = re.split(f"{re.escape(BEGIN)}.*?{re.escape(END)}", readme.read_text(encoding="utf-8"), flags=re.DOTALL)
+    if len(parts) != 2:
+        raise BadValue(
+            f"{readme} has {len(parts) - 1} parts between {BEGIN} and {END}; put both lines once, at its picture"
+        )
+    return parts[0], parts[1]
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -262,6 +270,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         )  # fmt: skip
         given = parser.parse_args(words)
         results = files.place("folder of --out", given.out).resolve()
+        if results == RESULTS:
+            around(ROOT / "README.md")  # before anything is written
         place = publish(files.place("report", given.REPORT), results)
         if results == RESULTS:
             refresh(ROOT / "README.md", place)

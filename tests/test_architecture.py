@@ -151,3 +151,64 @@ def test_the_way_of_a_case_enters_no_room_twice_but_the_workers():
         room for step in way for room in dict.fromkeys(re.findall(r"`(page|analysis|drawing|judging|options)", step))
     ]
     assert len(way) == 6 and len(rooms) == len(set(rooms)) == 5
+
+
+# Calls outside `cases/owned_folder.py` that delete or rename files, and why they may.
+REMOVALS = {
+    (
+        "reports/running/serving.py",
+        "rmtree",
+    ): "the folder that the worker made for a call, and its content",
+    ("reports/running/versions.py", "unlink"): "the note, in the suite's own cache, of why an environment was not made",
+    ("reports/running/versions.py", "rename"): "an environment in the suite's own cache, when it is complete",
+}
+
+
+def removals(source: str) -> set[str]:
+    """Names of the functions in a module's source that delete, rename or replace files and folders."""
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.Attribute | ast.Name):
+            continue
+        name = node.attr if isinstance(node, ast.Attribute) else node.id
+        owner = getattr(node.value, "id", "") if isinstance(node, ast.Attribute) else None
+        if name in ("rmtree", "unlink", "rmdir", "removedirs", "renames") or (owner is not None and name == "rename"):
+            found.add(name)
+        elif owner in ("os", "shutil") and name in ("remove", "replace", "move"):
+            found.add(name)
+    for node in ast.walk(ast.parse(source)):  # Path.replace takes one argument, str.replace two
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "replace":
+            found |= {"replace"} if len(node.args) == 1 and not node.keywords else set()
+    return found
+
+
+def test_only_one_module_deletes_and_renames_files():
+    found = {
+        (file.relative_to(ROOT).as_posix(), name)
+        for room in ALLOWED
+        for file in (ROOT / room).rglob("*.py")
+        for name in removals(file.read_text())
+    }
+    owned = {(file, name) for file, name in found if file == "cases/owned_folder.py"}
+    assert {name for _, name in owned} >= {"unlink", "replace"}
+    assert found - owned == REMOVALS.keys()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "shutil.rmtree(a)",
+        "a.unlink()",
+        "os.replace(a, b)",
+        "path.replace(other)",
+        "shutil.move(a, b)",
+        "list(map(os.remove, a))",
+    ],
+)
+def test_a_line_that_deletes_or_renames_is_seen(line):
+    assert removals(line)
+
+
+@pytest.mark.parametrize("line", ["a.replace('b', 'c')", "replace(run, reason='')", "found.remove(a)"])
+def test_a_line_that_does_not_is_left_alone(line):
+    assert not removals(line)

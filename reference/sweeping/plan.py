@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import inspect
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import prod
@@ -75,6 +75,8 @@ class Axis:
         if real(given) is not None:
             return cls(name, values=(finite(name, given),))
         try:
+            if isinstance(given, bytes | bytearray | memoryview | Mapping | Set):
+                raise TypeError  # bytes would be read as numbers, keys as values; a set has no order
             values = [finite(name, value) for value in (given.tolist() if isinstance(given, np.ndarray) else given)]
         except TypeError:
             raise BadValue(

@@ -53,8 +53,12 @@ def file_name(label: str) -> str:
     The digest makes names unique, also on file systems that ignore upper and lower case.
     """
     readable = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("._")
-    exact = hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()
-    return f"{readable.encode()[:_READABLE_BYTES].decode(errors='ignore')}_{exact[:_DIGITS]}"
+    return f"{readable.encode()[:_READABLE_BYTES].decode(errors='ignore')}_{short_digest(label)}"
+
+
+def short_digest(label: str) -> str:
+    """The first digits of the SHA-256 of a label."""
+    return hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()[:_DIGITS]
 
 
 @contextmanager

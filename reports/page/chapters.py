@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import cases as catalogue
 from cases import Case
 
-from ..drawing.files import Drawn
+from ..drawing.files import Drawn, short_digest
 from ..running.records import REFERENCE, Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import motions
@@ -32,8 +32,10 @@ _FAILURES = {
 
 
 def anchor(label: str) -> str:
-    """The HTML anchor of a case on the page."""
-    return "case-" + "".join(c if c.isalnum() else "-" for c in label).strip("-")
+    """The HTML anchor of a case on the page; with a digest of the label where characters of it are replaced, so that no
+    two cases have the same."""
+    readable = "".join(c if c.isalnum() or c == "_" else "-" for c in label)
+    return f"case-{readable}" if readable == label else f"case-{readable.strip('-')}-{short_digest(label)}"
 
 
 def said_of(case: Case | None) -> str:

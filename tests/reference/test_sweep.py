@@ -186,6 +186,8 @@ def test_certified_rows_have_error_bars():
         (dict(mu="0:0.5:9:log"), {}, BadValue, "by powers; give a start above zero"),
         (dict(mu="a:b:c"), {}, BadValue, "cannot be read; write mu=low:high:count"),
         (dict(mu=[]), {}, BadValue, "mu has no value"),
+        (dict(mu=b"1"), {}, BadValue, "mu is b'1'; give a number, a list of numbers or text"),
+        (dict(mu={0.1: 0.2}), {}, BadValue, "give a number, a list of numbers or text"),
         (dict(mu="0.1:0.5"), {}, BadValue, "mu has no count; write mu=0.1:0.5:count"),
         (dict(), {}, BadValue, "nothing varies"),
         (dict(mu="0.1:0.5"), dict(sample="random"), BadValue, "needs the number of scenarios"),

@@ -15,7 +15,7 @@ import cases
 from adapters import Setting
 from cases import Mode, Transition
 from reports.analysis import advice
-from reports.page import first, motions, vendor
+from reports.page import chapters, first, motions, vendor
 from reports.page.pieces import as_written, table
 from reports.running.records import Experiment, Run, Truth
 
@@ -148,3 +148,10 @@ def test_numbers_stand_as_people_write_them_and_are_sorted_as_numbers():
     assert row["solver"], row["route"] == ("pymunk", "native")
     assert row["cells"][0] == {"text": "1.2e-7", "kind": "number", "order": None}
     assert row["cells"][1] == {"text": "1,700", "kind": "number", "order": "1712.5"}
+
+
+def test_no_two_cases_have_the_same_anchor():
+    labels = ["a[slope=+0.3]", "a[slope==0.3]", "a[slope=0.3]", "a", "a_b", "a-b", "a[b]", "a[b"]
+    labels += [case.label for name in cases.names() for case in cases.select(name)]
+    anchors = [chapters.anchor(label) for label in labels]
+    assert len(set(anchors)) == len(labels) and all(re.fullmatch(r"case-[\w-]+", anchor) for anchor in anchors)

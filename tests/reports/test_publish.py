@@ -219,11 +219,13 @@ def test_an_odd_file_gives_one_sentence(name, report, tmp_path, capsys):
     assert f"is without {name}" in refused(report, tmp_path, capsys)
 
 
-def test_a_readme_without_a_place_for_the_picture_is_left_alone(tmp_path):
-    (tmp_path / "README.md").write_text("mine")
-    with pytest.raises(cases.BadValue, match="put both lines"):
-        publish.refresh(tmp_path / "README.md", LAST)
-    assert (tmp_path / "README.md").read_text() == "mine"
+@pytest.mark.parametrize("text", ["mine", f"{publish.END} {publish.BEGIN}", 2 * f"{publish.BEGIN}{publish.END}"])
+def test_without_a_place_in_the_readme_for_the_picture_nothing_is_written(text, report, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(publish, "ROOT", tmp_path)
+    monkeypatch.setattr(publish, "RESULTS", tmp_path / "results")
+    (tmp_path / "README.md").write_text(text)
+    assert "put both lines once" in refused(report, tmp_path, capsys)
+    assert (tmp_path / "README.md").read_text() == text
 
 
 # --- the watch --------------------------------------------------------------------------------------------------------
