@@ -134,6 +134,7 @@ def test_another_parametrisation_of_the_track_changes_nothing():
     assert other_motion(t).x == pytest.approx(motion(t).x, abs=1e-10)
 
 
+@pytest.mark.slow  # the catalogue's warped circle has both of its parameters changed in the quick tests
 def test_another_parametrisation_of_the_outline_changes_nothing():
     def rolling(outline: Curve) -> Case:
         plate = Plate(outline, 1.0, 0.02)

@@ -157,7 +157,7 @@ def test_far_from_a_steep_step_its_series_have_values():
         assert float(motion.t[-1]) == pytest.approx(end, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 8))])
 def test_random_roads_a_few(seed):
     check_road(seed)
 
