@@ -249,7 +249,6 @@ def _write(
         "compiled": kept.words(),
         "ladders": plan.ladders() or "All settings of all ladders.",
         "limit_seconds": plan.limit,
-        "seconds": shown.seconds,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
         "lost": calls.lost,
     }
@@ -268,6 +267,9 @@ def _write(
     moving, unmoved = motions.motions(shown)
     made.note([*unmoved, *(one for some in (drawn, *of_studies.values()) for each in some for one in each.left_out)])
 
+    # The page shows the time of the report up to itself; the manifest has the whole.
+    told["seconds"] = spent.total(calls.spent.phases).wall
+
     def rendered(shown: Experiment, measured: Measured, frames: dict[str, Any], studied: Sequence[Result]) -> str:
         frames |= {tables.LEFT_OUT: made.frames[tables.LEFT_OUT]} if made.left_out else {}
         return html.render(shown, measured, frames, made.words, drawn, studied, of_studies, moving, figures, told)
@@ -280,7 +282,7 @@ def _write(
     tables.describe(made)
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     calls.spent.book("page")
-    told["phases"] = spent.told(calls.spent.phases)
+    told["phases"], told["seconds"] = spent.told(calls.spent.phases), spent.total(calls.spent.phases).wall
     told["left_out"] = [one._asdict() for one in made.left_out]
     folder.sign(place, told)
     return rows, made.left_out

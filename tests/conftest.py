@@ -69,10 +69,13 @@ def pytest_collection_finish(session):
 
 @pytest.fixture(autouse=True, scope="session")
 def _store(tmp_path_factory):
-    """The command keeps what the tests run in a folder of theirs, not where somebody works."""
+    """The command keeps what the tests run in a folder of theirs, not where somebody works, and makes one run at a time
+    where a test does not name another number: a second worker imports everything once more, 2 s of CPU, and the tests
+    themselves occupy both cores."""
     from reports import options
 
     options.STORE = str(tmp_path_factory.mktemp("kept") / "store")
+    options._OPTIONS["jobs"]["default"] = "1"
 
 
 @pytest.fixture(scope="session")

@@ -161,7 +161,11 @@ def left_out(frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
 
 def made(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
     """The provenance of the report as rows of key and text."""
-    rows = [("command", manifest["command"]), ("when", manifest["made_at"]), ("took", f"{manifest['seconds']:.0f} s")]
+    rows = [
+        ("command", manifest["command"]),
+        ("when", manifest["made_at"]),
+        ("report took", f"{manifest['seconds']:.0f} s"),
+    ]
     for key in (
         "commit",
         "machine",

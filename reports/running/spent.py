@@ -44,14 +44,20 @@ def told(phases: Mapping[str, Seconds]) -> dict[str, dict[str, float]]:
     return {name: {"wall_s": round(s.wall, 2), "cpu_s": round(s.cpu, 2)} for name, s in phases.items()}
 
 
+def total(phases: Mapping[str, Seconds]) -> Seconds:
+    """Wall and CPU time of all phases, s."""
+    return Seconds(sum(s.wall for s in phases.values()), sum(s.cpu for s in phases.values()))
+
+
 def words(phases: Mapping[str, Seconds]) -> str:
-    """The longest phases in a line, by wall time."""
+    """The time of the whole report, and the wall time of its longest phases, in a line."""
     longest = sorted(phases.items(), key=lambda pair: -pair[1].wall)
     named = [f"{name} {s.wall:.0f} s" for name, s in longest[:_NAMED] if s.wall >= 0.5]
-    wall, cpu = sum(s.wall for s in phases.values()), sum(s.cpu for s in phases.values())
-    others = wall - sum(s.wall for _, s in longest[: len(named)])
+    whole = total(phases)
+    others = whole.wall - sum(s.wall for _, s in longest[: len(named)])
     more = [f"all else {others:.0f} s"] if len(named) < len(phases) else []
-    return f"where the time went: {', '.join([*named, *more]) or 'nowhere'}; {wall:.0f} s, of CPU {cpu:.0f} s"
+    parts = ", ".join([*named, *more])
+    return f"the report took {whole.wall:.0f} s, {whole.cpu:.0f} s of CPU time{': ' if parts else ''}{parts}"
 
 
 # --- CPU time ---------------------------------------------------------------------------------------------------------

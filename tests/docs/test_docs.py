@@ -93,6 +93,7 @@ def test_the_page_on_reports_lists_every_value_of_award_and_names_columns_and_ta
     assert columns and columns <= COLUMNS.keys() | {"timed_out"}
 
 
+@pytest.mark.slow  # code of the other pages runs in the quick tests
 def test_the_gallery_runs_and_shows_itself(desk):
     """Cell by cell, and what each ends with shows itself as a notebook asks for it."""
     cells = json.loads((ROOT / "docs" / "gallery.ipynb").read_text(encoding="utf-8"))["cells"]

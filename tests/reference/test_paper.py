@@ -88,6 +88,7 @@ def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
     drawing.plt.close(figure)
 
 
+@pytest.mark.slow  # its tables, and the paper's diagrams, are made by the quick tests above
 def test_section_has_its_tables_and_pictures(tmp_path):
     with Calls(jobs=1) as calls:
         found = study.run(Request(), calls)

@@ -56,8 +56,8 @@ FATES = {
 }
 # One fault of each kind that is over at once, for every run of the tests.
 FEW = [
-    ("file", "syntax"), ("import", "exits"), ("ladder", "unwritable"), ("run", "forks"), ("read", "raises"),
-    ("read", "text"), ("read", "fails"),
+    ("file", "syntax"), ("import", "exits"), ("version", "raises"), ("ladder", "unwritable"), ("run", "forks"),
+    ("read", "raises"), ("read", "text"), ("read", "fails"),
 ]  # fmt: skip
 # A finite pose so far away that its square is no number: whatever it is called, it is a row.
 FAR = ("read", "far")

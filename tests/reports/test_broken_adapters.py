@@ -59,6 +59,7 @@ def check_runs(names, capfd):
     assert "all is well" not in "".join(capfd.readouterr())
 
 
+@pytest.mark.slow  # test_any_fault has a fault of each kind in the quick tests
 def test_a_fault_in_any_part_is_a_row(broken, capfd):
     check_runs(broken(("version", "segfault"), ("ladder", "segfault"), ("build", "prints")), capfd)
 

@@ -176,6 +176,11 @@ def test_manifest_tells_how_it_was_made(report):
     assert {"versions", "truth", "survey", "runs", "figures", "tables", "page"} <= phases.keys()
     assert all(seconds >= 0.0 for phase in phases.values() for seconds in phase.values())
     assert phases["runs"]["wall_s"] > 0.0
+    # The time on the page is the report's, not that of its runs alone: all phases but the page's own, to half a second.
+    whole = sum(phase["wall_s"] for phase in phases.values())
+    assert manifest["seconds"] == pytest.approx(whole, abs=0.01 * len(phases))
+    (shown,) = re.findall(r"report took.{0,40}?(\d+) s", (report / "index.html").read_text(), flags=re.DOTALL)
+    assert float(shown) == pytest.approx(whole - phases["page"]["wall_s"], abs=0.6)
 
 
 def test_tables_have_the_promised_columns(report):

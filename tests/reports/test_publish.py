@@ -207,7 +207,10 @@ TEXTS = ["", "[]", "3", "null", "[" * 100_000, "9" * 5000, "\ud800", '{"resource
 HEADS = ["case,event\n", "case,case\na,b,c,d\n", "case,event,time,truth_error_bar\ndisc_in_circle[mu=0.2],1,soon,nan\n"]
 
 
-@pytest.mark.parametrize("name", ["manifest.json", publish.PACKAGE, "tables/truth.csv", "tables/headline.csv"])
+@pytest.mark.parametrize("name", [
+    "manifest.json", publish.PACKAGE, "tables/truth.csv",
+    pytest.param("tables/headline.csv", marks=pytest.mark.slow),  # read as the truth's is
+])  # fmt: skip
 def test_an_odd_file_gives_one_sentence(name, report, tmp_path, capsys):
     texts = TEXTS + (HEADS + ['"' + "x" * 200_000] if name.endswith("csv") else [])
     for text in texts:

@@ -13,14 +13,14 @@ def test_every_second_is_booked_once_and_a_phase_that_comes_again_adds_up():
     for phase in ("survey", "runs", "survey"):
         ledger.book(phase)
     assert ledger.phases == {"survey": Seconds(3.0, 1.5), "runs": Seconds(10.0, 20.0)}
-    assert spent.words(ledger.phases) == "where the time went: runs 10 s, survey 3 s; 13 s, of CPU 22 s"
+    assert spent.words(ledger.phases) == "the report took 13 s, 22 s of CPU time: runs 10 s, survey 3 s"
     assert spent.told(ledger.phases)["runs"] == {"wall_s": 10.0, "cpu_s": 20.0}
 
 
 def test_the_line_names_the_longest_and_sums_up_the_others():
     phases = {name: Seconds(wall, wall) for name, wall in zip("abcdefg", (9, 8, 7, 6, 5, 4, 0.1), strict=True)}
     assert (
-        spent.words(phases) == "where the time went: a 9 s, b 8 s, c 7 s, d 6 s, e 5 s, all else 4 s; 39 s, of CPU 39 s"
+        spent.words(phases) == "the report took 39 s, 39 s of CPU time: a 9 s, b 8 s, c 7 s, d 6 s, e 5 s, all else 4 s"
     )
 
 

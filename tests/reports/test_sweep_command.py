@@ -153,7 +153,7 @@ def test_a_scenario_that_ends_its_process_is_a_row(tmp_path):
 
     cases.load_file(file)
     asked = plan("fatal", dict(mu="0.2:0.4:3"), files=[str(file)])
-    coming = dict(local.done(Work(asked), [Part(0, 3)], Pool(2)))
+    coming = dict(local.done(Work(asked), [Part(0, 3)], Pool(1)))
     rows = [row for part in sorted(coming) for row in parquet.read_table(pa.BufferReader(coming[part])).to_pylist()]
     assert [row["scenario"] for row in rows] == [0, 1, 2]
     assert [row["outcome"] for row in rows] == ["completed", "crashed", "completed"]

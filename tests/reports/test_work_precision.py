@@ -218,6 +218,7 @@ def test_reference_and_engines_offer_enough_settings_for_a_curve():
             assert len(module.ladder(case, route)) >= timings.LEAST_SETTINGS, (name, route)
 
 
+@pytest.mark.slow  # test_any_fault compares the rows of two builds in the quick tests
 def test_two_builds_give_the_same_accuracies_to_the_last_digit():
     case = cases.load("disc_on_line", mu=0.1)
     truth = tasks.find_truth(case)
