@@ -24,6 +24,9 @@ MOST_STEPS, LONGEST, STRAIGHTER = 100, 0.5, 16.0
 ROUNDINGS = 4e-15
 # Steps of fewer such roundings are compared with them: the last one or two of a search.
 CLOSE = 1e6
+# Two parameters of an outline closer than this, in parts of a period over 2π, are one that was found from both sides of
+# the seam: Newton's method leaves roundings.
+SAME = 1e-9
 # What is left of the two conditions of a contact, in the same parts and in radians, where Newton's steps do not come
 # to rest. The gap is then off by the square of it.
 SETTLED = 1e-12
@@ -120,7 +123,8 @@ def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
                 # Whole turns of a closed outline are taken back, so that θ is zero and not a multiple of 2π.
                 found.append(root - whole * outline.period if outline.period else root)
     if outline.period:
-        found = [s for i, s in enumerate(found) if all(abs(s - other) > 1e-9 for other in found[:i])]
+        apart = SAME * outline.unit
+        found = [s for i, s in enumerate(found) if all(abs(s - other) > apart for other in found[:i])]
     if len(found) != 1:
         raise DoesNotFit(
             f"{len(found)} points of the outline fit the track's direction with theta = 0; give xi2 in Start"

@@ -41,8 +41,8 @@ def export(case: Case, folder: Path, replace: bool = True) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / name for name in FILES]
     write(paths[0], as_json(told, indent=1) + "\n", replace)
-    for path, curve in zip(paths[1:3], (case.track, case.plate.outline), strict=True):
-        _write_csv(path, sampled(curve), "s,x,y,normal_x,normal_y,curvature", replace)
+    for path, rows in zip(paths[1:3], sampled(case).values(), strict=True):
+        _write_csv(path, rows, "s,x,y,normal_x,normal_y,curvature", replace)
     names, rows = motion(case)
     _write_csv(paths[3], rows, ",".join(names), replace, fmt="%.16g")
     return paths

@@ -15,6 +15,8 @@ from cases import Case
 from cases.contact import start_motion
 from cases.mechanics import gravity
 
+from ..common.facets import shown
+
 # Chords of the track, corners of the outline; and of boxes and prisms half the thickness in Z, in plate sizes.
 CHORDS, CORNERS, THIN = 400, 200, 0.25
 
@@ -85,7 +87,7 @@ def _collision(link: xml.Element, name: str, pose, kind: str) -> xml.Element:
 
 def _boxes(case: Case, depth: float):
     """(x, y, angle, half length, half height) of boxes whose left faces are the track's chords."""
-    corners = np.array(case.track.point(np.linspace(*case.track.span, CHORDS + 1))).T
+    corners = np.array(case.track.point(np.linspace(*shown(case), CHORDS + 1))).T
     for (ax, ay), (bx, by) in zip(corners[:-1], corners[1:], strict=True):
         along = np.array([bx - ax, by - ay])
         length = float(np.hypot(*along))

@@ -17,6 +17,7 @@ import sympy as sp
 from cases import Case, Curve
 from cases.contact import start_motion
 
+from ..common.facets import shown
 from . import geometry
 
 SCHEMA, VERSION = "slip-to-roll/scene", 1
@@ -42,22 +43,32 @@ def scene(case: Case) -> dict[str, Any]:
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
-            "points": {"track": points(case.track), "outline": points(case.plate.outline)},
+            "points": {name: points(rows) for name, rows in sampled(case).items()},
             "mjcf": geometry.mjcf(case),
             "sdf": geometry.sdf(case),
         }
     )
 
 
-def points(curve: Curve) -> dict[str, list[float]]:
-    """The sampled curve by columns."""
+def points(rows: np.ndarray) -> dict[str, list[float]]:
+    """A sampled curve by columns."""
     names = ("s", "x", "y", "normal_x", "normal_y", "curvature")
-    return {name: column.tolist() for name, column in zip(names, sampled(curve).T, strict=True)}
+    return {name: column.tolist() for name, column in zip(names, rows.T, strict=True)}
 
 
-def sampled(curve: Curve) -> np.ndarray:
+def sampled(case: Case) -> dict[str, np.ndarray]:
+    """Samples of `track` and `outline`, evenly in the parameter.
+
+    Of a curved track without ends they cover what the plate may reach; a straight one is known by any two of them.
+    """
+    track, outline = case.track, case.plate.outline
+    reached = track.span if track.features is None else shown(case)
+    return {"track": _sampled(track, *reached), "outline": _sampled(outline, *outline.span)}
+
+
+def _sampled(curve: Curve, low: float, high: float) -> np.ndarray:
     """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6)."""
-    s = np.linspace(*curve.span, SAMPLES)
+    s = np.linspace(low, high, SAMPLES)
     return np.column_stack([s, *curve.point(s), *curve.normal(s), curve.curvature(s)])
 
 

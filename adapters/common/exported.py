@@ -205,11 +205,13 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
             "give more samples, and theta in radians without jumps"
         )
     measured = any(rate not in columns for rate, _ in RATES)
+    slow = slowest(case, float(t[-1] - t[0]))
+    none = {"vx": slow, "vy": slow, "omega": slow / case.plate.reach}
     for rate, name in RATES:
         slope = np.gradient(columns[name], t, edge_order=2)
         given = columns.setdefault(rate, slope)
         # A kink leaves differences off at few samples; a unit, a sign or a frame leaves them off at most.
-        if np.median(np.abs(given - slope)) > OFF * np.abs(slope).max() + _coarse(slope) + 1e-9:
+        if np.median(np.abs(given - slope)) > OFF * np.abs(slope).max() + _coarse(slope) + none[rate]:
             raise DoesNotFit(
                 f"{rate} is not the rate of {name}; give both in metres, radians and seconds, and in one frame"
             )
@@ -223,7 +225,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
         vague = _vague(case, columns, slip, xi1)
         if measured:
             vague += _resolution(case, {**columns, "slip": slip}, xi1)
-        _check_slip(columns["slip"][:kept], slip[:kept], vague[:kept])
+        _check_slip(columns["slip"][:kept], slip[:kept], vague[:kept] + slow)
     untold = np.isnan(xi1) | np.isnan(columns["slip"])
     columns["slip"] = np.where(untold, slip, columns["slip"])
     if case.effect(Flight):  # in flight there is none, even if nothing is told
@@ -233,6 +235,11 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:kept] for name in (*NEEDED, *OPTIONAL)}
     return Trajectory(**whole, xi1=xi1[:kept], xi2=xi2[:kept], status=status, reason=reason, slip_resolution=resolution)
+
+
+def slowest(case: Case, seconds: float) -> float:
+    """A speed below which nothing moves, m/s: a millionth of the plate's size in the time of a motion."""
+    return 1e-6 * case.plate.reach / seconds
 
 
 def _coarse(slope: np.ndarray) -> float:
@@ -344,7 +351,7 @@ def _check_slip(told: np.ndarray, slip: np.ndarray, vague: np.ndarray) -> None:
     """
     if np.isfinite(slip).any() and not np.isfinite(told - slip).any():
         raise DoesNotFit("slip is a number nowhere where the plate touches its track; give it there, or leave it out")
-    allowed = OFF * np.abs(slip) + vague + 1e-9
+    allowed = OFF * np.abs(slip) + vague
     slips = (np.fmax(np.abs(told), np.abs(slip)) > allowed) & np.isfinite(told - slip)
     if 2 * np.sum(np.abs(told - slip)[slips] > allowed[slips]) > np.sum(slips):
         raise DoesNotFit(

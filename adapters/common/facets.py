@@ -81,14 +81,17 @@ def stretch(case: Case) -> Stretch:
     return Stretch(low, high, back + ahead, False, max(fast, faster))
 
 
-# How far from its start (m) a plate with a load may come on a straight line, which has no end of its own.
-FAR = 1e3
+# How far from its start a plate with a load may come on a track without ends, in sizes of the plate.
+FAR = 1e4
+# A walk along a track without ends begins with so many sizes of the plate, and doubles so often at most: a track may be
+# endless by its parameter and yet have an end (tanh s, 0).
+FIRST, DOUBLINGS = 10.0, 100
 
 
 def _everywhere(case: Case) -> Stretch:
     """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
     track = case.track
-    far = FAR / float(track.speed(case.start.xi1))
+    far = FAR * case.plate.reach / float(track.speed(case.start.xi1))
     low, high = (case.start.xi1 - far, case.start.xi1 + far) if track.domain is None else track.domain
     if track.period:
         low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
@@ -100,16 +103,22 @@ def _everywhere(case: Case) -> Stretch:
 
 def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margin: float) -> tuple[float, float, float]:
     """Farthest parameter reached in one direction, the arc length to it, and the top speed on the way."""
-    track, far, flies = case.track, 1.0, case.effect(Flight) is not None
+    track, flies = case.track, case.effect(Flight) is not None
+    far = FIRST * case.plate.reach / float(track.speed(xi1))
     bounded = track.period is not None or track.domain is not None
     if track.period:
         far = track.period
     elif track.domain:
         far = track.domain[1] - xi1 if way > 0 else xi1 - track.domain[0]
-    while True:
+    for _ in range(DOUBLINGS):
         # 2000 steps to a walk follow every curve whose features its author could draw.
         s = xi1 + way * np.linspace(0.0, far, 2001)
-        point, speed = track.point(s), track.speed(s)
+        with np.errstate(all="ignore"):
+            point, speed = track.point(s), track.speed(s)
+            is_track = np.isfinite(point).all(axis=0) & np.isfinite(speed) & (speed > 0.0)
+        if not is_track.all():  # too far out for doubles: it ends before
+            far, bounded = far * max(int(np.argmin(is_track)) - 1, 1) / 2000, True
+            continue
         run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * far / 2000
         away = np.hypot(*(point - point[:, :1])) if flies else run
         if bounded or away[-1] > longest + margin:
@@ -120,11 +129,34 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     reachable = (kinetic >= 0.0) & (away <= longest)
     if flies:
         # It may pass what is too high for it through the air: up to the last place that is not.
-        stop = min(int(np.max(np.flatnonzero(reachable), initial=-1)) + 1, len(s) - 1)
+        last = int(np.max(np.flatnonzero(reachable), initial=0))
     else:
-        stop = len(s) - 1 if reachable.all() else int(np.argmin(reachable))
-    end = min(int(np.searchsorted(run, run[stop] + margin)), len(s) - 1)
-    return float(s[end]), float(run[end]), float(np.sqrt(2 * np.max(kinetic[: stop + 1], initial=0.0)))
+        last = (len(s) if reachable.all() else max(int(np.argmin(reachable)), 1)) - 1
+    # Between two samples, so that it does not depend on where these lie.
+    part = min(_left(kinetic[last : last + 2]), _left(longest - away[last : last + 2]))
+    stop = last + part
+    run_end = min(float(np.interp(stop, np.arange(len(s)), run)) + margin, float(run[-1]))
+    fastest = max(float(np.max(kinetic[: last + 1])), float(np.interp(stop, np.arange(len(s)), kinetic)), 0.0)
+    return float(np.interp(run_end, run, s)), run_end, float(np.sqrt(2 * fastest))
+
+
+def _left(values: np.ndarray) -> float:
+    """The part of the way between two samples on which a value stays positive, by a straight line; 1 if all of it, or
+    if there is no second sample."""
+    if len(values) < 2 or values[1] >= 0.0:
+        return 1.0
+    first, second = max(float(values[0]), 0.0), float(values[1])
+    return first / (first - second) if np.isfinite(second) else 0.0
+
+
+def shown(case: Case) -> tuple[float, float]:
+    """The stretch of the track that an exported scene shows, by its parameters: all of a track with ends or a period;
+    of others what the plate can reach, at most `FAR` of its sizes to either side, where places still have digits."""
+    track, xi1 = case.track, case.start.xi1
+    if track.domain is not None or track.period:
+        return track.span
+    part, far = stretch(case), FAR * case.plate.reach / float(track.speed(xi1))
+    return max(part.low, xi1 - far), min(part.high, xi1 + far)
 
 
 def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:

@@ -20,7 +20,7 @@ from cases.contact import Contact, slip_velocity, start_motion
 from cases.mechanics import gravity
 
 from ..interface import EngineFailure
-from .facets import sway
+from .facets import shown, sway
 from .follow import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
 
 
@@ -298,7 +298,7 @@ def _hop(noted: Noted, samples: _Samples) -> float:
     """
     case, plate = noted.case, noted.case.plate
     if case.effect(Flight):
-        bend = float(np.abs(case.track.curvature(np.linspace(*case.track.span, 721))).max())
+        bend = float(np.abs(case.track.curvature(np.linspace(*shown(case), 721))).max())
         speed, spin = np.hypot(*samples.rates[:, :2].T).max(), np.abs(samples.rates[:, 2]).max()
         push = bend * float(speed) ** 2 + sway(plate.outline) * float(spin) ** 2
     else:

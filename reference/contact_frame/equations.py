@@ -31,6 +31,9 @@ SOON = 1e-4
 
 # Curvatures are looked at in this many places of a track; one whose values agree to `EVEN` is a line or a circle.
 TRACK_LOOKS, EVEN = 721, 1e-9
+# Of a track without ends they are so far from the start, in sizes of the plate, closer together near it; features show
+# up to SHOWN sizes away.
+NEAR, FAR, SHOWN = 1e-3, 1e6, 100.0
 
 # A scene that nothing moves yet is searched for a load that sets in, this many doublings of time ahead, from 2⁻⁴⁰ s.
 DOUBLINGS = 80
@@ -122,12 +125,25 @@ class Scene:
 
         A circle's is its radius, that of a line with ends their distance; any other curve's is at most the plate's.
         """
-        places = np.linspace(*self.track.span, TRACK_LOOKS)
-        bends = np.abs(np.asarray(self.track.curvature(places)))
+        with np.errstate(all="ignore"):  # far out a curve may be too large for a double
+            bends = np.abs(np.asarray(self.track.curvature(self._looks())))
+        bends = bends[np.isfinite(bends)]
         bend = float(bends.max())
         if bend * self.reach <= EVEN:
-            return float(np.hypot(*(self.track.point(places[-1]) - self.track.point(places[0])))) if self.ends else inf
+            first, last = (self.track.point(end) for end in self.track.span)
+            return float(np.hypot(*(last - first))) if self.ends else inf
         return 1.0 / bend if np.ptp(bends) <= EVEN * bend else min(self.reach, 1.0 / bend)
+
+    def _looks(self) -> np.ndarray:
+        """Parameters of the track at which its curvature is looked at, by distances and not by the parameter's unit."""
+        if self.track.domain is not None or self.track.period:
+            return np.linspace(*self.track.span, TRACK_LOOKS)
+        near = self.case.start.xi1
+        size = self.reach / float(self.track.speed(near))
+        away = size * np.geomspace(NEAR, FAR, TRACK_LOOKS // 2)
+        looks = np.concatenate([near - away[::-1], [near], near + away])
+        features = self.track.features
+        return np.union1d(looks, features.places(near - SHOWN * size, near + SHOWN * size)) if features else looks
 
     @property
     def ends(self) -> bool:

@@ -23,8 +23,9 @@ NEARER = 0.1
 LEAST = 3
 
 
-# An axis is mirrored if the mirrored motion is off the truth by no more than this part.
-MIRRORED = 0.1
+# A plate that turns by less (rad) does not turn: an angle of this size counts as much as all of its way. (By a smaller
+# one the rounding of angles would outweigh every error of places.)
+STILL = 1e-3
 # What should stick creeps if it slips at no more than this part of the motion's fastest slip; of rounding's part of the
 # speed no word is said.
 CREEP, ROUNDING = 0.01, 1e-9
@@ -132,7 +133,7 @@ def _much_nearer(columns: Columns, truth: Trajectory, images: Mapping[str, Mappi
     the table itself."""
     whole = truth(np.linspace(truth.t[0], truth.t[-1], len(columns["t"])))
     # A turn counts as much as the way that goes with it.
-    size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), 1e-9)
+    size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), STILL)
 
     @np.errstate(over="ignore", invalid="ignore")  # what is given may be of any size
     def off(factors: Mapping[str, float]) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.ndimage import median_filter
 
-from adapters.common.exported import LOOSE
+from adapters.common.exported import LOOSE, slowest
 from cases import (
     Case,
     CoulombFriction,
@@ -189,8 +189,8 @@ def _forces_broken(case: Case, motion: Trajectory) -> list[str]:
 
 
 def _slow(case: Case, motion: Trajectory) -> float:
-    """A speed below which nothing moves, m/s: a millionth of the plate's size in the time of the motion."""
-    return 1e-6 * case.plate.reach / float(motion.t[-1] - motion.t[0])
+    """A speed below which nothing moves, m/s."""
+    return slowest(case, float(motion.t[-1] - motion.t[0]))
 
 
 def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:

@@ -247,8 +247,8 @@ def _root(tau: np.ndarray, y: np.ndarray, stop: int, width: int, degree: int, li
     coefficients = np.linalg.lstsq(np.vander(tau[window] / span, degree + 1), y[window], rcond=None)[0]
     if not coefficients.any():
         return nan
-    roots = np.roots(coefficients) * span
-    real = roots.real[np.abs(roots.imag) <= 1e-9 * (1.0 + np.abs(roots.real))]
+    roots = np.roots(coefficients)  # in windows, so that no unit of time counts
+    real = span * roots.real[np.abs(roots.imag) <= 1e-9 * (1.0 + np.abs(roots.real))]
     real = real[(real >= 0.0) & (real <= limit)]
     return float(real.min()) if len(real) else nan
 

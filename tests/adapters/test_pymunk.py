@@ -281,7 +281,9 @@ def test_force_read_from_the_momentum_is_the_engines_own_impulse():
     impulses: list[tuple[float, float]] = []
     model.space.on_collision(0, 0, post_solve=lambda arbiter, space, data: impulses.append(arbiter.total_impulse))
     adapter.run(model)
-    told = np.hypot(*np.sum(impulses, axis=0))
+    # The plate touches in the first step, of h/2. The second, of h, begins with twice that impulse and reports it once:
+    # its velocity changes by 3.184e-7 m/s, of which the engine tells 1.592e-7.
+    told = np.hypot(*np.sum([*impulses, impulses[0]], axis=0))
     moved = adapter.read(model)
     kicks = np.full(len(moved.t), model.h)
     kicks[0] /= 2

@@ -12,6 +12,7 @@ from cases import nearest as search
 from cases.curves import cos, exp
 from cases.curves import sin as sine
 from cases.nearest import nearest
+from reference.contact_frame.equations import Scene
 
 ELLIPSE = library.ellipse(0.2, 0.1)
 TRACKS = {
@@ -174,3 +175,32 @@ def turned(s: float) -> float:
     """The tangent of r = 1 + 0.2 φ is atan(r/r') ahead of φ."""
     phi = 40 * pi * s + 160 * pi * s**40
     return phi + np.arctan2(1.0 + 0.2 * phi, 0.2)
+
+
+def from_below(unit: float) -> Curve:
+    """An ellipse by a parameter that is 0 at its lowest point, with so many to a radian."""
+    return Curve(lambda s: (0.2 * sine(s / unit), -0.1 * cos(s / unit)))
+
+
+@pytest.mark.parametrize("unit", [1e-10, 1.0, 1e10])
+def test_a_level_start_is_found_once_in_every_unit_of_the_outlines_parameter(unit):
+    """It lies on the seam, where it is found from both sides, a rounding of the parameter apart."""
+    level = contacts.geometry.level_parameter(library.line(), from_below(unit), 0.0)
+    assert np.remainder(level / unit + pi, 2 * pi) - pi == pytest.approx(0.0, abs=1e-12)
+    # The bean's hollow side fits the line's direction three times.
+    bean = Curve(lambda s: tuple((0.2 + 0.09 * cos(2 * s / unit)) * part(s / unit) for part in (cos, sine)))
+    with pytest.raises(DoesNotFit, match="3 points"):
+        contacts.geometry.level_parameter(library.line(), bean, 0.0)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 0.03, 1e6])
+def test_the_second_formulation_looks_at_a_track_without_ends_by_distances(unit):
+    """A bump 5 m from the start: whether it was seen depended on how far the parameter's own units reach."""
+    track = Curve(("s", "0.1*exp(-((s - 5)/0.1)**2)"))
+    plate, effects = Plate(ELLIPSE, 1.0, 0.02), (Gravity(9.81), Unilateral())
+    scenes = (Scene(Case(by, plate, effects, Start(xi1, -pi / 2), 1.0)) for by, xi1 in (
+        (track, 0.1), (in_units_of(track, unit), 0.1 * unit)))  # fmt: skip
+    here, there = (scene.grain for scene in scenes)
+    # Features are looked at in places of their own, which differ by a part of the bump.
+    assert there == pytest.approx(here, rel=1e-3)
+    assert here == pytest.approx(1.0 / 20.0, rel=1e-3)

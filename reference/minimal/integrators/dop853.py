@@ -54,6 +54,9 @@ MOST_CUTS = 4
 ROUNDINGS = 16
 _STAGE_WEIGHTS = np.abs(DOP853.D)
 
+# How far ahead the rates are looked at before a first step, in parts of the motion's own time.
+PROBE = 1e-2
+
 # So many steps that together cover no more than this part of the phase so far do not go on: towards a singularity the
 # tolerance asks for digits that rounding has taken, long before a step is as short as a rounding of the time.
 STANDS, STILL = 500, 1e-9
@@ -130,7 +133,7 @@ def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -
     atol = rtol * _scales(phase, t, y)
     if end <= t or not np.isfinite(atol).all():
         return _ended(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
-    first = _first_step(phase, t, y, end, rtol)
+    first = _first_step(phase, rhs, t, y, end, rtol, atol)
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
@@ -165,16 +168,23 @@ def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -
             return _ended(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
 
 
-def _first_step(phase: Phase, t: float, y, end: float, rtol: float) -> float:
-    """The first step tried, s.
+def _first_step(phase: Phase, rhs, t: float, y, end: float, rtol: float, atol: np.ndarray) -> float:
+    """The first step tried, s: SciPy's rule (Hairer, Nørsett & Wanner, II.4), but in the motion's own time.
 
-    SciPy's own choice depends on the unit of time (Hairer, Nørsett & Wanner, II.4: the eighth root of a rate in 1/s):
-    in microseconds it was so short that a slip that leaves zero with the square of time was rounding at its end. In the
-    motion's own time an error of order eight reaches the tolerance at its eighth root.
+    It takes the eighth root of a rate, and so depends on the unit of time: in microseconds it was so short that a slip
+    that leaves zero with the square of time was rounding at its end.
     """
     # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
     often = 0.0 if phase.regime == FLIGHT else frequency(phase, t, y)
-    return min(rtol**0.125 / often, end - t) if often > 0.0 else end - t
+    if not often > 0.0:
+        return end - t
+    state = np.array(y, dtype=float)
+    rates, scale = np.array(rhs(t, state)), atol + rtol * np.abs(state)
+    probe = min(PROBE / often, end - t)
+    change = (np.array(rhs(t + probe, state + probe * rates)) - rates) / (often * probe)
+    fastest = max(float(np.sqrt(np.mean((row / (often * scale)) ** 2))) for row in (rates, change))
+    step = (0.01 / fastest) ** 0.125 if 0.0 < fastest < np.inf else PROBE
+    return min(step / often, end - t)
 
 
 def _ended(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
