@@ -210,7 +210,8 @@ def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     if now.regime == FLIGHT:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
-    observed = now.system.observed_of_arrays(times, y, now.parameters)
+    with np.errstate(over="ignore"):  # a load's exp(u) may overflow where 1/(1 + exp(u)) vanishes
+        observed = now.system.observed_of_arrays(times, y, now.parameters)
     m = now.system.record(*(np.broadcast_to(row, times.shape) for row in observed))
     xi1, xi2 = y[0], y[1]
     x, y0, theta = pose(case, xi1, xi2)

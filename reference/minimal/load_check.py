@@ -36,6 +36,9 @@ ARGUMENT = 1e-10
 _GRID = np.linspace(-1.0, 1.0, 16 * DEGREE + 1)
 _VALUES = chebyshev.chebvander(_GRID, 2 * DEGREE)
 _SLOPES = chebyshev.chebval(_GRID, chebyshev.chebder(np.eye(2 * DEGREE + 1))).T
+# An argument larger than this on all of a step has neither a zero nor an extremum that matters there, and may overflow:
+# that of 1/(1 + exp(u)) from u = 710 on.
+LARGE = 1e60
 # Last coefficients below this part of the largest are rounding.
 TRIMMED = 1e-15
 # Roots of a polynomial so near to the real axis are real to rounding: those of two that have just met are 1e-7 off it.
@@ -94,6 +97,8 @@ def _resolved(phase: Phase, course: Course, part: float, allowed: float, acting:
     """Whether the load is resolved on that part of the step: its polynomial misses at most `allowed` of the forces."""
     places = part * PLACES
     arguments, forces = _quantities(phase, course, places)
+    small = ~(np.min(np.abs(arguments), axis=1) > LARGE)
+    arguments = arguments[small]
     if not (np.isfinite(arguments).all() and np.isfinite(forces).all()):
         return False
     coefficients = _TO_COEFFICIENTS @ arguments.T
@@ -102,7 +107,7 @@ def _resolved(phase: Phase, course: Course, part: float, allowed: float, acting:
     errors, error = ARGUMENT * sizes, allowed * (acting + np.max(np.abs(forces)))
     if missed > error or np.any(tails > errors):
         moved = _quantities(phase, course, places, ULPS)
-        errors = np.maximum(errors, ROUNDINGS * np.max(np.abs(moved[0] - arguments), axis=1))
+        errors = np.maximum(errors, ROUNDINGS * np.max(np.abs(moved[0][small] - arguments), axis=1))
         error = max(error, ROUNDINGS * np.max(np.abs(moved[1] - forces)))
         if not (missed <= error and np.all(tails <= errors)):
             return False
@@ -140,7 +145,8 @@ def _quantities(phase: Phase, course: Course, parts: np.ndarray, moved: float = 
     if moved:
         signs = moved * (-1.0) ** np.arange(len(parts))
         times, states = times * (1.0 + signs), states * (1.0 - signs)
-    rows = phase.system.load_quantities_of_arrays(times, states, phase.parameters)
+    with np.errstate(all="ignore"):  # what has no value, or overflows, is looked for in the result
+        rows = phase.system.load_quantities_of_arrays(times, states, phase.parameters)
     every = np.empty((len(rows), len(parts)))
     for own, row in zip(every, rows, strict=True):
         own[:] = row  # a constant one is a number

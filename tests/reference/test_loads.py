@@ -335,6 +335,17 @@ def test_a_load_without_a_value_ends_with_a_status():
         assert float(motion.x[-1]) == pytest.approx(2.0, abs=1e-6)
 
 
+def test_a_function_may_overflow_where_the_load_vanishes():
+    """exp(300 (2 - x)) is no double at x = -0.4, to which the wall has thrown the disc back. The Taylor method goes on
+    without force; Python's exp raises an error, which ends DOP853's motion with a status."""
+    case = sliding(Load(fx="-100/(1+exp(-(x-2)*300))"))
+    for method in reference.METHODS:
+        with cpu_limit(20.0):
+            motion = reference.simulate(case, method=method)
+        assert motion.status == {"taylor": "completed", "dop853": "breakdown"}[method]
+        assert float(motion.x[-1]) < -0.36 and float(motion(motion.t[-1]).vx) == pytest.approx(-2.0, abs=1e-9)
+
+
 def test_a_sweep_feels_what_simulate_feels():
     """Scenarios whose load has to be checked are not moved in waves."""
 
