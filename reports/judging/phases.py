@@ -56,6 +56,17 @@ def flights(phases: Sequence[Phase]) -> tuple[Phase, ...]:
     return _joined(p if p.mode is Mode.FLIGHT else p._replace(mode=Mode.ROLL) for p in phases)
 
 
+def rolling_within(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]) -> tuple[Phase, ...]:
+    """The phases with rolls in place of slips within the time spans."""
+    slips = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
+    for span in spans:
+        kept = outside([p for p in phases if p.mode in slips], [span])
+        inside = [p._replace(begin=max(p.begin, span[0]), end=min(p.end, span[1])) for p in phases]
+        rolls = [p._replace(mode=Mode.ROLL) for p in inside if p.mode in slips and p.duration > 0.0]
+        phases = sorted((*(p for p in phases if p.mode not in slips), *kept, *rolls), key=lambda p: p.begin)
+    return _joined(phases)
+
+
 def outside(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]) -> tuple[Phase, ...]:
     """The parts of the phases that are in none of the time spans."""
     left = list(phases)

@@ -21,13 +21,15 @@ from cases import Case, Mode, Trajectory, Transition
 from . import doubts, transitions
 from .distances import differences
 from .friction_factor import Losses, losses_of_truth
-from .phases import Phase, agreement, flights, outside, phases_of, time_by_mode, time_in_another_mode
+from .phases import Phase, agreement, flights, outside, phases_of, rolling_within, time_by_mode, time_in_another_mode
 from .slip_phases import RESOLVABLE_GAPS, SURELY, Reading
 from .soundness import LAST_STEPS, LONG_STEPS, SHORT_PART
 
-# What differs from the truth by less than this part of its path (or of the plate) is the truth; slip below this part of
-# its speed is none. Single precision resolves no more.
+# What differs from the truth by less than this part of its path is the truth, and slip below this part of its speed is
+# none: single precision resolves no more.
 _SAME = 1e-6
+# A plate whose path is shorter than this part of its size stays where it is: double precision resolves no more.
+_RESTS = 1e-12
 # The time in a wrong mode is measured against this part of the motion at least: else the score of a case that changes
 # its mode for an instant would depend on that instant alone.
 _LEAST_TIME = 0.25
@@ -48,9 +50,10 @@ class Scale:
     """What the errors of a case are measured by: `pose` (m) and `slip` (m/s), the smallest error of a null motion, and
     `time` (s) for the time in a wrong mode.
 
-    `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each, `fastest_slip` (m/s) in all of them,
-    or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion` names the null
-    motion with the smallest pose error; it is "" where none differs from the truth: `pose` is then the plate's reach.
+    `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each. `either` has the time spans (s) in
+    which slip is too slow to be told from a roll; they are rolls in `phases`. `fastest_slip` (m/s) is the largest of
+    `slips`, or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion` names the
+    null motion with the smallest pose error; it is "" where none differs from the truth, and `pose` is the plate's reach.
     """
 
     pose: float
@@ -59,6 +62,7 @@ class Scale:
     end: float
     phases: tuple[Phase, ...]
     slips: tuple[float, ...]
+    either: tuple[tuple[float, float], ...]
     fastest_slip: float
     losses: Losses
     null_motion: str
@@ -87,20 +91,23 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
     motions by name."""
     end = float(truth.t[-1])
     state = truth(np.linspace(0.0, end, _EVEN))
-    path = float(np.hypot(np.ptp(state.x), np.ptp(state.y)))
-    moves = path > _SAME * case.plate.reach
+    path = float(np.hypot(np.hypot(np.ptp(state.x), np.ptp(state.y)), case.plate.gyration * np.ptp(state.theta)))
+    moves = path > _RESTS * case.plate.reach
     speed = float(np.hypot(state.vx, state.vy).max()) if moves else case.plate.reach / case.duration
     slowest = _SAME * speed
     phases = phases_of(truth.first_mode, events, end)
     slips = tuple(_largest_slip(truth, phase) for phase in phases)
-    # The mode of a slip that nobody can tell from a roll is a roll's.
-    phases = tuple(
-        phase._replace(mode=Mode.ROLL) if phase.mode in _SLIPS and largest <= slowest else phase
+    # A slip that is too slow to be told from a roll is one, for the truth and for every other motion.
+    either = tuple(
+        (phase.begin, phase.end)
         for phase, largest in zip(phases, slips, strict=True)
+        if phase.mode in _SLIPS and largest <= slowest
     )
+    phases = rolling_within(phases, either)
+    slips = tuple(_largest_slip(truth, phase) for phase in phases)
     fastest_slip = max(slips, default=0.0) if max(slips, default=0.0) > slowest else speed
     errors = {name: _errors(motion, truth, differences(motion, truth, case), case) for name, motion in nulls.items()}
-    real = {name: found for name, found in errors.items() if found[0] > _SAME * max(path, case.plate.reach)}
+    real = {name: found for name, found in errors.items() if found[0] > _SAME * (path if moves else case.plate.reach)}
     nearest = min(real, key=lambda name: real[name][0], default="")
     others = end - max(time_by_mode(phases).values(), default=end)
     return Scale(
@@ -110,6 +117,7 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
         end=end,
         phases=phases,
         slips=slips,
+        either=either,
         fastest_slip=fastest_slip,
         losses=losses_of_truth(case, truth),
         null_motion=nearest,
@@ -167,7 +175,8 @@ def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolutio
     omitted, last = _omitted(motion), _last(motion, scale.end)
     true_flights, best = flights(scale.phases), None
     for reading in _readings(case, motion, scale, creep):
-        phases = outside(phases_of(reading.first_mode, reading.transitions, last), omitted)
+        phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)
+        phases = outside(phases, omitted)
         wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
         if best is None or wrong < best.wrong * (1.0 - _SAME):
             touching = wrong - time_in_another_mode(flights(phases), true_flights, scale.end) / scale.time

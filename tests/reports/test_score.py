@@ -58,7 +58,8 @@ def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
             continue
         score = truth.score(engine(truth))
         off[name] = score.off
-        if name == "creep":  # of a plate that never slips faster than millimetres a second, 2e-5 m/s is much
+        # Where plates never slip faster than millimetres a second, 2e-5 m/s is no creep.
+        if name == "creep" and planted.CREEP <= 0.005 * truth.scale.fastest_slip:
             assert score.off <= planted.CREEP / truth.scale.slip + score.doubt + ROUNDING
         if name == "6 µs of slip":
             # Each of its slips is 6 µs in another mode, before and after which nothing differs.
@@ -68,7 +69,9 @@ def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
         assert grade(off["creep"]) is grade(off["6 µs of slip"]) is Grade.EXCELLENT, off
         assert off["half a step late"] <= 0.02 and off["damping"] <= 0.02, off
     if REGULAR[0] <= truth.sensitivity <= REGULAR[1]:
-        assert grade(off["friction × 60"]) is Grade.UNUSABLE, off
+        # At the edge of slipping less friction matters and more does not.
+        if truth.score(planted.with_friction(case, 1.01)).off > friction_sensitivity.LEAST:
+            assert grade(off["friction × 60"]) is Grade.UNUSABLE, off
         assert 0.02 <= off["friction - 5 %"] <= 0.15, off
     elif truth.sensitivity < friction_sensitivity.LEAST and "friction × 60" in off:
         # It rolls, or slides without a force: friction may be anything that is enough.

@@ -59,7 +59,8 @@ def _simulated(case: Case) -> Trajectory:
     return sampled(reference.simulate(case, rtol=1e-12), SAMPLES)
 
 
-def _with_friction(case: Case, factor: float) -> Trajectory:
+def with_friction(case: Case, factor: float) -> Trajectory:
+    """The motion with so many times the friction."""
     friction = case.effect(CoulombFriction)
     assert friction is not None
     return _simulated(null_motions.with_friction(case, mu=factor * friction.mu))
@@ -67,12 +68,12 @@ def _with_friction(case: Case, factor: float) -> Trajectory:
 
 def too_much_friction(truth: Judged) -> Trajectory:
     """Friction × 60."""
-    return _with_friction(truth.case, FRICTION)
+    return with_friction(truth.case, FRICTION)
 
 
 def less_friction(truth: Judged) -> Trajectory:
     """Friction 5 % too small."""
-    return _with_friction(truth.case, LESS_FRICTION)
+    return with_friction(truth.case, LESS_FRICTION)
 
 
 def creeping(truth: Judged) -> Trajectory:
