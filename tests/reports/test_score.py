@@ -87,6 +87,12 @@ def test_extrapolations_are_within_their_doubt():
     assert 0.0 < score.off <= score.doubt
 
 
+def test_noise_of_a_roll_is_within_its_doubt():
+    truth = planted.judged(cases.load("rolling_pendulum"))
+    score = truth.score(planted.noisy(truth, 1000, 1e-6))
+    assert score.mode == 0.0 < score.off <= score.doubt
+
+
 def test_creep_is_estimated_and_never_asked_for():
     truth = planted.judged(PAPER)
     motion = planted.creeping(truth)
