@@ -1,13 +1,13 @@
-# Two commands do everything on a fresh machine: `make report` and `make test`. Both are quick the second time.
+# Two commands do all the set-up on a new machine: `make report` and `make test`. Both are fast the second time.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-# Versions that were tried together; CONSTRAINTS=/dev/null takes the newest there are.
+# Versions that were tested together; CONSTRAINTS=/dev/null installs the newest versions.
 CONSTRAINTS ?= constraints/current.txt
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS)
 
-# What one run of the tests derives and compiles serves the next one; `make clean` forgets it.
+# The cache of derived and compiled code that runs of the tests share; `make clean` deletes it.
 KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
 
 # Where this is set, each of the many processes of a report or a test compiles all its imports again: 9 s of CPU, not 3.
@@ -15,7 +15,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: report quick test test-all smoke walk check docs browser matrix clean
 
-# Engines beside exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They stay installed.
+# Engines in addition to exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They remain installed.
 EXTRAS ?=
 WANTED := $(addprefix $(VENV)/extra-,$(EXTRAS))
 
@@ -33,18 +33,18 @@ test-all: $(VENV)/installed
 	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile -m "not timed"
 	$(KEPT) $(BIN)/python -m pytest -m timed
 
-# Every Python found here, lowest and newest versions, with and without heyoka: hours, and a table in docs/install.md.
+# Every installed Python, lowest and newest versions, with and without heyoka: takes hours, writes a table in docs/install.md.
 # An interrupted run continues where it stopped; make matrix ONLY="3.13 lowest" runs the environments so named.
 matrix:
 	$(PYTHON) tests/matrix.py $(if $(ONLY),--only $(ONLY))
 
-# What is over in seconds and says that nothing is broken outright: rooms, their arrows, exact values.
+# Tests that take seconds and detect a broken tree: the rooms, the direction of imports, exact values.
 SMOKE := tests/test_architecture.py tests/test_import_layers.py tests/reference/test_reference_exact.py
 
 smoke: $(VENV)/installed
 	$(KEPT) $(BIN)/python -m pytest -q $(SMOKE)
 
-# README as a reader follows it: the wheel in an empty environment, every command in an empty folder. Some 80 s of CPU.
+# The README's commands, with the wheel in an empty environment and an empty folder. About 80 s of CPU time.
 walk: $(VENV)/installed
 	$(KEPT) $(BIN)/python -m pytest -q -m "slow or not slow" tests/walk -k "readme or wheel"
 
@@ -63,18 +63,18 @@ $(VENV)/documented: $(VENV)/installed
 	$(PIP) -e ".[docs]"
 	touch $@
 
-# What drives a browser in the tests of the page; the browser itself is the system's: apt-get install chromium.
+# The browser driver for the tests of the page; the browser itself is the system's: apt-get install chromium.
 browser: $(VENV)/installed
 	$(PIP) -e ".[browser]"
 
-# heyoka (the Taylor method) has wheels for some machines only; without it everything still works.
+# heyoka (the Taylor method) has wheels for Linux only; the suite works without it.
 $(VENV)/installed: pyproject.toml constraints/current.txt
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) -e ".[taylor,test]" || { \
-		echo "heyoka cannot be installed here; trying without it: DOP853 does its work"; \
+		echo "heyoka cannot be installed here; installing without it: DOP853 is used instead"; \
 		$(PIP) -e ".[test]"; } || { \
-		echo "these versions cannot be installed here; try the newest: make CONSTRAINTS=/dev/null"; exit 1; }
+		echo "these versions cannot be installed here; install the newest: make CONSTRAINTS=/dev/null"; exit 1; }
 	touch $@
 
 $(VENV)/checkers: $(VENV)/installed
