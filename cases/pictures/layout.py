@@ -76,9 +76,9 @@ def instants(times: np.ndarray, transitions: Sequence[float]) -> list[tuple[int,
 
     An evenly spaced time within a tenth of the duration of another selected time is omitted.
     """
-    selected = [float(times[0]), *transitions, float(times[-1])]
+    instant_times = [float(times[0]), *transitions, float(times[-1])]
     for time in np.linspace(times[0], times[-1], 7)[1:-1]:
-        if all(abs(time - other) > 0.1 * (times[-1] - times[0]) for other in selected):
-            selected.append(float(time))
-    places = sorted({int(np.argmin(np.abs(times - time))) for time in selected})
+        if all(abs(time - other) > 0.1 * (times[-1] - times[0]) for other in instant_times):
+            instant_times.append(float(time))
+    places = sorted({int(np.argmin(np.abs(times - time))) for time in instant_times})
     return [(place, 1.0 - i / max(len(places) - 1, 1)) for i, place in enumerate(places)]

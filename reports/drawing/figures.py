@@ -292,8 +292,8 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     samples = truth.samples
     x, y, theta, xi1 = (samples[name] for name in ("x", "y", "theta", "xi1"))
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
-    selected = instants(samples["t"], [t.time for t in truth.transitions])
-    poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in selected]
+    shades = instants(samples["t"], [t.time for t in truth.transitions])
+    poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in shades]
     scenes.draw(ax, case.scene, np.array([x, y]), xi1, poses)
     ax.set_title(case.label, loc="left", fontweight="bold")
     return figure

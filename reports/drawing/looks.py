@@ -27,9 +27,9 @@ class Looks:
         """`routes`: pairs of solver and route, each solver's routes in its own order."""
         self._routes: dict[str, list[str]] = {}
         for solver, route in routes:
-            own_routes = self._routes.setdefault(solver, [])
-            if route and route not in own_routes:
-                own_routes.append(route)
+            routes_of_solver = self._routes.setdefault(solver, [])
+            if route and route not in routes_of_solver:
+                routes_of_solver.append(route)
         self._colours = colours(self._routes)
 
     def colour(self, solver: str) -> str:

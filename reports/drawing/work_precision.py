@@ -49,14 +49,14 @@ _TITLES = {
 }
 
 
-def draw(experiment: Experiment, measured: Measured, folder: Path) -> Iterator[Drawn]:
+def draw(experiment: Experiment, measurements: Measured, folder: Path) -> Iterator[Drawn]:
     """Write a figure for each timed case and one for all; yields the entries of the figures."""
-    looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measured)
+    looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measurements)
     rows = [row for row in time_to_accuracy.rows(points) if row["lead"]]
     with matplotlib.rc_context(STYLE):
         if any(row["solver"] != REFERENCE and isfinite(row["ratio"]) for row in rows):
             yield save(summary(rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
-        for label in measured.cases:
+        for label in measurements.cases:
             case_points = [p for p in points if p["case"] == label and isfinite(p["cpu_s"])]
             if case_points:
                 figure = case_figure(experiment, label, case_points, looks)

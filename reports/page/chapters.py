@@ -83,17 +83,17 @@ def _case_tables(experiment: Experiment, label: str, frames: Mapping[str, pd.Dat
     events = frames["transitions"]
     events = events[events["case"] == label] if len(events) else events
     if len(events):
-        selected = events[[(r["solver"], r["route"], r["setting"]) in finest_keys for r in records(events)]]
-        if len(selected):
+        table_rows = events[[(r["solver"], r["route"], r["setting"]) in finest_keys for r in records(events)]]
+        if len(table_rows):
             # The reference comes last.
-            selected = selected.sort_values("solver", key=lambda names: names == REFERENCE, kind="stable")
+            table_rows = table_rows.sort_values("solver", key=lambda names: names == REFERENCE, kind="stable")
             case_tables.append(
-                _table("Transitions at the finest setting", selected, ("case", "setting", "version"), True)
+                _table("Transitions at the finest setting", table_rows, ("case", "setting", "version"), True)
             )
     orders = frames["convergence"]
-    selected = orders[orders["case"] == label] if len(orders) else orders
-    if len(selected):
-        case_tables.append(_table("Observed orders", selected, ("case", "settings_used", "version"), False))
+    table_rows = orders[orders["case"] == label] if len(orders) else orders
+    if len(table_rows):
+        case_tables.append(_table("Observed orders", table_rows, ("case", "settings_used", "version"), False))
     return case_tables
 
 

@@ -28,10 +28,10 @@ _HIDDEN = ("settings_used", "settings")
 
 
 def section(
-    measured: Measured, frames: Mapping[str, pd.DataFrame], figure_entries: Sequence[Drawn], figures: Path
+    measurements: Measured, frames: Mapping[str, pd.DataFrame], figure_entries: Sequence[Drawn], figures: Path
 ) -> dict[str, Any] | None:
     """Data for the chapter's template; None if nothing was timed."""
-    if not measured.cases:
+    if not measurements.cases:
         return None
     answers, accuracy_rows, points = (
         records(frames[name]) for name in ("which_engine", "time_to_accuracy", "work_precision")
@@ -43,10 +43,10 @@ def section(
     return {
         "first": headline.first,
         "rest": f"{headline.rest} {conclusions.set_up(points)}",
-        "asked": level(conclusions.ASKED),
+        "accuracy": level(conclusions.ASKED),
         "runs": ["first run (cold start)" if runs == 1 else f"{runs:,} runs" for runs in which_engine.RUNS],
         "answers": _answers(answers),
-        "failed": list(measured.failures.items()),
+        "failed": list(measurements.failures.items()),
         "shares": _shares(lead),
         "levels": _levels(lead),
         "pictures": [picture(d, figures) for d in figure_entries if d.name == "work_precision"],

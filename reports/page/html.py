@@ -39,7 +39,7 @@ _SHORT = {
 
 def render(
     experiment: Experiment,
-    measured: Measured,
+    measurements: Measured,
     frames: Mapping[str, pd.DataFrame],
     words: Mapping[str, Table],
     figure_entries: Sequence[Drawn],
@@ -64,10 +64,10 @@ def render(
         "chapters": _chapters(results),
         "solvers": solvers,
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
-        **first.screen(experiment, frames, moving, bool(measured.cases), manifest),
+        **first.screen(experiment, frames, moving, bool(measurements.cases), manifest),
         **chapters.cases(experiment, frames, figure_entries, figures, manifest, {motion["label"] for motion in moving}),
         "headline": chapters.headline(frames["headline"], figure_entries, figures),
-        "cost": cost.section(measured, frames, figure_entries, figures),
+        "cost": cost.section(measurements, frames, figure_entries, figures),
         "precision_points": _points(frames.get("work_precision"), manifest),
         "studies": [_study(result, of_studies[result.name], figures) for result in results],
         "failures": chapters.failures(frames["trajectories"]) + chapters.left_out(frames),

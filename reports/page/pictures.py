@@ -23,13 +23,13 @@ _TIMINGS = ""
 
 
 def draw(
-    shown: Experiment, ran: Experiment, measured: Measured, results: Sequence[Result], folder: Path, calls: Calls
+    shown: Experiment, ran: Experiment, measurements: Measured, results: Sequence[Result], folder: Path, calls: Calls
 ) -> tuple[list[Drawn], dict[str, list[Drawn]]]:
     """Write every figure to the folder; returns those of cases and timings, and those of each study by name."""
     figures = list(of_cases.draw(shown, folder, calls))
     # The longest first. These figures do not show samples of motions, so the samples are not sent to the workers.
     bare = replace(ran, runs=tuple(replace(run, samples={}, off={}) for run in ran.runs))
-    requests: list[tuple] = [(_TIMINGS, printed(), bare, measured)] if measured.cases else []
+    requests: list[tuple] = [(_TIMINGS, printed(), bare, measurements)] if measurements.cases else []
     requests += [(result.name, printed(), result.findings) for result in results if not result.failure]
     by_study: dict[str, list[Drawn]] = {result.name: [] for result in results}
     answers = calls.all("other figures", drawn_of, requests, limit=_PATIENCE, group="")

@@ -70,7 +70,7 @@ class Tables:
 
 
 def write(
-    output: Tables, shown: Experiment, ran: Experiment, measured: Measured, results: Sequence[Result]
+    output: Tables, shown: Experiment, ran: Experiment, measurements: Measured, results: Sequence[Result]
 ) -> list[dict]:
     """Write all tables of a report except that of omitted results; returns the rows of the answer table.
 
@@ -78,7 +78,7 @@ def write(
     """
     import pandas as pd
 
-    output.add(cost_tables.frames, (ran, measured), cost_tables.HOLDS, "tables of cost")
+    output.add(cost_tables.frames, (ran, measurements), cost_tables.HOLDS, "tables of cost")
     for name, rows in tables.TABLES.items():
         make = lambda experiment, name=name, rows=rows: {name: pd.DataFrame(rows(experiment))}  # noqa: E731
         output.add(make, (shown,), tables.HOLDS, f"table {name}")

@@ -212,9 +212,9 @@ def _read(folder: Folder, rows: str, names: list[str], scenarios: np.ndarray) ->
         first, last = np.searchsorted(flat[order], [numbers[0], numbers[-1] + 1])
         indices = order[first:last]
         if indices.size:
-            selected = part.take(np.searchsorted(numbers, flat[indices]))
+            rows_here = part.take(np.searchsorted(numbers, flat[indices]))
             for name in names:
-                columns[name][indices] = selected.column(name).to_numpy(zero_copy_only=False)
+                columns[name][indices] = rows_here.column(name).to_numpy(zero_copy_only=False)
     return {name: column.reshape(scenarios.shape) for name, column in columns.items()}
 
 

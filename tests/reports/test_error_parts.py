@@ -153,10 +153,10 @@ def test_penalty_is_the_model_part_of_the_first_transition_and_regularisation_is
     cells = cells_of(case, "exudyn", "native", lambda s: True)
     grid = Grid(cells)
     parts = error_parts.parts(grid, (2, 0, 0), "first_transition_time")
-    assert parts.knob_parts["k"] == pytest.approx(parts.model_part, rel=1e-3)
-    assert abs(parts.knob_parts["vreg"]) < 1e-3 * parts.model_part
+    assert parts.parameter_parts["k"] == pytest.approx(parts.model_part, rel=1e-3)
+    assert abs(parts.parameter_parts["vreg"]) < 1e-3 * parts.model_part
     # C/k with C of 40 to 60 s N/m.
-    assert parts.model_part * grid.levels[grid.knobs.index("k")][0] == pytest.approx(50.0, rel=0.2)
+    assert parts.model_part * grid.levels[grid.parameters.index("k")][0] == pytest.approx(50.0, rel=0.2)
     assert error_parts.advice(grid, (2, 0, 0), "first_transition_time") == ("k", "")
 
 
@@ -170,9 +170,9 @@ def test_grid_is_every_combination_from_coarse_to_fine(name):
                 continue
             settings = adapter.grid(case, route)
             grid = Grid([Cell(label, name, route, setting, "right") for setting in settings])
-            assert grid.knobs[0] == "h" and len(grid.knobs) >= 2
+            assert grid.parameters[0] == "h" and len(grid.parameters) >= 2
             assert len(set(settings)) == len(settings) == np.prod([len(levels) for levels in grid.levels])
-            assert grid.place(settings[0]) == (0,) * len(grid.knobs) and grid.place(settings[-1]) == grid.finest
+            assert grid.place(settings[0]) == (0,) * len(grid.parameters) and grid.place(settings[-1]) == grid.finest
             assert list(grid.levels[0]) == sorted(grid.levels[0], reverse=True)
 
 

@@ -1,12 +1,12 @@
 """The parts of an error: those of the time step and of the model, and the parameter to refine next.
 
-An engine's grid (`adapters.interface`) holds every combination of a few steps h and model knobs p. With the finest of
+An engine's grid (`adapters.interface`) has all combinations of a few steps h and model parameters p. With the finest of
 each, h* and p*, a signed error E falls into parts that add up (an expansion about the grid's finest corner):
 
     E(h, p) = E(h*, p*) + step part + model part + interaction
     step part = E(h, p*) − E(h*, p*),  model part = E(h*, p) − E(h*, p*)
 
-The parameter ("knob") to refine next is determined by refining each by one level while all others stay fixed;
+The parameter to refine next is determined by refining each by one level while all others stay fixed;
 parameters that increase the error are reported, too. Errors are relative to the reference: first transition in s,
 energy lost in J, final centre in m.
 """
@@ -127,25 +127,29 @@ def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.nd
 
 
 class Grid:
-    """A route's cells by the indices of their values on each knob's scale, coarse to fine; the knob `h` is first."""
+    """A route's cells by the indices of their values on each parameter's scale, coarse to fine; `h` is first."""
 
     def __init__(self, cells: Sequence[Cell]):
         values: dict[str, list] = {}
         for cell in cells:
-            for knob, value in dict(cell.setting).items():
-                scale = values.setdefault(knob, [])
+            for parameter, value in dict(cell.setting).items():
+                scale = values.setdefault(parameter, [])
                 scale += [value] if value not in scale else []
-        self.knobs = sorted((k for k, scale in values.items() if len(scale) > 1), key=lambda knob: knob != "h")
-        self.levels = [values[knob] for knob in self.knobs]
+        self.parameters = sorted(
+            (k for k, scale in values.items() if len(scale) > 1), key=lambda parameter: parameter != "h"
+        )
+        self.levels = [values[parameter] for parameter in self.parameters]
         self.cells = {self.place(cell.setting): cell for cell in cells}
 
     def place(self, setting: Setting) -> tuple[int, ...]:
-        """The place of a setting: an index for every knob."""
-        return tuple(levels.index(setting[knob]) for knob, levels in zip(self.knobs, self.levels, strict=True))
+        """The place of a setting: an index for every parameter."""
+        return tuple(
+            levels.index(setting[parameter]) for parameter, levels in zip(self.parameters, self.levels, strict=True)
+        )
 
     @property
     def finest(self) -> tuple[int, ...]:
-        """The place where every knob is finest."""
+        """The place where every parameter is finest."""
         return tuple(len(levels) - 1 for levels in self.levels)
 
     def error(self, place: Sequence[int], quantity: str) -> np.ndarray:
@@ -154,18 +158,21 @@ class Grid:
         return (cell.errors if cell else {}).get(quantity, np.full(2 if quantity == "final_centre" else 1, nan))
 
     def mixed(self, place: Sequence[int], unchanged: Sequence[str]) -> list[int]:
-        """The place with the knobs `unchanged` as they are and all others finest."""
-        return [at if knob in unchanged else end for knob, at, end in zip(self.knobs, place, self.finest, strict=True)]
+        """The place with the parameters `unchanged` as they are and all others finest."""
+        return [
+            at if parameter in unchanged else end
+            for parameter, at, end in zip(self.parameters, place, self.finest, strict=True)
+        ]
 
-    def notch(self, place: Sequence[int], knob: str) -> list[int]:
-        """The place with one knob refined by one level."""
-        return [at + (knob == other) for other, at in zip(self.knobs, place, strict=True)]
+    def neighbour(self, place: Sequence[int], parameter: str) -> list[int]:
+        """The place with one parameter refined by one level."""
+        return [at + (parameter == other) for other, at in zip(self.parameters, place, strict=True)]
 
 
 class Parts(NamedTuple):
     """An error's parts, which add up to `total`, along the direction of the total error; in the quantity's unit.
 
-    `knob_parts`: the part of each model knob with all other knobs at their finest, defined like the model part.
+    `parameter_parts`: the part of each model parameter with all others at their finest, defined like the model part.
     """
 
     total: float
@@ -173,7 +180,7 @@ class Parts(NamedTuple):
     step_part: float
     model_part: float
     interaction: float
-    knob_parts: dict[str, float]
+    parameter_parts: dict[str, float]
 
 
 def parts(grid: Grid, place: Sequence[int], quantity: str) -> Parts:
@@ -182,7 +189,7 @@ def parts(grid: Grid, place: Sequence[int], quantity: str) -> Parts:
     size = float(np.linalg.norm(total))
     # A signed number keeps its sign; components perpendicular to a vector do not contribute to its size.
     direction = np.ones(1) if total.size == 1 else total / size if size else np.zeros_like(total)
-    model = [knob for knob in grid.knobs if knob != "h"]
+    model = [parameter for parameter in grid.parameters if parameter != "h"]
     base = grid.error(grid.finest, quantity)
 
     def along(unchanged: Sequence[str]) -> float:
@@ -190,19 +197,22 @@ def parts(grid: Grid, place: Sequence[int], quantity: str) -> Parts:
 
     whole, corner = float(np.dot(total, direction)), float(np.dot(base, direction))
     step_part, model_part = along(["h"]), along(model)
-    single = {knob: along([knob]) for knob in model}
+    single = {parameter: along([parameter]) for parameter in model}
     return Parts(whole, corner, step_part, model_part, whole - corner - step_part - model_part, single)
 
 
 def advice(grid: Grid, place: Sequence[int], quantity: str) -> tuple[str, str]:
-    """The knob to refine next ("all": only all together help; "none": nothing helps), and those that make it worse."""
+    """The parameter to refine next ("all": only all together; "none": nothing helps), and those that make it worse."""
     now = float(np.linalg.norm(grid.error(place, quantity)))
-    after = {knob: float(np.linalg.norm(grid.error(grid.notch(place, knob), quantity))) for knob in grid.knobs}
+    after = {
+        parameter: float(np.linalg.norm(grid.error(grid.neighbour(place, parameter), quantity)))
+        for parameter in grid.parameters
+    }
     # Comparisons with NaN are false: a step outside the grid or to a failed run is neither advised nor warned of.
-    better = {knob: size for knob, size in after.items() if size < (1 - _MATTERS) * now}
-    worse = [knob for knob, size in after.items() if size > (1 + _MATTERS) * now]
+    better = {parameter: size for parameter, size in after.items() if size < (1 - _MATTERS) * now}
+    worse = [parameter for parameter, size in after.items() if size > (1 + _MATTERS) * now]
     if better:
-        return min(better, key=lambda knob: better[knob]), " ".join(worse)
+        return min(better, key=lambda parameter: better[parameter]), " ".join(worse)
     together = [min(at + 1, end) for at, end in zip(place, grid.finest, strict=True)]
     helps = float(np.linalg.norm(grid.error(together, quantity))) < (1 - _MATTERS) * now
     return ("all" if helps else "none"), " ".join(worse)
@@ -214,7 +224,7 @@ def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
     for key, group in by_route(cells).items():
         common = dict(zip(("case", "solver", "route"), key, strict=True))
         grid = Grid(group)
-        for quantity in QUANTITIES if grid.knobs else ("",):
+        for quantity in QUANTITIES if grid.parameters else ("",):
             for cell in group:
                 row = {**common, "quantity": quantity, "setting": _varied(grid, cell.setting)}
                 row |= _told(grid, cell, quantity)
@@ -223,20 +233,20 @@ def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
 
 
 def _told(grid: Grid, cell: Cell, quantity: str) -> dict[str, Any]:
-    if not grid.knobs:
+    if not grid.parameters:
         blank = {name: nan for name in ("total", "finest_error", "step_part", "model_part", "interaction")}
         return {**blank, "model_parts": "", "turn_next": "", "makes_worse": ""}
     place = grid.place(cell.setting)
     error_parts = parts(grid, place, quantity)
     turn, worse = advice(grid, place, quantity)
-    words = " ".join(f"{knob}={part:.2g}" for knob, part in error_parts.knob_parts.items())
-    numbers = {name: value for name, value in error_parts._asdict().items() if name != "knob_parts"}
+    words = " ".join(f"{parameter}={part:.2g}" for parameter, part in error_parts.parameter_parts.items())
+    numbers = {name: value for name, value in error_parts._asdict().items() if name != "parameter_parts"}
     return {**numbers, "model_parts": words, "turn_next": turn, "makes_worse": worse}
 
 
 def _varied(grid: Grid, setting: Setting) -> Setting:
-    """The setting reduced to the knobs that differ within the grid."""
-    return Setting.of(**{knob: setting[knob] for knob in setting.keys() if knob in grid.knobs})
+    """The setting reduced to the parameters that differ within the grid."""
+    return Setting.of(**{parameter: setting[parameter] for parameter in setting.keys() if parameter in grid.parameters})
 
 
 def by_route(cells: Sequence[Cell]) -> dict[tuple[str, str, str], list[Cell]]:

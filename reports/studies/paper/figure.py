@@ -58,11 +58,11 @@ def remark(findings: Paper) -> Figure:
         reverses, follows = reversed(ordinal(2))
         for ax, (name, label) in zip(axes, panels, strict=True):
             values = np.array([row[name] for row in rows])
-            for selected, colour, what in (
+            for mask, colour, what in (
                 (~rolls, reverses, "then it reverses"),
                 (rolls, follows, "then it rolls"),
             ):
-                ax.plot(mus[selected], values[selected], color=colour, label=what)
+                ax.plot(mus[mask], values[mask], color=colour, label=what)
             for mu in COEFFICIENTS:
                 ax.plot(mu, getattr(slip_end(mu), name), "o", color="black", markersize=4)
             logarithmic(ax, "xy" if name == "needed" else "x")

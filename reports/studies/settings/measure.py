@@ -83,8 +83,8 @@ def measure(case_list: Sequence[Case], solvers: Sequence[str], calls: Calls) -> 
     truths, by_label = find_truths(case_list, calls), {case.label: case for case in case_list}
     cells: list[Cell] = []
     todo: list[tuple[str, tuple[Case, str, str, Setting, Truth]]] = []
-    for knobs, word in (("ladder", "rung"), ("wide_grid", "grid")):
-        for (label, name), of_routes in offers(case_list, solvers, calls, knobs).items():
+    for table_kind, word in (("ladder", "rung"), ("wide_grid", "grid")):
+        for (label, name), of_routes in offers(case_list, solvers, calls, table_kind).items():
             case, truth = by_label[label], truths[label]
             for offer in of_routes if truth.failure or truth.transitions else ():
                 outcome, reason = _excuse(offer, truth, word)
