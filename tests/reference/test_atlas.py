@@ -196,7 +196,9 @@ def test_slip_that_touches_zero_is_no_transition_and_slip_that_crosses_it_by_a_b
 def test_the_lowest_slip_is_what_the_quadrature_says():
     motion = motion_of("touching_slip[above=1e-09]")
     around = motion(np.linspace(0.3202, 0.3203, 2001)).slip
-    assert around.min() == pytest.approx(1e-9, abs=1e-13)
+    # At its steps' ends DOP853 is as exact; between them it is its interpolant of seventh order, 2.8e-13 m/s off here.
+    allowed = {"taylor": 1e-13, "dop853": 1e-12}[reference.METHODS[0]]
+    assert around.min() == pytest.approx(1e-9, abs=allowed)
 
 
 @pytest.mark.parametrize("part", [1e-9, -1e-9])
