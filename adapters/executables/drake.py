@@ -28,7 +28,7 @@ except ImportError:
 plane.tell_version("drake")
 
 # Of a curved track; friction that no forces exhaust.
-CHORDS, ROUGH = 3200, 1e3
+CHORDS, ROUGH = 800, 1e3
 # How far (m) a plate at rest may sink in, and how fast (m/s) it may creep while it sticks; the engine's own is 1e-3 and
 # 1e-4. TAMSI's friction grows with the slip's share x of that as mu x (2 - x), so it is what sticks at the cone's edge
 # creeps with (MultibodyPlant.set_stiction_tolerance, tamsi_solver.h), to a hundredth: Newton's tolerance there.

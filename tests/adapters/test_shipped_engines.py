@@ -7,7 +7,9 @@ import cases
 from adapters import Setting, by_process, interface
 from adapters.by_process.shipped import told
 from cases.errors import UnknownName
+from reports.running.records import Run
 from reports.running.tasks import find_truth, perform
+from reports.running.workers import Pool
 
 PAPER = "disc_in_circle[mu=0.2]"
 NAMES = sorted(by_process.shipped())
@@ -30,25 +32,36 @@ def engine(request, monkeypatch):
     pytest.skip(_ABSENT[request.param])
 
 
-def row(name: str, label: str, h: float = 1e-3):
+@pytest.fixture(scope="module")
+def pool():
+    workers = Pool(1)
+    yield workers
+    workers.close()
+
+
+def row(pool: Pool, name: str, label: str, h: float = 1e-3) -> Run:
+    """The row of a run with steps of at most h, made by a worker as in a build: in its limits and its environment."""
     case = cases.load(label)
-    setting = next(each for each in interface.engine(name).ladder(case, "process") if each["h"] <= h)
-    return perform(case, name, "process", setting, 4, find_truth(case))
+    ladder = interface.engine(name).ladder(case, "process")
+    setting = next(each for each in ladder if not each.is_default and each["h"] <= h)
+    ((_, answer),) = pool.run(perform, [(case, name, "process", setting, 4, find_truth(case))])
+    assert answer.outcome == "done", answer.failure
+    return answer.value
 
 
 every_engine = pytest.mark.parametrize("engine", NAMES, indirect=True)
 
 
 @every_engine
-def test_the_first_transition_of_the_paper_is_where_it_was_measured(engine):
-    found = row(engine, PAPER)
+def test_the_first_transition_of_the_paper_is_where_it_was_measured(engine, pool):
+    found = row(pool, engine, PAPER)
     assert found.outcome in ("right", "wrong"), found.reason
     assert 0.0 < abs(found.ledger[0].error) < MOST_OFF[engine]
 
 
 @every_engine
-def test_a_disc_on_a_line_rolls_from_where_it_is_known_to(engine):
-    found = row(engine, "disc_on_line[mu=0.1]")
+def test_a_disc_on_a_line_rolls_from_where_it_is_known_to(engine, pool):
+    found = row(pool, engine, "disc_on_line[mu=0.1]")
     assert (found.outcome, found.reason) == ("right", "")
     # MuJoCo's and Rapier's contacts are soft: 1 ms and some at this step.
     assert abs(found.ledger[0].error) < 5e-3
@@ -118,8 +131,8 @@ def test_the_engine_as_it_comes_is_the_first_rung_with_its_own_step(engine):
 
 
 @every_engine
-def test_what_it_was_not_told_is_refused_in_a_sentence(engine):
-    found = row(engine, "bouncing_disc")
+def test_what_it_was_not_told_is_refused_in_a_sentence(engine, pool):
+    found = row(pool, engine, "bouncing_disc")
     assert found.outcome == "refused" and "Impact" in found.reason and found.reason.endswith(".")
 
 
@@ -145,3 +158,21 @@ def test_all_are_named_and_an_unknown_name_is_none():
     assert NAMES == ["dartpy", "drake", "mujoco", "planck", "rapier"]
     with pytest.raises(UnknownName):
         interface.find("no_such_engine")
+
+
+def test_the_first_line_on_standard_error_of_an_engine_that_fails_in_a_worker_is_in_its_row(tmp_path, monkeypatch):
+    engine = tmp_path / "failing"
+    engine.write_text(
+        "#!/bin/sh\n"
+        'case "$1" in --version) echo 1.0; exit;; esac\n'
+        "printf 'RangeError: no memory\\n  at line 1\\n  at line 2\\n' >&2\nexit 1\n"
+    )
+    engine.chmod(0o755)
+    monkeypatch.setenv(interface.EXECUTABLES, "")
+    interface.register(engine)
+    workers = Pool(1)  # a worker knows the engines of its start
+    try:
+        found = row(workers, "failing", "disc_on_line[mu=0.1]")
+    finally:
+        workers.close()
+    assert found.outcome == "crashed" and "RangeError: no memory" in found.reason
