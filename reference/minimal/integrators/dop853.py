@@ -183,7 +183,8 @@ def _first_step(phase: Phase, rhs, t: float, y, end: float, rtol: float, atol: n
     probe = min(PROBE / often, end - t)
     change = (np.array(rhs(t + probe, state + probe * rates)) - rates) / (often * probe)
     fastest = max(float(np.sqrt(np.mean((row / (often * scale)) ** 2))) for row in (rates, change))
-    step = (0.01 / fastest) ** 0.125 if 0.0 < fastest < np.inf else PROBE
+    # Their hundredth of the tolerance, for a motion of any scale, would be a step more in each phase.
+    step = fastest**-0.125 if 0.0 < fastest < np.inf else PROBE
     return min(step / often, end - t)
 
 
