@@ -13,7 +13,8 @@ from . import bouncing, flight, hops, impact
 from .bouncing import Bounce
 from .course import UNFINISHED, Course, Flying, Landing, Leap, Stopped, Touching
 from .equations import Phase, leaves
-from .flight import Touch
+from .moving import Motion, limits
+from .pairs import Touch, frame
 
 # An impact after which the plate flies is listed if it closes with at least this part of the greatest closing speed
 # since the plate last lay on its track; slower ones belong to bouncing that comes to rest.
@@ -32,9 +33,6 @@ SHORTEST = 1e-7
 # of bouncing, at its limit or, where none was found (each ends otherwise than the one before), at once.
 OVER = 2.0**-50
 
-# A gap this far below zero (in plate's sizes) at the end of a hop is one in another place: far above rounding.
-ELSEWHERE = 1e-9
-
 
 def fly(course: Course, now: Flying) -> Touching | Flying | Stopped:
     """A flight or a hop, and what follows its landing."""
@@ -51,12 +49,23 @@ def _short(course: Course, leap: Leap) -> Landing | None:
     found = hops.hop(course.scene, course.t, leap.z, leap.turns, leap.lift, leap.lasts, course.rtol)
     if found is None or course.t + found.duration > course.end:
         return None
-    around, middle_and_end = course.surroundings(), np.array([0.5, 1.0]) * found.duration
-    if min(around.closest(body).gap for body in found.bodies(middle_and_end).T) < -ELSEWHERE * around.size:
+    if _elsewhere(course, found, leap):
         return None
     start, course.t = course.t, course.t + found.duration
     course.record.flight(start, course.t, lambda times: found.bodies(times - start))
     return Landing(found.z, leap.turns, found.lift)
+
+
+def _elsewhere(course: Course, found: hops.Hop, leap: Leap) -> bool:
+    """Whether the plate meets the track in another place during a hop."""
+    around, ends = course.surroundings(), np.array([0.0, found.duration])
+    motion = Motion(found.bodies, ends)
+    x, y, *_ = found.bodies(ends)[:, 0].tolist()
+    own = around.own(sorted((leap.z[0], found.z[0])), sorted((leap.z[1], found.z[1])))
+    some = around.near(x, y, around.reach + limits(motion, *ends).speed * found.duration)
+    some, inside = around.inside(some, own or around.at(*sorted((leap.z[0], found.z[0]))))
+    rest = some.some(~inside)
+    return around.search.first(motion, found.duration, rest, np.zeros(rest.number)) is not None
 
 
 def _long(course: Course, now: Flying) -> Landing | Stopped:
@@ -64,7 +73,7 @@ def _long(course: Course, now: Flying) -> Landing | Stopped:
     lasts = now.leap.lasts if now.leap else inf
     flown = flight.fly(
         course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts,
-        course.work,
+        course.work, now.place,
     )  # fmt: skip
     course.t = flown.end
     for start, until, interpolant in flown.pieces:
@@ -72,7 +81,7 @@ def _long(course: Course, now: Flying) -> Landing | Stopped:
     if flown.touch is None:
         return Stopped("completed" if course.t >= course.end else UNFINISHED)
     xi1, xi2, turns = _wound(course, flown.touch)
-    seen = flight.frame(course.scene, flown.touch.body, xi1, xi2)
+    seen = frame(course.scene, flown.touch.body, xi1, xi2)
     return Landing([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)
 
 
@@ -129,7 +138,7 @@ def leap(course: Course, z, turns: int, lift: float) -> Touching | Flying | Stop
         return _settle(course, z, turns)
     pace = course.scene.pace(course.t, z, turns) + sqrt(max(press, 0.0) / course.scene.reach)
     leap = Leap(z, turns, lift, lasts, lasts * pace <= SHORT)
-    return Flying(hops.body(course.scene, [*z, lift, 0.0], turns), leap)
+    return Flying(hops.body(course.scene, [*z, lift, 0.0], turns), (z[0], z[1]), leap)
 
 
 def _settle(course: Course, z, turns: int) -> Touching | Flying | Stopped:
@@ -137,7 +146,11 @@ def _settle(course: Course, z, turns: int) -> Touching | Flying | Stopped:
     course.bounces.clear()
     after = course.touching(z, turns)
     if after is None:
-        return Flying(course.scene.body(z, turns)) if leaves(course.scene, course.t, z, turns) else Stopped("paradox")
+        return (
+            Flying(course.scene.body(z, turns), (z[0], z[1]))
+            if leaves(course.scene, course.t, z, turns)
+            else Stopped("paradox")
+        )
     course.fastest = 0.0
     course.transitions.append(Transition(course.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
     return after

@@ -10,9 +10,9 @@ from cases import Case, Transition
 
 from .bouncing import Bounce
 from .equations import Phase, Scene, decide
-from .flight import Surroundings
 from .record import Record
 from .steps import Work
+from .surroundings import Surroundings
 
 # The status of a motion whose work is used up.
 UNFINISHED = "unfinished"
@@ -38,9 +38,11 @@ class Leap(NamedTuple):
 
 
 class Flying(NamedTuple):
-    """The plate off its track: (x, y, θ, vx, vy, ω), and the leap that began it, if it began with one."""
+    """The plate off its track: (x, y, θ, vx, vy, ω), the contact's parameters if it comes from its track, and the leap
+    that began it, if it began with one."""
 
     body: list[float]
+    place: tuple[float, float] | None = None
     leap: Leap | None = None
 
 

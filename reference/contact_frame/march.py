@@ -20,6 +20,7 @@ from cases import Case, CaseError, Flight, Mode, Transition
 from cases.contact import start_motion
 
 from . import aloft, overlap
+from .advancement import TooManyRounds
 from .course import UNFINISHED, Course, Flying, Landing, Stopped, Touching
 from .equations import Phase, leaves, lets_go, rates
 from .steps import Lost, Paced
@@ -32,7 +33,6 @@ STOPS = {
     "fit": "no_fit",
     "track": "track_end",
     "outline": "outline_end",
-    "elsewhere": "second_contact",
 }
 
 # A slip (or rotation) that has just begun is not watched for this part of the motion's own time: an instant located to
@@ -105,7 +105,10 @@ def _run(course: Course) -> Answer:
         if changes > MOST_CHANGES:
             now = Stopped("accumulation")
             break
-        now = _contact(course, now) if isinstance(now, Touching) else aloft.fly(course, now)
+        try:
+            now = _contact(course, now) if isinstance(now, Touching) else aloft.fly(course, now)
+        except TooManyRounds:
+            now = Stopped(UNFINISHED)
     if not course.record.finite_until(course.t):
         raise Lost(f"the second formulation's motion is not finite before t = {course.t:.9g} s; give smaller numbers")
     return Answer(tuple(course.transitions), now.status, course.t, course.record.states, course.record.motions)
@@ -156,13 +159,20 @@ def _off(course: Course, z, turns: int) -> Flying | Stopped:
     if course.case.effect(Flight) is None:
         return Stopped("lift_off")
     course.last_xi1 = z[0]
-    return Flying(course.scene.body(z, turns))
+    return Flying(course.scene.body(z, turns), (z[0], z[1]))
 
 
 def _contact(course: Course, now: Touching) -> Touching | Flying | Stopped:
     phase, turns = now.phase, now.turns
     guards = _guards(course, phase, turns)
     solution = _integrate(course, now, guards)
+    if course.overlaps:
+        touch = overlap.first_elsewhere(course.case, course.surroundings(), solution.t, solution.sol, turns)
+        if touch is not None:
+            course.record.contact(course.t, touch.time, solution.sol, turns)
+            course.t = touch.time
+            return Stopped("second_contact")
+    course.record.contact(course.t, float(solution.t[-1]), solution.sol, turns)
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
     fired = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
     if not fired:
@@ -240,9 +250,6 @@ def _guards(course: Course, phase: Phase, turns: int) -> dict[str, Callable]:
     if not scene.unilateral and (phase.slip is not None or phase.turn is not None):
         guards["side"] = lambda t, z: phase.side * forces(t, z).push
     guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
-    if course.overlaps:
-        around, body = course.surroundings(), scene.body
-        guards["elsewhere"] = lambda t, z: overlap.gap_elsewhere(around, body(z, turns), z[0], z[1])
     for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
         if curve.domain and not curve.period:
             guards[name] = _inside(i, *curve.domain)
@@ -267,14 +274,14 @@ def _integrate(course: Course, now: Touching, guards: dict[str, Callable]):
         events.append(event)
     solution = solve_ivp(
         lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, course.end), now.z,
-        method=Paced, rtol=course.rtol, atol=1e-2 * course.rtol, events=events, dense_output=bool(course.record),
+        method=Paced, rtol=course.rtol, atol=1e-2 * course.rtol, events=events,
+        dense_output=bool(course.record) or course.overlaps,
         pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=course.looks, work=course.work,
         features=scene.in_contact, load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
     )  # fmt: skip
     unfinished = not solution.success and course.work.used_up
     if not (solution.success or unfinished) or not np.isfinite(solution.y[:, -1]).all():
         raise Lost(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
     return solution
 
 

@@ -10,6 +10,17 @@ from cases import Case
 from cases.contact import pose
 
 
+def bodies_in_contact(case: Case, z: np.ndarray, turns: int) -> np.ndarray:
+    """(x, y, θ, vx, vy, ω) of a plate whose contacts are (ξ₁, ξ₂, ω, v), shape (4, n), and which is whole turns ahead
+    of the angle that (6) gives."""
+    xi1, xi2, w, v = z
+    x, y, theta = pose(case, xi1, xi2)
+    tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
+    vx = v * tangent[0] + w * (contact[1] - y)
+    vy = v * tangent[1] - w * (contact[0] - x)
+    return np.array([x, y, theta + 2 * pi * turns, vx, vy, w])
+
+
 class Record:
     """States (4, n): ξ₁, ξ₂, ω, v, and motions (7, n): x, y, θ, vx, vy, ω, v, at n times; NaN where nothing is told."""
 
@@ -32,12 +43,8 @@ class Record:
         inside = (self.times >= start) & (self.times <= end)
         if not inside.any():
             return
-        self.states[:, inside] = xi1, xi2, w, v = z_at(self.times[inside])
-        x, y, theta = pose(self.case, xi1, xi2)
-        tangent, contact = self.case.track.tangent(xi1), self.case.track.point(xi1)
-        vx = v * tangent[0] + w * (contact[1] - y)
-        vy = v * tangent[1] - w * (contact[0] - x)
-        self.motions[:, inside] = [x, y, theta + 2 * pi * turns, vx, vy, w, v]
+        self.states[:, inside] = z = z_at(self.times[inside])
+        self.motions[:, inside] = [*bodies_in_contact(self.case, z, turns), z[3]]
 
     def flight(self, start: float, end: float, body_at) -> None:
         """Notes flight from `start` to `end`; `body_at` maps an array of times to (x, y, θ, vx, vy, ω)."""

@@ -1,0 +1,193 @@
+"""Where a moving plate first touches its track: conservative advancement of the track's stretches.
+
+Each stretch carries a time until which the plate certainly does not begin to touch it: its distance, over a bound on
+how fast that falls, is a time in which nothing can happen. The earliest stretches advance; one whose length makes the
+bounds much wider is halved. Time itself is never divided, and the outline enters by its signed distance alone.
+
+With the distance φ of the point s of a stretch of half length h, φ' along the track and φ̇ by time at its middle,
+
+    φ(s, t + τ) ≥ φ + φ' s + c s²/2 + (φ̇ − L |s|) τ − A τ²/2,    |s| ≤ h,
+
+where c holds the curvatures of both curves, L the turn of φ's gradient, and A accelerations, less what the outline
+bends away from a point that slides past. A first touch is tangential: while the gradient is not normal to the track
+there is none. (Derived; the principle is that of conservative advancement between pairs of bodies.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from cases import Curve
+
+from .distance import Distance, Seen
+from .moving import Limits, Motion, limits
+from .pairs import Touch
+from .stretches import Stretches, halves
+
+# Stretches advanced at once, the earliest ones; rounds of one motion, each about a millisecond.
+TOGETHER, MOST_ROUNDS = 128, 100_000
+# A stretch is halved where its length leaves less than this part of the time that its middle alone would have.
+WORTH = 0.5
+# Bounds on what slides past hold until the gradient has turned by this much, rad.
+STRAIGHT = 0.25
+# Up to this part of the outline's smallest radius inside it the gradient is known to turn less than half as fast again.
+INSIDE = 0.3
+# A stretch this short (in plate's sizes) at a distance of a rounding touches.
+SHORTEST = 1e-9
+# Where the distance is below this part of the size, and tangents are as close to parallel (rad), a touch is looked for.
+NEAR, LEVEL = 0.1, 0.5
+
+Locate = Callable[[Motion, float, float, float], Touch | None]
+
+
+class TooManyRounds(Exception):
+    """The searches of a motion took all the work that they may."""
+
+
+class Search:
+    """Searches for first touches of one plate and one track, and the rounds that they took."""
+
+    def __init__(self, track: Curve, distance: Distance, locate: Locate):
+        self.track, self.distance, self.locate, self.rounds = track, distance, locate, 0
+
+    def first(self, motion: Motion, end: float, some: Stretches, since: np.ndarray) -> Touch | None:
+        """The first touch on some stretches until a time (s), each of them from `since` (n,) on; None if there is
+        none. Raises TooManyRounds."""
+        if not some.number:
+            return None
+        t, tried = since.copy(), np.zeros(some.number, dtype=bool)
+        known = limits(motion, float(t.min()), end)
+        if self.distance.radius is not None:
+            known = known._replace(spin=0.0, swing=0.0)
+        found: Touch | None = None
+        until = end
+        while (t < until).any():
+            self.rounds += 1
+            if self.rounds > MOST_ROUNDS:
+                raise TooManyRounds
+            live = np.flatnonzero(t < until)
+            if live.size > TOGETHER:
+                live = live[np.argpartition(t[live], TOGETHER)[:TOGETHER]]
+            now = some.some(live)
+            seen = self.distance.seen(motion.bodies(t[live]), now, known)
+            rest = (found.time if found else end) - t[live]
+            clear, alone = _clear(self.distance, seen, now, now.half, known, rest)
+            if found:  # the only touch there may be is known
+                alone &= (now.low <= found.xi1) & (found.xi1 <= now.high)
+                clear = np.where(alone, np.inf, clear)
+            best, _ = _clear(self.distance, seen, now, 0.0 * now.half, known, rest)
+            before = t[live]
+            t[live] += clear
+            going = t[live] < until
+            new = self._touch(motion, before, now, seen, going & ~tried[live], tried, live)
+            short = going & (now.half <= SHORTEST * self.distance.size)
+            touching = np.flatnonzero(short & (np.abs(seen.phi) <= seen.fuzz) & (seen.rate <= 0.0))
+            if new is None and touching.size:
+                k = touching[np.argmin(before[touching])]
+                new = self._at(motion, float(before[k]), now, int(k))
+            t[live[short]] += 4.0 * np.spacing(t[live[short]])
+            if new is not None and new.time < (found.time if found else end):
+                found = new
+                until = found.time - found.blur
+            split = live[going & ~short & (clear < WORTH * best)]
+            if split.size:
+                kept = np.setdiff1d(np.arange(len(t)), split)
+                parts = halves(self.track, some.some(split))
+                some = some.some(kept).joined(parts)
+                t = np.concatenate([t[kept], t[split], t[split]])
+                tried = np.append(tried[kept], np.zeros(2 * split.size, dtype=bool))
+        return found
+
+    def _touch(
+        self, motion: Motion, times: np.ndarray, now: Stretches, seen: Seen, may: np.ndarray, tried: np.ndarray,
+        live: np.ndarray,
+    ) -> Touch | None:  # fmt: skip
+        """A touch by Newton's method from the stretch that may be the first; each is tried once."""
+        may = may & (seen.phi < NEAR * self.distance.size) & (seen.rate < 0.0) & (seen.angle < LEVEL)
+        may &= (self.distance.sharpest + now.bend) * now.half < STRAIGHT
+        candidates = np.flatnonzero(may)
+        if not candidates.size:
+            return None
+        arrival = times[candidates] + np.maximum(seen.phi[candidates], 0.0) / -seen.rate[candidates]
+        k = int(candidates[np.argmin(arrival)])
+        tried[live[k]] = True
+        time = float(times[k])
+        foot = self.distance.foot(motion.bodies(np.array([time]))[:, 0], float(now.x[k]), float(now.y[k]))
+        touch = self.locate(motion, time, float(now.middle[k]), foot)
+        wide = float(now.high[k] - now.low[k])
+        if touch is None or not now.low[k] - wide <= touch.xi1 <= now.high[k] + wide:
+            return None
+        return touch if touch.time >= time - touch.blur else None
+
+    def _at(self, motion: Motion, time: float, now: Stretches, k: int) -> Touch:
+        """The touch that the middle of a short stretch is, where Newton's method finds none: known to its rounding."""
+        body = motion.bodies(np.array([time]))[:, 0]
+        foot = self.distance.foot(body, float(now.x[k]), float(now.y[k]))
+        return Touch(time, body.tolist(), float(now.middle[k]), foot, 0.0)
+
+
+def _clear(
+    plate: Distance, seen: Seen, some: Stretches, half: np.ndarray, known: Limits, rest: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """For how long (s) no point within `half` of the stretches' middles begins to touch, and which stretches hold no
+    more than one touch until `rest` is over."""
+    with np.errstate(all="ignore"):
+        phi, most, spin = seen.phi, seen.most, known.spin
+        low = phi - half
+        shallow = low * plate.sharpest > -INSIDE
+        turn = plate.sharpest / (1.0 + np.maximum(plate.sharpest * low, -INSIDE))
+        turn = np.where(shallow, turn, np.inf)
+        bent = (some.bend + turn) * half
+        smooth = phi + half < plate.single
+        gap = _closest(plate, seen, some, half, bent)
+        gap = np.where(smooth, np.fmax(gap, low), low)
+        gap = np.where(gap > seen.fuzz, gap, np.where(gap > -seen.fuzz, 0.0, np.nan))
+        # By how much the rate of a stretch's points differs from its middle's.
+        differs = spin * half + most * np.minimum(2.0, turn * half)
+        closing = np.minimum(differs - seen.rate, seen.speed + spin * half)
+        pull = seen.pull + 2.0 * plate.hollow * most**2
+        lasts = _falls(gap, closing, pull)
+        # The outline bends away from a point that slides past it.
+        within = np.minimum(STRAIGHT / (turn * most), rest)
+        swept = turn * (half + most * within)
+        along = np.abs(seen.along) * np.cos(swept) - np.abs(seen.rate) * np.sin(swept)
+        along = np.maximum(along - spin * half - seen.pull * within, 0.0)
+        away = plate.bluntest / (1.0 + plate.bluntest * (np.maximum(phi, 0.0) + half + most * within))
+        past = _falls(gap, closing, seen.pull - away * np.where(swept < 1.0, along, 0.0) ** 2)
+        lasts = np.fmax(lasts, np.minimum(past, within))
+        if plate.hollow:  # with the one nearest point, which the distance must not leave
+            lasts = np.where(smooth, np.minimum(lasts, (plate.single - phi - half) / most), 0.0)
+        lasts = np.fmax(lasts, low / most)
+        # No touch begins while no tangents are parallel, or inside the plate.
+        lasts = np.fmax(lasts, np.where(shallow & smooth, (seen.angle - bent) / (turn * most + spin), 0.0))
+        lasts = np.fmax(lasts, (-phi - half - seen.fuzz) / most)
+        later = bent + (turn * most + spin) * rest
+        closes = seen.rate + differs + (pull + turn * most**2) * rest < 0.0
+        alone = closes & (later < STRAIGHT) & smooth & (_bending(plate, seen, some, half, later) > 0.0)
+        return np.where(lasts > 0.0, lasts, 0.0), alone
+
+
+def _bending(plate: Distance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
+    """A lower bound on the second derivative of the distance along stretches, 1/m, while tangents turn by `bent`."""
+    level = np.cos(np.minimum(seen.angle + bent, np.pi))
+    away = plate.bluntest / (1.0 + plate.bluntest * (np.maximum(seen.phi, 0.0) + half))
+    crest = np.where(some.valley > 0.0, -some.valley, -some.valley * level)
+    return np.where(level > 0.0, crest + away * level**2, -some.bend) - 2.0 * plate.hollow
+
+
+def _closest(plate: Distance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
+    """A lower bound on the distance of stretches, m."""
+    slope, c = np.abs(seen.slope), _bending(plate, seen, some, half, bent)
+    return np.where(
+        slope < c * half, seen.phi - 0.5 * slope**2 / c, seen.phi - slope * half + 0.5 * c * half**2
+    )  # fmt: skip
+
+
+def _falls(gap: np.ndarray, closing: np.ndarray, pull: np.ndarray) -> np.ndarray:
+    """The first zero of gap − closing τ − pull τ²/2 after τ = 0; infinite if there is none, NaN where the gap is."""
+    inside = closing**2 + 2.0 * pull * gap
+    root = np.sqrt(inside)
+    late = np.where(pull > 0.0, (root - closing) / pull, np.inf)
+    return np.where(inside < 0.0, np.inf, np.where(closing > 0.0, 2.0 * gap / (closing + root), late))

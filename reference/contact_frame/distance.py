@@ -1,0 +1,149 @@
+"""The signed distance of a track's points from the plate as it moves, and its rates."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .equations import Scene
+from .moving import Limits
+from .stretches import Stretches, evenly
+
+# Points of the outline from the nearest of which Newton's method finds the nearest point, at least; and its steps.
+OUTLINE_POINTS, STEPS = 512, 12
+# Roundings of positions in a distance.
+ROUNDINGS, EPS = 16, 2.0**-52
+# Between two points of the outline its curvature goes beyond both by less than this part of what it changes by.
+BETWEEN = 0.25
+# Where the nearest point is known to be the only one is tried so many times, each half as far out.
+HALVINGS = 30
+# A point that Newton's method leaves so far (in distances) from where the distance is perpendicular is not the nearest.
+FOUND = 1e-7
+# A distance of so many sagittas of the outline's polygon is less by one of them at most: another point may be nearer.
+FAR = 100.0
+
+
+class Seen(NamedTuple):
+    """Middles of stretches as the plate sees them, and bounds, each of shape (n,).
+
+    The distance φ (m), its derivatives along the track and by time (m/s), the angle between its gradient and the
+    track's right normal (0 to π rad); the outline's parameter there; the point's speed against the plate, and its part
+    along the outline (m/s); bounds on that speed and on its change (m/s²); the rounding of φ (m).
+    """
+
+    phi: np.ndarray
+    slope: np.ndarray
+    rate: np.ndarray
+    angle: np.ndarray
+    foot: np.ndarray
+    speed: np.ndarray
+    along: np.ndarray
+    most: np.ndarray
+    pull: np.ndarray
+    fuzz: np.ndarray
+
+
+class Distance:
+    """The distance from one plate. `reach`: of its points from its centre of mass; `size`: its diameter (m); bounds on
+    its curvature (1/m): `sharpest` the largest, `bluntest` the smallest or 0, `hollow` the size of a negative one or 0;
+    `single`: up to that distance (m) a point outside has one nearest point of the outline."""
+
+    def __init__(self, scene: Scene):
+        self.outline, self.radius = scene.outline, scene.case.plate.radius
+        outline = scene.outline
+        self.params, _ = evenly(outline, *outline.span, OUTLINE_POINTS)
+        if outline.features:
+            self.params = np.union1d(self.params, outline.features.places(*outline.span))
+        jets = outline.jets(self.params)
+        points, speed = jets[:2], np.hypot(jets[2], jets[3])
+        bends = np.asarray(outline.curvature(self.params)) * np.ones(len(self.params))
+        lengths = np.hypot(*np.diff(points, axis=1))
+        self.closed = bool(outline.period)
+        if self.closed:
+            self.params = self.params[:-1]
+        self.tree = cKDTree(points[:, : len(self.params)].T)
+        swing = BETWEEN * np.abs(np.diff(bends))
+        most, least = np.maximum(bends[1:], bends[:-1]) + swing, np.minimum(bends[1:], bends[:-1]) - swing
+        self.sagitta = float((lengths**2 * np.maximum(most, -least)).max()) / 8.0
+        self.spacing = float(lengths.max())
+        self.reach = float(np.hypot(*points).max()) + self.sagitta
+        self.size = float(np.ptp(points, axis=1).max())
+        self.bluntest, self.hollow = max(float(least.min()), 0.0), max(-float(least.min()), 0.0)
+        if self.hollow <= 1e-9 * float(most.max()):  # a flat side's curvature may be a rounding below zero
+            self.hollow = 0.0
+        # Up to `single` the gradient turns at most twice as fast as a hollow outline itself.
+        self.sharpest = max(float(most.max()), 2.0 * self.hollow)
+        self.single = self._single(points, np.array([jets[3], -jets[2]]) / speed) if self.hollow else np.inf
+
+    def _single(self, points: np.ndarray, normals: np.ndarray) -> float:
+        """How far outside an outline that is not convex its normals do not meet, m."""
+        far = min(0.5 / self.hollow, self.size)
+        for _ in range(HALVINGS):
+            away, _ = self.tree.query((points + far * normals).T)
+            if np.all(away >= (1.0 - 1e-3) * far - self.sagitta):
+                return 0.5 * far
+            far *= 0.5
+        return 0.0
+
+    def seen(self, bodies: np.ndarray, some: Stretches, known: Limits) -> Seen:
+        """The stretches' middles, each at the time of its body (6, n)."""
+        x, y, theta, vx, vy, spin = bodies
+        dx, dy = some.x - x, some.y - y
+        far = np.hypot(dx, dy)
+        if self.radius is not None:  # its centre alone counts
+            gx, gy = dx / np.maximum(far, 1e-300), dy / np.maximum(far, 1e-300)
+            phi, u, v = far - self.radius, -vx, -vy
+            most, pull = known.speed + 0.0 * far, known.pull + 0.0 * far
+            foot = theta
+        else:
+            c, s = np.cos(theta), np.sin(theta)
+            phi, nx, ny, foot = self._nearest(c * dx + s * dy, c * dy - s * dx)
+            gx, gy, u, v = c * nx - s * ny, s * nx + c * ny, spin * dy - vx, -spin * dx - vy
+            lever = far + some.half
+            most = known.speed + known.spin * lever
+            pull = known.pull + (known.swing + known.spin**2) * lever + 2.0 * known.spin * most
+        slope = gx * some.tx + gy * some.ty
+        return Seen(
+            phi, slope, gx * u + gy * v, np.arctan2(np.abs(slope), gx * some.ty - gy * some.tx), foot,
+            np.hypot(u, v), gx * v - gy * u, most, pull,
+            ROUNDINGS * EPS * (np.abs(x) + np.abs(y) + np.abs(some.x) + np.abs(some.y) + self.reach),
+        )  # fmt: skip
+
+    def foot(self, body: np.ndarray, x: float, y: float) -> float:
+        """The outline's parameter about nearest to a point."""
+        c, s = np.cos(body[2]), np.sin(body[2])
+        dx, dy = x - body[0], y - body[1]
+        return float(self.params[self.tree.query([c * dx + s * dy, c * dy - s * dx])[1]])
+
+    def _nearest(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The signed distance of points in the plate's frame, the outline's normal at the nearest, its parameter."""
+        i = self.tree.query(np.column_stack([x, y]))[1]
+        at, (low, high) = self.params[i], self._around(i)
+        for _ in range(STEPS):
+            a, b, ap, bp, as_, bs, _, _ = self.outline.jets(at)
+            dx, dy = x - a, y - b
+            bend = dx * as_ + dy * bs - ap * ap - bp * bp
+            step = np.where(bend < 0.0, -(dx * ap + dy * bp) / np.where(bend < 0.0, bend, -1.0), 0.0)
+            before, at = at, np.clip(at + step, low, high)
+            if np.all(np.abs(at - before) <= 4.0 * EPS * (np.abs(low) + np.abs(high))):
+                break
+        a, b, ap, bp, *_ = self.outline.jets(at)
+        p = np.hypot(ap, bp)
+        nx, ny, dx, dy = bp / p, -ap / p, x - a, y - b
+        phi, far = dx * nx + dy * ny, np.hypot(dx, dy)
+        missed = np.abs(dx * ap + dy * bp) / p > FOUND * (far + self.size)
+        phi = np.where(missed, np.copysign(far, phi) - self.spacing, phi)
+        return np.where(phi > FAR * self.sagitta, phi - self.sagitta, phi), nx, ny, at
+
+    def _around(self, i: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The parameters of both neighbours of samples."""
+        n, params = len(self.params), self.params
+        if not self.closed:
+            return params[np.maximum(i - 1, 0)], params[np.minimum(i + 1, n - 1)]
+        period = self.outline.period or 0.0
+        return (
+            np.where(i > 0, params[i - 1], params[-1] - period),
+            np.where(i < n - 1, params[(i + 1) % n], params[0] + period),
+        )

@@ -1,0 +1,142 @@
+"""Pairs of points of outline and track, seen in the track's frame, and Newton's method for where they meet."""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, inf, isfinite, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from .equations import Scene
+from .moving import Motion
+
+# Steps of Newton's method; the farthest it may go from where it begins, in plate's sizes; how well it must end.
+STEPS, FURTHEST, ENDS = 30, 0.25, 1e-12
+EPS = 2.0**-52
+
+
+class Pair(NamedTuple):
+    """A pair of points where outline and track come close: signed gap (m), parameters, and the gap's rate (m/s)."""
+
+    gap: float
+    xi1: float
+    xi2: float
+    lift: float
+
+
+class Frame(NamedTuple):
+    """Outline's point seen from the track's, in the track's frame: offsets, angle, speeds, curvatures, velocities."""
+
+    along: float
+    gap: float
+    angle: float
+    P: float
+    p: float
+    bend_track: float
+    bend_outline: float
+    slip: float
+    lift: float
+
+
+class Touch(NamedTuple):
+    """An instant at which the outline meets the track: time, (x, y, θ, vx, vy, ω), parameters; how well the time is
+    known (s)."""
+
+    time: float
+    body: list[float]
+    xi1: float
+    xi2: float
+    blur: float
+
+
+def frame(scene: Scene, body, xi1: float, xi2: float) -> Frame:
+    """Where the outline's point xi2 is and how it moves, seen from the track's point xi1."""
+    x, y, theta, vx, vy, w = body
+    X, Y, Xp, Yp, Xs, Ys, _, _ = scene.track.jet(xi1)
+    a, b, ap, bp, as_, bs, _, _ = scene.outline.jet(xi2)
+    P, p, c, s = hypot(Xp, Yp), hypot(ap, bp), cos(theta), sin(theta)
+    tx, ty = Xp / P, Yp / P
+    rx, ry = c * a - s * b, s * a + c * b
+    ox, oy = (c * ap - s * bp) / p, (s * ap + c * bp) / p
+    dx, dy, ux, uy = x + rx - X, y + ry - Y, vx - w * ry, vy + w * rx
+    return Frame(
+        dx * tx + dy * ty, dy * tx - dx * ty, atan2(tx * oy - ty * ox, tx * ox + ty * oy), P, p,
+        (Xp * Ys - Yp * Xs) / P**3, (ap * bs - bp * as_) / p**3, ux * tx + uy * ty, uy * tx - ux * ty,
+    )  # fmt: skip
+
+
+def refined(scene: Scene, body, xi1: float, xi2: float, size: float) -> Pair | None:
+    """The pair next to parameters whose tangents are parallel and whose points are straight above each other, by
+    Newton's method in arc lengths; None if it finds none."""
+    features = scene.track.features
+    for _ in range(STEPS):
+        f = frame(scene, body, xi1, xi2)
+        # d(along) = (κ_track gap − 1) ds_track + cos(angle) ds_outline; d(angle) = −κ_track, κ_outline.
+        a, b = f.bend_track * f.gap - 1.0, cos(f.angle)
+        det = a * f.bend_outline + b * f.bend_track
+        if det == 0.0 or not isfinite(det):
+            return None
+        step1 = (b * f.angle - f.bend_outline * f.along) / det
+        step2 = -(a * f.angle + f.bend_track * f.along) / det
+        longest, furthest = max(abs(step1), abs(step2)), 0.1 * size
+        if features:  # the tangents that Newton's method follows are not true beyond the next feature
+            furthest = min(furthest, f.P * abs(features.clear(xi1, xi1 + size / f.P) - xi1))
+        shorten = min(1.0, furthest / max(longest, 1e-300))
+        xi1, xi2 = xi1 + shorten * step1 / f.P, xi2 + shorten * step2 / f.p
+        if longest <= 1e-13 * size:
+            f = frame(scene, body, xi1, xi2)
+            return Pair(f.gap, xi1, xi2, f.lift)
+    return None
+
+
+def meeting(scene: Scene, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:
+    """Newton's method for a time and both parameters: the points coincide, the tangents are parallel, and the gap
+    closes. None if it ends elsewhere."""
+    best: Touch | None = None
+    smallest, (x0, y0) = inf, motion.bodies(np.array([time]))[:2, 0].tolist()
+    for _ in range(STEPS):
+        if not (motion.edges[0] <= time <= motion.edges[-1]):
+            return None
+        body = motion.bodies(np.array([time]))[:, 0].tolist()
+        f = frame(scene, body, xi1, xi2)
+        miss, rounding = hypot(f.along, f.gap, size * f.angle), EPS * (size + abs(body[0]) + abs(body[1]))
+        if miss < smallest:
+            blur = 16.0 * rounding / max(abs(f.lift), 1e-300) + 4.0 * float(np.spacing(time))
+            best, smallest = Touch(time, body, xi1, xi2, blur) if f.lift < 0.0 else None, miss
+        elif smallest <= ENDS * size + 64.0 * rounding:
+            break  # no better than before: rounding
+        step = _step(f, body[5])
+        if step is None or not hypot(body[0] - x0, body[1] - y0) <= FURTHEST * size:
+            break
+        time, xi1, xi2 = time + step[0], xi1 + step[1] / f.P, xi2 + step[2] / f.p
+    return best if smallest <= ENDS * size + 64.0 * EPS * (abs(x0) + abs(y0)) else None
+
+
+def _step(f: Frame, spin: float) -> list[float] | None:
+    matrix = [
+        [f.slip, f.bend_track * f.gap - 1.0, cos(f.angle)],
+        [f.lift, -f.bend_track * f.along, sin(f.angle)],
+        [spin, -f.bend_track, f.bend_outline],
+    ]
+    try:
+        step = np.linalg.solve(matrix, [-f.along, -f.gap, -f.angle])
+    except np.linalg.LinAlgError:
+        return None
+    return step.tolist() if np.isfinite(step).all() else None
+
+
+def polished(scene: Scene, exactly, touch: Touch, size: float) -> Touch:
+    """The same touch with states that are integrated up to it: dense output is one order less accurate than a step."""
+    time, xi1, xi2, smallest, best = touch.time, touch.xi1, touch.xi2, inf, touch
+    for _ in range(8):
+        body = exactly(time)
+        f = frame(scene, body, xi1, xi2)
+        miss = hypot(f.along, f.gap, size * f.angle)
+        if miss >= smallest:
+            break  # no better than before: rounding
+        best, smallest = Touch(time, body, xi1, xi2, touch.blur), miss
+        step = _step(f, body[5])
+        if step is None or abs(f.lift * step[0]) > 1e-6 * size:
+            break  # a grazing touch: what the search found is as good as it gets
+        time, xi1, xi2 = time + step[0], xi1 + step[1] / f.P, xi2 + step[2] / f.p
+    return best

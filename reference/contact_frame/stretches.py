@@ -1,0 +1,79 @@
+"""A track in stretches between its own features, with bounds on how each bends, for the second formulation."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Curve
+
+# Speed and curvature of a stretch are looked at in these places; beyond them they go by less than this part of what
+# they change by.
+PLACES, BETWEEN = np.linspace(0.0, 1.0, 5), 0.25
+
+
+class Stretches(NamedTuple):
+    """n stretches: the parameter's range; the middle's parameter, place and unit tangent; half the length at most (m);
+    the largest absolute curvature, and the largest towards the plate (1/m)."""
+
+    low: np.ndarray
+    high: np.ndarray
+    middle: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    tx: np.ndarray
+    ty: np.ndarray
+    half: np.ndarray
+    bend: np.ndarray
+    valley: np.ndarray
+
+    @property
+    def number(self) -> int:
+        return len(self.low)
+
+    def some(self, which: np.ndarray) -> Stretches:
+        return Stretches(*(column[which] for column in self))
+
+    def joined(self, other: Stretches) -> Stretches:
+        return Stretches(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
+
+
+def between(track: Curve, low: np.ndarray, high: np.ndarray) -> Stretches:
+    """The stretches of a track between parameters."""
+    at = low + (high - low) * PLACES[:, None]
+    jets = track.jets(at.ravel()).reshape(8, *at.shape)
+    speed = np.hypot(jets[2], jets[3])
+    bends = (jets[2] * jets[5] - jets[3] * jets[4]) / speed**3
+    most, least = bends.max(axis=0), bends.min(axis=0)
+    more = BETWEEN * (most - least)
+    k = len(PLACES) // 2
+    half = 0.5 * (high - low) * (speed.max(axis=0) + BETWEEN * np.ptp(speed, axis=0))
+    return Stretches(
+        low, high, at[k], jets[0, k], jets[1, k], jets[2, k] / speed[k], jets[3, k] / speed[k], half,
+        np.maximum(most + more, more - least), most + more,
+    )  # fmt: skip
+
+
+def halves(track: Curve, some: Stretches) -> Stretches:
+    """Both halves of each stretch: the first ones, then the second ones."""
+    return between(track, np.concatenate([some.low, some.middle]), np.concatenate([some.middle, some.high]))
+
+
+def cut(track: Curve, some: Stretches, ends: tuple[float, float]) -> Stretches:
+    """The stretches, cut where a range of the parameter begins and ends."""
+    for end in ends:
+        across = (some.low < end) & (end < some.high)
+        if across.any():
+            old, at = some.some(across), np.full(int(across.sum()), end)
+            parts = between(track, np.concatenate([old.low, at]), np.concatenate([at, old.high]))
+            some = some.some(~across).joined(parts)
+    return some
+
+
+def evenly(curve: Curve, low: float, high: float, count: int) -> tuple[np.ndarray, float]:
+    """Parameters at nearly even distances along a curve, and its length."""
+    grid = np.linspace(low, high, 2049)
+    speed = np.asarray(curve.speed(grid)) * np.ones_like(grid)
+    length = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(grid))])
+    return np.interp(np.linspace(0.0, length[-1], count), length, grid), float(length[-1])

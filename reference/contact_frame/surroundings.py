@@ -1,0 +1,149 @@
+"""The track around a plate in stretches, found by a tree of their middles, and what of it a contact excludes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from math import ceil, floor
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from cases import Curve
+
+from .advancement import Search
+from .distance import Distance
+from .equations import Scene
+from .pairs import meeting
+from .steps import Lost
+from .stretches import Stretches, between, cut, evenly
+
+# Stretches are this part of the plate's size long at first, or as short as the track's features ask for.
+LENGTH = 1 / 8
+# A track this many plates long is not searched for landings, nor one with more stretches than a gigabyte holds.
+LONGEST_TRACK, MOST_STRETCHES = 1e7, 4_000_000
+# A window of an endless track begins with so many sizes to either side, and is widened so many times at most.
+MARGIN, WIDENED = 8.0, 60
+# Around a contact a stretch in which it is alone is tried from half of the plate's reach downwards; where none is found
+# points closer than this part of the size are the contact: far above what Newton's method leaves.
+TRIED, SAME = 20, 1e-6
+# Over such a stretch both curves turn by less than this (rad), and their curvatures are looked at in so many places.
+STRAIGHT, PLACES, BETWEEN = 0.5, 9, 0.25
+
+
+class Surroundings:
+    """Track and plate of a scene, and the searches for where they touch."""
+
+    def __init__(self, scene: Scene, xi1: float):
+        self.scene, self.distance = scene, Distance(scene)
+        self.reach, self.size = self.distance.reach, self.distance.size
+        self.search = Search(scene.track, self.distance, partial(meeting, scene, self.size))
+        track = scene.track
+        self.endless = track.domain is None and not track.period
+        if self.endless:
+            margin = MARGIN * self.size / float(track.speed(xi1))
+            self._sample(xi1 - margin, xi1 + margin)
+        else:
+            self._sample(*track.span)
+
+    def _sample(self, low: float, high: float) -> None:
+        track = self.scene.track
+        _, length = evenly(track, low, high, 3)
+        if not length <= LONGEST_TRACK * self.size:
+            raise Lost(
+                f"landings are searched on {length:.3g} m of track by a plate of {self.size:.3g} m; "
+                "give a larger plate or a shorter track"
+            )
+        count = int(min(max(16, length / (LENGTH * self.size)), MOST_STRETCHES))
+        edges, _ = evenly(track, low, high, count + 1)
+        if track.features:
+            edges = np.union1d(edges, track.features.places(low, high))
+        if len(edges) > MOST_STRETCHES:
+            raise Lost("landings are searched on a track with too many features; give a shorter one")
+        self.low, self.high = low, high
+        self.stretches = between(track, edges[:-1], edges[1:])
+        # Closed and convex: it turns to its left all the way round, once.
+        self.convex = bool(track.period) and bool(np.all(self.stretches.bend <= self.stretches.valley))
+        self.longest = float(self.stretches.half.max())
+        self.tree = cKDTree(np.column_stack([self.stretches.x, self.stretches.y]))
+
+    def away(self, x: float, y: float) -> float:
+        """How far the plate is from its track at least with its centre of mass there, m; negative if it may touch."""
+        for _ in range(WIDENED):
+            far, i = self.tree.query([x, y])
+            if not self.endless or not self._widened(int(i)):
+                return float(far) - self.longest - self.reach
+        raise Lost(f"the plate at ({x:.9g}, {y:.9g}) m is too far from its endless track; end the case before")
+
+    def _widened(self, i: int) -> bool:
+        """Whether the window of an endless track had to grow, because what is nearest is close to one of its ends."""
+        margin, width = self.stretches.number // 8, self.high - self.low
+        before, after = i < margin, i >= self.stretches.number - margin
+        if before or after:
+            self._sample(self.low - width * before, self.high + width * after)
+        return before or after
+
+    def near(self, x: float, y: float, radius: float) -> Stretches:
+        """The stretches that come within a distance (m) of a place; their ranges are in order."""
+        for _ in range(WIDENED):
+            which = np.array(sorted(self.tree.query_ball_point([x, y], radius + self.longest)), dtype=int)
+            ends = which[[0, -1]] if which.size else which
+            if not self.endless or not any(self._widened(int(i)) for i in ends):
+                break
+        some = self.stretches.some(which)
+        return some.some(np.hypot(some.x - x, some.y - y) <= radius + some.half)
+
+    def inside(self, some: Stretches, own: tuple[float, float]) -> tuple[Stretches, np.ndarray]:
+        """Stretches, cut at the ends of a range of the parameter, and which lie in it."""
+        period, shifts = self.scene.track.period, [0.0]
+        if period:
+            low, high = self.scene.track.span
+            turns = range(floor((low - own[1]) / period), ceil((high - own[0]) / period) + 1)
+            shifts = [period * turn for turn in turns]
+        for shift in shifts:
+            some = cut(self.scene.track, some, (own[0] + shift, own[1] + shift))
+        inside = np.zeros(some.number, dtype=bool)
+        for shift in shifts:
+            inside |= (own[0] + shift <= some.middle) & (some.middle <= own[1] + shift)
+        return some, inside
+
+    def own(self, xi1: Sequence[float], xi2: Sequence[float]) -> tuple[float, float] | None:
+        """The range of the track's parameter around a contact, whose parameters stay in those ranges, in which the
+        plate touches nowhere else: the outline bends more than the track there, and both turn little. None: there is
+        none known."""
+        track, outline = self.scene.track, self.scene.outline
+        length = 0.5 * self.reach
+        for _ in range(TRIED):
+            first, second = _widened(track, xi1, length), _widened(outline, xi2, length)
+            (lowest, highest), (least, most) = _bends(track, first), _bends(outline, second)
+            turned = max(abs(lowest), abs(highest)) * _length(track, first)
+            turned += max(abs(least), abs(most)) * _length(outline, second)
+            if least > max(highest, 0.0) and turned < STRAIGHT:
+                return first
+            length *= 0.5
+        return None
+
+    def at(self, low: float, high: float) -> tuple[float, float]:
+        """The range of the track's parameter that is the contact, where it is not known to be alone around it."""
+        return _widened(self.scene.track, (low, high), SAME * self.size)
+
+
+def _widened(curve: Curve, ends: Sequence[float], length: float) -> tuple[float, float]:
+    low, high = ends[0] - length / float(curve.speed(ends[0])), ends[1] + length / float(curve.speed(ends[1]))
+    if curve.domain is not None and not curve.period:
+        low, high = max(low, curve.domain[0]), min(high, curve.domain[1])
+    return low, high
+
+
+def _bends(curve: Curve, ends: tuple[float, float]) -> tuple[float, float]:
+    """Bounds on the curvature between two parameters."""
+    places = np.linspace(*ends, PLACES)
+    if curve.features:
+        places = np.union1d(places, curve.features.places(*ends))
+    bends = np.asarray(curve.curvature(places)) * np.ones(len(places))
+    more = BETWEEN * float(np.abs(np.diff(bends)).max())
+    return float(bends.min()) - more, float(bends.max()) + more
+
+
+def _length(curve: Curve, ends: tuple[float, float]) -> float:
+    return abs(ends[1] - ends[0]) * float(np.max(curve.speed(np.linspace(*ends, PLACES))))
