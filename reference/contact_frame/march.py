@@ -19,10 +19,11 @@ from scipy.integrate import solve_ivp
 from cases import Case, CaseError, Flight, Mode, Transition
 from cases.contact import start_motion
 
-from . import aloft, overlap
+from . import aloft
 from .advancement import TooManyRounds
 from .course import UNFINISHED, Course, Flying, Landing, Stopped, Touching
 from .equations import Phase, leaves, lets_go, rates
+from .overlap import Overlaps
 from .steps import Lost, Paced
 
 # The rows of an answer's `motions`.
@@ -33,6 +34,7 @@ STOPS = {
     "fit": "no_fit",
     "track": "track_end",
     "outline": "outline_end",
+    "elsewhere": "second_contact",
 }
 
 # A slip (or rotation) that has just begun is not watched for this part of the motion's own time: an instant located to
@@ -165,14 +167,10 @@ def _off(course: Course, z, turns: int) -> Flying | Stopped:
 def _contact(course: Course, now: Touching) -> Touching | Flying | Stopped:
     phase, turns = now.phase, now.turns
     guards = _guards(course, phase, turns)
-    solution = _integrate(course, now, guards)
-    if course.overlaps:
-        touch = overlap.first_elsewhere(course.case, course.surroundings(), solution.t, solution.sol, turns)
-        if touch is not None:
-            course.record.contact(course.t, touch.time, solution.sol, turns)
-            course.t = touch.time
-            return Stopped("second_contact")
-    course.record.contact(course.t, float(solution.t[-1]), solution.sol, turns)
+    overlaps = Overlaps(course.case, course.surroundings(), turns) if course.overlaps else None
+    if overlaps:
+        guards["elsewhere"] = overlaps.before
+    solution = _integrate(course, now, guards, overlaps)
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
     fired = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
     if not fired:
@@ -256,7 +254,7 @@ def _guards(course: Course, phase: Phase, turns: int) -> dict[str, Callable]:
     return guards
 
 
-def _integrate(course: Course, now: Touching, guards: dict[str, Callable]):
+def _integrate(course: Course, now: Touching, guards: dict[str, Callable], overlaps: Overlaps | None):
     scene, phase, turns, start = course.scene, now.phase, now.turns, course.t
     just_begun = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
     if not scene.unilateral and _forceless(course, phase, now.z, turns):
@@ -274,14 +272,15 @@ def _integrate(course: Course, now: Touching, guards: dict[str, Callable]):
         events.append(event)
     solution = solve_ivp(
         lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, course.end), now.z,
-        method=Paced, rtol=course.rtol, atol=1e-2 * course.rtol, events=events,
-        dense_output=bool(course.record) or course.overlaps,
+        method=Paced, rtol=course.rtol, atol=1e-2 * course.rtol, events=events, dense_output=bool(course.record),
         pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=course.looks, work=course.work,
-        features=scene.in_contact, load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
+        load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
+        after_step=overlaps.look if overlaps else None, features=scene.in_contact,
     )  # fmt: skip
     unfinished = not solution.success and course.work.used_up
     if not (solution.success or unfinished) or not np.isfinite(solution.y[:, -1]).all():
         raise Lost(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
+    course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
     return solution
 
 

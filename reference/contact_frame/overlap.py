@@ -22,39 +22,43 @@ PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
 States = Callable[[np.ndarray], np.ndarray]
 
 
-def first_elsewhere(case: Case, around: Surroundings, steps: np.ndarray, z_at: States, turns: int) -> Touch | None:
-    """The first touch away from the contact in a phase of it; None if there is none. Raises TooManyRounds.
+class Overlaps:
+    """The search for a touch away from the contact in a phase of it, step by step of its integration."""
 
-    `z_at` maps times to (ξ₁, ξ₂, ω, v), shape (4, n), between the ends `steps` of an integration's steps.
-    """
+    def __init__(self, case: Case, around: Surroundings, turns: int):
+        self.case, self.around, self.turns = case, around, turns
+        self.touch: Touch | None = None
 
-    def bodies(times: np.ndarray) -> np.ndarray:
-        return bodies_in_contact(case, z_at(times), turns)
+    def before(self, t: float, z) -> float:
+        """How long before the touch a time is, s; positive as long as none is found."""
+        return 1.0 if self.touch is None else self.touch.time - t
 
-    todo = [(float(start), float(end), 0) for start, end in zip(steps[:-1], steps[1:], strict=True)][::-1]
-    while todo:
-        start, end, halved = todo.pop()
-        places = z_at(start + (end - start) * PLACES)[:2]
-        low, high = places.min(axis=1), places.max(axis=1)
-        more = BEYOND * (high - low)
-        own = around.own(
-            (low - more)[0:1].tolist() + (high + more)[0:1].tolist(), [low[1] - more[1], high[1] + more[1]]
-        )
-        if own is None and halved < HALVINGS:
-            middle = 0.5 * (start + end)
-            todo += [(middle, end, halved + 1), (start, middle, halved + 1)]
-            continue
-        motion = Motion(bodies, np.array([start, end]))
-        x, y = bodies(np.array([start]))[:2, 0].tolist()
-        some = around.near(x, y, around.reach + limits(motion, start, end).speed * (end - start))
-        if _fits(around, some):
-            continue
-        some, inside = around.inside(some, own or around.at(low[0], high[0]))
-        rest = some.some(~inside)
-        touch = around.search.first(motion, end, rest, np.full(rest.number, start))
-        if touch is not None:
-            return touch
-    return None
+    def look(self, z_at: States, start: float, end: float) -> None:
+        """Looks for it in a step; `z_at` maps times to (ξ₁, ξ₂, ω, v), shape (4, n). Raises TooManyRounds."""
+
+        def bodies(times: np.ndarray) -> np.ndarray:
+            return bodies_in_contact(self.case, z_at(times), self.turns)
+
+        motion, todo = Motion(bodies, np.array([start, end])), [(start, end, 0)]
+        while todo and self.touch is None:
+            start, end, halved = todo.pop()
+            x, y = bodies(np.array([start]))[:2, 0].tolist()
+            way = limits(motion, start, end).speed * (end - start)
+            some = self.around.near(x, y, self.around.reach + way)
+            if _fits(self.around, some):
+                continue
+            places = z_at(start + (end - start) * PLACES)[:2]
+            low, high = places.min(axis=1), places.max(axis=1)
+            more = BEYOND * (high - low)
+            (first, second), (last, final) = (low - more).tolist(), (high + more).tolist()
+            own = self.around.own((first, last), (second, final))
+            if own is None and halved < HALVINGS:
+                middle = 0.5 * (start + end)
+                todo += [(middle, end, halved + 1), (start, middle, halved + 1)]
+                continue
+            some, inside = self.around.inside(some, own or self.around.at(first, last))
+            rest = some.some(~inside)
+            self.touch = self.around.search.first(motion, end, rest, np.full(rest.number, start))
 
 
 def _fits(around: Surroundings, some: Stretches) -> bool:

@@ -60,7 +60,8 @@ class Paced(DOP853):
 
     `pace` maps (t, y) to that frequency (rad/s, zero where nothing sets one); `features` are what no step passes, each
     with the row of the state it is met by (None: time); `load_allows` maps times (n,) and states (variables, n)
-    along a step to whether the load allows a step of that length. Fails once the `work` of its motion is used up.
+    along a step to whether the load allows a step of that length; `after_step` is called with the interpolant and both
+    ends of each. Fails once the `work` of its motion is used up.
     Raises Lost where steps come to nothing.
     """
 
@@ -71,12 +72,20 @@ class Paced(DOP853):
 
     def __init__(
         self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int, work: Work,
-        features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None, **options,
+        features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None,
+        after_step: Callable | None = None, **options,
     ):  # fmt: skip
         self.pace, self.looks, self.work, self.load_allows = pace, looks, work, load_allows
+        self.after_step = after_step
         self.features = [(row, found) for row, found in features if not found.plain]
         self.steps, self.counted_until = 0, -inf
         super().__init__(fun, t0, y0, t_bound, **options)
+
+    def step(self):
+        message = super().step()
+        if self.after_step is not None and self.status != "failed" and self.t_old is not None and self.t > self.t_old:
+            self.after_step(self.dense_output(), self.t_old, self.t)
+        return message
 
     def _step_impl(self):
         if self.work.used_up:
