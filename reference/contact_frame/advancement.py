@@ -40,6 +40,7 @@ SHORTEST = 1e-9
 NEAR, LEVEL = 0.1, 0.5
 
 Locate = Callable[[Motion, float, float, float], Touch | None]
+Counts = Callable[[Motion, Touch], bool]
 
 
 class TooManyRounds(Exception):
@@ -52,13 +53,16 @@ class Search:
     def __init__(self, track: Curve, distance: Distance, locate: Locate):
         self.track, self.distance, self.locate, self.rounds = track, distance, locate, 0
 
-    def first(self, motion: Motion, end: float, some: Stretches, since: np.ndarray) -> Touch | None:
-        """The first touch on some stretches until a time (s), each of them from `since` (n,) on; None if there is
-        none. Raises TooManyRounds."""
+    def first(
+        self, motion: Motion, end: float, some: Stretches, since: np.ndarray, counts: Counts | None = None
+    ) -> Touch | None:
+        """The first touch on some stretches until a time (s), each of them from `since` (n,) on, of those that count;
+        None if there is none. Raises TooManyRounds."""
         if not some.number:
             return None
         t, tried = since.copy(), np.zeros(some.number, dtype=bool)
-        known = limits(motion, float(t.min()), end)
+        begun = float(t.min())
+        known = limits(motion, begun, end)
         if self.distance.radius is not None:
             known = known._replace(spin=0.0, swing=0.0)
         found: Touch | None = None
@@ -87,11 +91,17 @@ class Search:
             if new is None and touching.size:
                 k = touching[np.argmin(before[touching])]
                 new = self._at(motion, float(before[k]), now, int(k))
-            t[live[short]] += 4.0 * np.spacing(t[live[short]])
+            # A distance that is a rounding and falls can give no other touch; one that grows is looked at again later.
+            rounded = short & (np.abs(seen.phi) <= seen.fuzz)
+            later = t[live] + 0.1 * (t[live] - begun) + 4.0 * np.spacing(t[live])
+            t[live] = np.where(rounded, np.where(seen.rate <= 0.0, np.inf, later), t[live])
+            if new is not None and counts is not None and not counts(motion, new):
+                new = None
             if new is not None and new.time < (found.time if found else end):
                 found = new
                 until = found.time - found.blur
-            split = live[going & ~short & (clear < WORTH * best)]
+            stuck = t[live] <= before + np.spacing(before)
+            split = live[going & ~short & ((clear < WORTH * best) | stuck)]
             if split.size:
                 kept = np.setdiff1d(np.arange(len(t)), split)
                 parts = halves(self.track, some.some(split))
@@ -139,6 +149,8 @@ def _clear(
         shallow = low * plate.sharpest > -INSIDE
         turn = plate.sharpest / (1.0 + np.maximum(plate.sharpest * low, -INSIDE))
         turn = np.where(shallow, turn, np.inf)
+        # With time the gradient turns faster: the nearer the plate, the faster.
+        faster = most * plate.sharpest / (1.0 + np.clip(plate.sharpest * low, -INSIDE, 0.0))
         bent = (some.bend + turn) * half
         smooth = phi + half < plate.single
         gap = _closest(plate, seen, some, half, bent)
@@ -150,21 +162,22 @@ def _clear(
         pull = seen.pull + 2.0 * plate.hollow * most**2
         lasts = _falls(gap, closing, pull)
         # The outline bends away from a point that slides past it.
-        within = np.minimum(STRAIGHT / (turn * most), rest)
-        swept = turn * (half + most * within)
+        within = np.minimum(STRAIGHT / faster, rest)
+        swept = turn * half + faster * within
         along = np.abs(seen.along) * np.cos(swept) - np.abs(seen.rate) * np.sin(swept)
         along = np.maximum(along - spin * half - seen.pull * within, 0.0)
         away = plate.bluntest / (1.0 + plate.bluntest * (np.maximum(phi, 0.0) + half + most * within))
         past = _falls(gap, closing, seen.pull - away * np.where(swept < 1.0, along, 0.0) ** 2)
         lasts = np.fmax(lasts, np.minimum(past, within))
-        if plate.hollow:  # with the one nearest point, which the distance must not leave
+        # No touch begins while no tangents are parallel.
+        lasts = np.fmax(lasts, np.where(shallow, (seen.angle - bent) / (faster + spin), 0.0))
+        if plate.hollow:  # all this holds as long as the nearest point is the only one
             lasts = np.where(smooth, np.minimum(lasts, (plate.single - phi - half) / most), 0.0)
+        # However that is, a distance changes no faster than the point moves, and none begins inside the plate.
         lasts = np.fmax(lasts, low / most)
-        # No touch begins while no tangents are parallel, or inside the plate.
-        lasts = np.fmax(lasts, np.where(shallow & smooth, (seen.angle - bent) / (turn * most + spin), 0.0))
         lasts = np.fmax(lasts, (-phi - half - seen.fuzz) / most)
-        later = bent + (turn * most + spin) * rest
-        closes = seen.rate + differs + (pull + turn * most**2) * rest < 0.0
+        later = bent + (faster + spin) * rest
+        closes = seen.rate + differs + (pull + faster * most) * rest < 0.0
         alone = closes & (later < STRAIGHT) & smooth & (_bending(plate, seen, some, half, later) > 0.0)
         return np.where(lasts > 0.0, lasts, 0.0), alone
 

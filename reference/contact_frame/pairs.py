@@ -10,8 +10,9 @@ import numpy as np
 from .equations import Scene
 from .moving import Motion
 
-# Steps of Newton's method; the farthest it may go from where it begins, in plate's sizes; how well it must end.
-STEPS, FURTHEST, ENDS = 30, 0.25, 1e-12
+# Steps of Newton's method; the farthest it may go from where it begins, in plate's sizes; in how many
+# roundings of a position it must end.
+STEPS, FURTHEST, ENDS = 30, 0.25, 256.0
 EPS = 2.0**-52
 
 
@@ -103,13 +104,13 @@ def meeting(scene: Scene, size: float, motion: Motion, time: float, xi1: float, 
         if miss < smallest:
             blur = 16.0 * rounding / max(abs(f.lift), 1e-300) + 4.0 * float(np.spacing(time))
             best, smallest = Touch(time, body, xi1, xi2, blur) if f.lift < 0.0 else None, miss
-        elif smallest <= ENDS * size + 64.0 * rounding:
+        elif smallest <= ENDS * rounding:
             break  # no better than before: rounding
         step = _step(f, body[5])
         if step is None or not hypot(body[0] - x0, body[1] - y0) <= FURTHEST * size:
             break
         time, xi1, xi2 = time + step[0], xi1 + step[1] / f.P, xi2 + step[2] / f.p
-    return best if smallest <= ENDS * size + 64.0 * EPS * (abs(x0) + abs(y0)) else None
+    return best if smallest <= ENDS * EPS * (size + abs(x0) + abs(y0)) else None
 
 
 def _step(f: Frame, spin: float) -> list[float] | None:
