@@ -23,9 +23,10 @@ from .surroundings import Surroundings
 # From a search to the next no point of the plate moves farther than its reach times this, unless the track is farther.
 STRIDE = 1.0
 
-# A flight that begins on the track is first looked at when the plate has moved by this part of its size, or this part
-# of its hop is over, or sooner by halves where the gap has not opened.
-FIRST, OF_HOP, SOONER = 1e-3, 0.4, 60
+# A flight that begins on the track is first looked at when the plate has moved by this part of its reach, or this part
+# of its hop is over; twice as late and so on while the gap is no more than so many roundings of a place, or sooner by
+# halves where it has closed again; so many times at most.
+FIRST, OF_HOP, RESOLVED, TRIED = 1e-3, 0.4, 256 * 2.0**-52, 100
 
 
 class Flown(NamedTuple):
@@ -150,16 +151,22 @@ def _opened(
 ) -> tuple[float, tuple[float, float] | None]:
     """When the gap of a flight that begins on the track has opened, and the stretch of the track on which no other
     touch is possible until then; None where it does not open."""
-    wait = min(_time(scene, t, course(t), around.reach, FIRST * around.size), OF_HOP * hop, end - t)
-    for _ in range(SOONER):
-        if t + wait <= t:
-            break
+    first = min(_time(scene, t, course(t), around.reach, FIRST * around.reach), OF_HOP * hop, end - t)
+    wait, longer = first, True
+    for _ in range(TRIED):
         body = course(t + wait)
+        rounding = RESOLVED * (around.reach + abs(body[0]) + abs(body[1]))
         pair = refined(scene, body, *place, around.size)
-        if pair is not None and pair.gap > 0.0:
+        gap = pair.gap if pair is not None else -inf
+        if pair is not None and (gap > rounding or (longer and t + wait >= end and gap >= -rounding)):
             low, high = sorted((place[0], pair.xi1))
             return t + wait, around.own((low, high), sorted((place[1], pair.xi2))) or around.at(low, high)
-        wait *= 0.5
+        if longer and abs(gap) <= rounding:
+            wait = min(2.0 * wait, end - t)
+        elif t + 0.5 * wait > t:
+            wait, longer = 0.5 * wait, False
+        else:
+            break
     return t, None
 
 
