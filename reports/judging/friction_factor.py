@@ -30,7 +30,7 @@ def friction_factor(case: Case, motion: Trajectory, truth: Losses, end: float) -
 
     NaN where the losses are not known, and where friction takes next to nothing from the truth or from the motion.
     """
-    own = losses(case, motion, end)
+    own = losses(case, motion if motion.dense is None else _sampled(motion), end)
     known = np.isfinite(own.by_law) and np.isfinite(truth.by_law)
     if not known or own.by_law <= _LEAST_SLIP * truth.by_law or truth.by_law <= 0.0:
         return np.nan
@@ -39,10 +39,15 @@ def friction_factor(case: Case, motion: Trajectory, truth: Losses, end: float) -
 
 def losses_of_truth(case: Case, truth: Trajectory) -> Losses:
     """The losses of the true motion; none where friction takes next to nothing."""
-    times = np.linspace(truth.t[0], truth.t[-1], 4001)  # sums by trapezoids are good to 1e-4
-    found = losses(case, Trajectory(t=times, **truth(times)._asdict()), float(truth.t[-1]))
+    found = losses(case, _sampled(truth), float(truth.t[-1]))
     largest = float(np.max(kinetic_energy(case, truth)))
     return found if found.by_law > _LEAST_LOSS * largest else Losses(found.lost, np.nan)
+
+
+def _sampled(motion: Trajectory) -> Trajectory:
+    """A motion that is known at every time, at times so near to each other that trapezoids are good to 1e-4."""
+    times = np.linspace(motion.t[0], motion.t[-1], 4001)
+    return Trajectory(t=times, **motion(times)._asdict())
 
 
 def losses(case: Case, motion: Trajectory, end: float) -> Losses:

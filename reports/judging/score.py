@@ -171,7 +171,8 @@ class _Modes(NamedTuple):
 
 def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolution: float, others: float) -> _Modes:
     """The reading of a motion's modes that agrees best with the truth. `others`: the larger one of the other scores."""
-    unresolved = 0.0 if motion.first_mode is not None else doubts.unresolved(motion, scale.phases, scale.slips)
+    located = motion.first_mode is not None
+    unresolved = 0.0 if located else doubts.unresolved(motion, scale.phases, scale.slips)
     omitted, last = _omitted(motion), _last(motion, scale.end)
     true_flights, best = flights(scale.phases), None
     for reading in _readings(case, motion, scale, creep):
@@ -180,7 +181,8 @@ def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolutio
         wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
         if best is None or wrong < best.wrong * (1.0 - _SAME):
             touching = wrong - time_in_another_mode(flights(phases), true_flights, scale.end) / scale.time
-            doubt = (unresolved + doubts.time(motion, reading, case.plate.reach)) / scale.time
+            times = 0.0 if located else doubts.time(motion, reading, case.plate.reach)
+            doubt = (unresolved + times) / scale.time
             best = _Modes(reading, wrong, touching, doubt, *agreement(phases, scale.phases))
         # A threshold of slip makes no difference to flights, nor one that counts where other scores are larger.
         small = best.touching <= _SMALL_PART * best.wrong

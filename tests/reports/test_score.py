@@ -93,6 +93,13 @@ def test_noise_of_a_roll_is_within_its_doubt():
     assert score.mode == 0.0 < score.off <= score.doubt
 
 
+def test_a_motion_that_locates_its_transitions_leaves_no_doubt():
+    truth = planted.judged(PAPER)
+    score = truth.score(truth.truth)  # few samples, known at every time
+    assert score.off == score.doubt == 0.0
+    assert truth.friction(truth.truth) == pytest.approx(1.0, abs=1e-4)
+
+
 def test_creep_is_estimated_and_never_asked_for():
     truth = planted.judged(PAPER)
     motion = planted.creeping(truth)
