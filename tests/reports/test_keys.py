@@ -19,9 +19,12 @@ from reports.running.records import Truth
 TRUTH = Truth("taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE)
 
 
-def _without(missing: str, package: str) -> str:
-    """The version of a package, as it was asked for before it was installed."""
-    return "0" if package == missing else fingerprint.version(package)
+INSTALLED = fingerprint.installed
+
+
+def _without(package: str, other: str) -> str:
+    """The version of `other` as it is installed or not, and of `package` another one."""
+    return "0" if other == package else INSTALLED(other)
 
 
 CASE_FILE = """
