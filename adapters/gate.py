@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cases import Case, Cost, Mode, State, Trajectory, Transition
-from cases.errors import described
+from cases.errors import describe
 
 from .interface import EngineFailure, Setting
 
@@ -32,7 +32,7 @@ def motion(given: Any, case: Case) -> Trajectory:
     an adapter. Raises EngineFailure in one sentence that names what is of the wrong type or size.
     """
     if not isinstance(given, Trajectory):
-        raise EngineFailure(f"it returned {_shown(given)} in place of a Trajectory")
+        raise EngineFailure(f"it returned {_short_text(given)} in place of a Trajectory")
     try:
         columns: dict[str, Any] = {name: _column(name, getattr(given, name)) for name in ("t", *State._fields)}
         length = len(columns["t"])
@@ -52,13 +52,13 @@ def motion(given: Any, case: Case) -> Trajectory:
     except EngineFailure:
         raise
     except Exception as problem:  # its own classes may do anything when they are asked for a value
-        raise EngineFailure(f"its motion cannot be read: {described(problem)}") from problem
+        raise EngineFailure(f"its motion cannot be read: {describe(problem)}") from problem
 
 
 def cost(given: Any) -> Cost:
     """What a run cost, as plain numbers; raises EngineFailure."""
     if not isinstance(given, Cost):
-        raise EngineFailure(f"its cost is {_shown(given)}; give a Cost")
+        raise EngineFailure(f"its cost is {_short_text(given)}; give a Cost")
     seconds: dict[str, Any] = {
         name: _number(f"cost.{name}", getattr(given, name), 0.0, MOST_SECONDS, unknown=True)
         for name in ("cpu_s", "wall_s", "setup_s")
@@ -70,19 +70,21 @@ def cost(given: Any) -> Cost:
 def setting(given: Any) -> Setting:
     """A setting of a ladder or a grid, with knobs that are finite numbers and words; raises TypeError or ValueError."""
     if type(given) is not Setting:
-        raise TypeError(f"{_shown(given)} is no Setting")
+        raise TypeError(f"{_short_text(given)} is no Setting")
     for name, value in given.values:
         if type(name) is not str or type(value) not in (int, float, str, bool):
-            raise TypeError(f"the knob {_shown(name)} of a setting is {_shown(value)}; give a number or a word")
+            raise TypeError(
+                f"the knob {_short_text(name)} of a setting is {_short_text(value)}; give a number or a word"
+            )
         if isinstance(value, int | float) and not abs(value) <= MOST_KNOB:  # NaN is not
-            raise ValueError(f"the knob {name} of a setting is {_shown(value)}; give a finite number")
+            raise ValueError(f"the knob {name} of a setting is {_short_text(value)}; give a finite number")
     return given
 
 
 def _column(name: str, given: Any) -> np.ndarray:
     """A column as an array (n,) of its own, with nothing of the adapter's in it."""
     if not isinstance(given, np.ndarray | list | tuple):
-        raise EngineFailure(f"its {name} is {_shown(given)}; give an array")
+        raise EngineFailure(f"its {name} is {_short_text(given)}; give an array")
     if len(given) > MOST_SAMPLES:
         raise EngineFailure(f"its {name} has more than {MOST_SAMPLES:,} samples; give fewer")
     values = np.array(given, subok=False)
@@ -95,13 +97,13 @@ def _column(name: str, given: Any) -> np.ndarray:
 
 def _transitions(given: Any) -> tuple[Transition, ...]:
     if not isinstance(given, tuple | list) or len(given) > MOST_TRANSITIONS:
-        raise EngineFailure(f"its transitions are {_shown(given)}; give a tuple of at most {MOST_TRANSITIONS:,}")
+        raise EngineFailure(f"its transitions are {_short_text(given)}; give a tuple of at most {MOST_TRANSITIONS:,}")
     return tuple(map(_transition, given))
 
 
 def _transition(given: Any) -> Transition:
     if not isinstance(given, Transition):
-        raise EngineFailure(f"a transition is {_shown(given)}; give a Transition")
+        raise EngineFailure(f"a transition is {_short_text(given)}; give a Transition")
     return Transition(
         time=_number("transition's time", given.time, -MOST_SECONDS, MOST_SECONDS),
         before=_mode("transition's before", given.before),
@@ -114,20 +116,20 @@ def _transition(given: Any) -> Transition:
 
 def _mode(what: str, given: Any) -> Mode:
     if type(given) is not Mode:
-        raise EngineFailure(f"its {what} is {_shown(given)}; give a Mode")
+        raise EngineFailure(f"its {what} is {_short_text(given)}; give a Mode")
     return given
 
 
 def _number(what: str, given: Any, least: float, most: float, unknown: bool = False) -> float:
     """A number between two bounds, or NaN where it may be `unknown`."""
     if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
-        raise EngineFailure(f"its {what} is {_shown(given)}; give a number")
+        raise EngineFailure(f"its {what} is {_short_text(given)}; give a number")
     try:
         value = float(given)
     except OverflowError:
         value = float("inf")
     if not (unknown and isnan(value)) and not (isfinite(value) and least <= value <= most):
-        raise EngineFailure(f"its {what} is {_shown(given)}; give a number from {least:g} to {most:g}")
+        raise EngineFailure(f"its {what} is {_short_text(given)}; give a number from {least:g} to {most:g}")
     return value
 
 
@@ -140,11 +142,11 @@ def _whole(what: str, given: Any) -> int:
 
 def _text(what: str, given: Any, most: int) -> str:
     if not isinstance(given, str):
-        raise EngineFailure(f"its {what} is {_shown(given)}; give a text")
+        raise EngineFailure(f"its {what} is {_short_text(given)}; give a text")
     return str.__str__(given)[:most]
 
 
-def _shown(given: Any) -> str:
+def _short_text(given: Any) -> str:
     """What it is, for a sentence; its own text only where that is Python's."""
     if type(given) in (int, float, str, bool, bytes, type(None)):
         text = (

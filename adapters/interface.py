@@ -21,7 +21,7 @@ and, if errors are to be taken apart by what causes them (`reports.study error_p
 
 and, if the parts of its time are to be told,
 
-    stripped(case, route, setting, without) -> Callable[[], None]
+    bare_run(case, route, setting, without) -> Callable[[], None]
                                                     as many steps as `run` takes, ready to be called, without "notes";
                                                     and with "callback" empty, too; and without the "binding", too
     ENGINE: str                                     or, without that function, the Python package whose compiled code is
@@ -60,8 +60,8 @@ from types import ModuleType
 from typing import Any
 
 from cases import Case
-from cases.errors import BadValue, UnknownName, unknown
-from cases.files import place
+from cases.errors import BadValue, UnknownName, unknown_name
+from cases.user_files import place
 
 GROUP = "slip_to_roll.adapters"
 
@@ -72,7 +72,7 @@ PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version
 DEFAULTS = "defaults"
 
 # What of an adapter is called, those that not every one has among it.
-FUNCTIONS = {"refuses", "ladder", "grid", "wide_grid", "build", "run", "read", "version", "stripped"}
+FUNCTIONS = {"refuses", "ladder", "grid", "wide_grid", "build", "run", "read", "version", "bare_run"}
 
 # What else lies in this folder.
 NO_ADAPTERS = {"by_process", "common", "executables", "gate", "interface", "laws"}
@@ -158,7 +158,7 @@ class Setting:
 
 def engines() -> tuple[str, ...]:
     """The adapters' names, in alphabetical order: this folder's, and those of installed packages."""
-    return tuple(sorted(_own() | _installed().keys() | executables().keys()))
+    return tuple(sorted(_own() | _installed_names().keys() | executables().keys()))
 
 
 def _own() -> set[str]:
@@ -169,10 +169,10 @@ def engine(name: str) -> ModuleType:
     """The adapter of that name; raises UnknownName, or ImportError if its engine is not installed."""
     if executable := executables().get(name):
         return _by_process(executable)
-    if foreign := _installed().get(name):
+    if foreign := _installed_names().get(name):
         return foreign.load()
     if name not in _own():
-        raise unknown("engine", name, engines())
+        raise unknown_name("engine", name, engines())
     return importlib.import_module(f"adapters.{name}")
 
 
@@ -185,8 +185,8 @@ def find(name: str) -> ModuleType:
     path = place("adapter", name)
     if name in engines():
         adapter = engine(name)
-    elif name in _shipped():
-        adapter = _by_process(_shipped()[name])
+    elif name in _bundled_names():
+        adapter = _by_process(_bundled_names()[name])
     elif path.suffix == ".py":
         adapter = _from_file(path)
     elif path.is_file():
@@ -197,7 +197,7 @@ def find(name: str) -> ModuleType:
         except ModuleNotFoundError as problem:
             if problem.name is None or not f"{name}.".startswith(f"{problem.name}."):
                 raise
-            raise unknown("adapter, Python file or module", name, engines()) from None
+            raise unknown_name("adapter, Python file or module", name, engines()) from None
     missing = [part for part in PARTS if not hasattr(adapter, part)]
     if missing:
         raise BadValue(f"{name} is no adapter: it has no {', '.join(missing)}; see `adapters.interface`")
@@ -264,7 +264,7 @@ def register(file: str | Path) -> str:
     """
     path = place("engine", file)
     if not path.is_file():
-        path = _shipped().get(str(file), path)
+        path = _bundled_names().get(str(file), path)
     path = path.resolve()
     name = _by_process(path).NAME
     if executables().get(name) == path:
@@ -283,10 +283,10 @@ def _by_process(path: Path) -> Any:
     return (process.Shipped if path.resolve().parent == process.FOLDER else process.Engine)(path)
 
 
-def _shipped() -> dict[str, Path]:
-    return importlib.import_module("adapters.by_process").shipped()
+def _bundled_names() -> dict[str, Path]:
+    return importlib.import_module("adapters.by_process").bundled_engines()
 
 
-def _installed() -> dict[str, EntryPoint]:
+def _installed_names() -> dict[str, EntryPoint]:
     """Adapters that installed packages bring: `name = "their.module"` in the entry-point group GROUP."""
     return {point.name: point for point in entry_points(group=GROUP)}

@@ -19,7 +19,7 @@ import pybullet
 
 from cases import Case, CoulombFriction, Gravity, Impact, RollingResistance, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
-from cases.errors import DoesNotFit, unknown
+from cases.errors import DoesNotFit, unknown_name
 from cases.mechanics import gravity
 
 from .common import half_steps
@@ -57,7 +57,7 @@ def version() -> str:
 def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
-        raise unknown("route of pybullet", route, routes)
+        raise unknown_name("route of pybullet", route, routes)
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if {"Flight", "Impact"} & {*strange}:
         return f"pybullet's plane is put where the plate touches its track: this route has no {' and '.join(strange)}."
@@ -80,7 +80,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 
 @dataclass
-class Model:
+class PybulletModel:
     """One run: the case, the step (s) and how many, the engine's numbers of its objects, and what was noted."""
 
     case: Case
@@ -93,7 +93,7 @@ class Model:
     contacts: list[Contact] = field(default_factory=list)
 
 
-def build(case: Case, route: str, setting: Setting) -> Model:
+def build(case: Case, route: str, setting: Setting) -> PybulletModel:
     """A world with the sphere at the case's start. The step divides the duration evenly."""
     assert case.plate.radius is not None, "refuses() lets discs alone pass"
     steps = max(2, round(case.duration / setting["h"]))
@@ -114,10 +114,10 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     inertia, mu = [case.plate.inertia] * 3, friction.mu if friction else 0.0
     pybullet.changeDynamics(plate, -1, lateralFriction=mu, localInertiaDiagonal=inertia, **damping, **where)
     pybullet.resetBaseVelocity(plate, [start.vx, start.vy, 0.0], [0.0, 0.0, start.omega], **where)
-    return Model(case, h, steps, world, plate, plane)
+    return PybulletModel(case, h, steps, world, plate, plane)
 
 
-def run(model: Model) -> None:
+def run(model: PybulletModel) -> None:
     """Step through the duration, with the plane put anew before each step; stops where no track is near."""
     where = dict(physicsClientId=model.world)
     try:
@@ -126,14 +126,14 @@ def run(model: Model) -> None:
         pybullet.disconnect(**where)
 
 
-def _step(model: Model, where: dict[str, int]) -> None:
+def _step(model: PybulletModel, where: dict[str, int]) -> None:
     case, h, start = model.case, model.h, start_motion(model.case)
     # The engine's quaternion forgets whole turns; the angle is its own steps' sum. A sphere needs no other.
     centre, theta, near = np.array([start.x, start.y]), start.theta, (start.xi1, start.xi2)
     now, change = np.array([start.vx, start.vy]), 0.5 * h * gravity(case)
     for k in range(model.steps + 1):
         try:
-            near = _put_plane(model, centre, theta, now + change, 1.0 if k else 0.5, near, where)
+            near = _add_plane(model, centre, theta, now + change, 1.0 if k else 0.5, near, where)
         except DoesNotFit:
             return
         pybullet.setTimeStep(h if k else 0.5 * h, **where)
@@ -152,7 +152,7 @@ def _step(model: Model, where: dict[str, int]) -> None:
         centre = np.array(pybullet.getBasePositionAndOrientation(model.plate, **where)[0][:2])
 
 
-def _put_plane(model: Model, centre, theta: float, velocity, share: float, near, where) -> tuple[float, float]:
+def _add_plane(model: PybulletModel, centre, theta: float, velocity, share: float, near, where) -> tuple[float, float]:
     """Put the plane such that a step with about that velocity ends on the track; `share`: of it the engine steps."""
     case, (x, y), (way_x, way_y) = model.case, centre.tolist(), (model.h * velocity).tolist()
     here = find(case, x, y, theta, near)
@@ -167,6 +167,8 @@ def _put_plane(model: Model, centre, theta: float, velocity, share: float, near,
     return here[:2]
 
 
-def read(model: Model) -> Trajectory:
+def read(model: PybulletModel) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
-    return half_steps.read(half_steps.Noted(model.case, model.h, model.steps, np.array(model.rows), model.contacts))
+    return half_steps.read(
+        half_steps.StepRecord(model.case, model.h, model.steps, np.array(model.rows), model.contacts)
+    )

@@ -1,6 +1,6 @@
 """The question and the form of the answer: scenes of a plate on a track, and trajectories."""
 
-from . import interrupt  # the first of all: what follows takes a second  # noqa: F401
+from . import keyboard_interrupt  # the first of all: what follows takes a second  # noqa: F401
 
 # isort: split
 from .case import Case

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import effects
-from .bounds import check_sizes
 from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, parameter, positive, real
 from .plate import Plate
+from .size_limits import check_sizes
 from .start import Start
 
 if TYPE_CHECKING:
-    from .pictures.layout import Scene
+    from .pictures.layout import DrawnScene
 
 # Of a case's name, which file names hold.
 LONGEST_NAME = 100
@@ -50,9 +50,9 @@ class Case:
         ):
             if not isinstance(value, kind):
                 raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
-        object.__setattr__(self, "effects", effects.checked(self.effects))
+        object.__setattr__(self, "effects", effects.check_formula(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
-        object.__setattr__(self, "parameters", _checked_parameters(self.parameters))
+        object.__setattr__(self, "parameters", _check_parameters(self.parameters))
         _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
@@ -85,7 +85,7 @@ class Case:
     @property
     def label(self) -> str:
         """`name[parameter=value,…]`: the one text that `cases.load` turns back into this case."""
-        inside = ",".join(f"{key}={_written(value)}" for key, value in self.parameters.items())
+        inside = ",".join(f"{key}={_as_text(value)}" for key, value in self.parameters.items())
         return f"{self.name}[{inside}]" if inside else self.name
 
     def __repr__(self) -> str:
@@ -100,20 +100,22 @@ class Case:
     @property
     def effects_text(self) -> str:
         """The effects in a line: what of them is not as usual."""
-        return ", ".join(map(_said, self.effects))
+        return ", ".join(map(_text_of, self.effects))
 
     @property
     def start_text(self) -> str:
         """The start in a line: what of it is not as usual."""
-        return _said(self.start)
+        return _text_of(self.start)
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> DrawnScene:
         """What a picture of it needs."""
-        from .pictures.layout import Scene
+        from .pictures.layout import DrawnScene
 
         gravity = self.effect(Gravity)
-        return Scene(self.track, self.plate.outline, self.label, gravity is not None and sin(gravity.direction) > 0)
+        return DrawnScene(
+            self.track, self.plate.outline, self.label, gravity is not None and sin(gravity.direction) > 0
+        )
 
     @property
     def weight(self) -> float:
@@ -130,7 +132,7 @@ def _check_name(name: object) -> None:
         raise BadValue(f"the name of a case is {name!r}; give one of letters, digits, spaces and hyphens")
 
 
-def _checked_parameters(parameters: object) -> Mapping[str, float]:
+def _check_parameters(parameters: object) -> Mapping[str, float]:
     """The parameters as they are kept; raises BadValue unless they are numbers by name."""
     if not isinstance(parameters, Mapping):
         raise BadValue(f"the parameters of a case are {parameters!r}; give a dict of numbers")
@@ -147,7 +149,7 @@ def _unchecked(values: dict[str, Any]) -> Case:
     return case
 
 
-def _said(record: Any) -> str:
+def _text_of(record: Any) -> str:
     """An effect or a start in a few words: what of it is not as usual."""
     values = {f.name: (getattr(record, f.name), f.default) for f in fields(record)}
     told = [f"{name}={_short(value)}" for name, (value, usual) in values.items() if value != usual]
@@ -158,6 +160,6 @@ def _short(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _written(value) -> str:
+def _as_text(value) -> str:
     """A number in as few digits as give it back."""
     return f"{value:g}" if float(f"{value:g}") == value else repr(float(value))

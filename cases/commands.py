@@ -26,8 +26,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from . import lookup, owned_folder, registry
-from .errors import BadValue, CaseError, unknown
-from .words import status
+from .command_line import status
+from .errors import BadValue, CaseError, unknown_name
 
 OWN = ("new", "check")
 BY_OTHERS = ("show", "export")
@@ -80,7 +80,7 @@ def _work(words: list[str]) -> None:
 def run(command: str, words: Sequence[str]) -> None:
     """One of the commands; raises CaseError if it cannot."""
     if command not in OWN + BY_OTHERS:
-        raise unknown("command", command, OWN + BY_OTHERS)
+        raise unknown_name("command", command, OWN + BY_OTHERS)
     if command in BY_OTHERS:
         found = _of_others(command)
         if not found:
@@ -149,7 +149,7 @@ def _shadows(name: str) -> bool:
 def check(text: str, changes: Sequence[str] = ()) -> str:
     """Make every variant of the cases that a word names (or the one with `changes`) and run it, where there is a
     solver; raises CaseError with file and line of what is wrong."""
-    found, run = lookup.named(text), _of_others("check")
+    found, run = lookup.case_name(text), _of_others("check")
     lines = []
     for case in [found.one(changes)] if changes else found.every():
         try:

@@ -9,12 +9,12 @@ import numpy as np
 
 from . import geometry
 from .case import Case
-from .geometry import Contact, Motion
+from .geometry import Contact, MotionPoint
 from .overlap import first_overlap
 
 __all__ = [
     "Contact",
-    "Motion",
+    "MotionPoint",
     "clearance",
     "find",
     "follow",
@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 
-def start_motion(case: Case) -> Motion:
+def start_motion(case: Case) -> MotionPoint:
     """The case's start as pose, velocities and contact rates."""
     return case.start.motion(case.track, case.plate.outline)
 
@@ -36,7 +36,7 @@ def pose(case: Case, xi1, xi2):
     return geometry.pose(case.track, case.plate.outline, xi1, xi2)
 
 
-def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
+def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> MotionPoint:
     """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
     return geometry.velocity(case.track, case.plate.outline, xi1, xi2, slip, omega)
 

@@ -18,7 +18,7 @@ SAMPLES = 720
 ANGLES, TURN, MOST_ANGLES, HALVINGS = 32, 1.0, 200_000, 40
 
 
-class Curve(Protocol):
+class CurveFormula(Protocol):
     """What is asked of a curve here: `cases.curves.Curve`."""
 
     @property
@@ -34,12 +34,12 @@ class Curve(Protocol):
     def angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]: ...
 
 
-def _with_features(curve: Curve, grid: np.ndarray) -> np.ndarray:
+def _with_features(curve: CurveFormula, grid: np.ndarray) -> np.ndarray:
     """The parameters, and those between them that show the curve's features."""
     return np.union1d(grid, curve.features.places(grid[0], grid[-1])) if curve.features else grid
 
 
-def lengths(curve: Curve, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+def lengths(curve: CurveFormula, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
     """Parameters from `low` to `high`, and how far along the curve each is from the first, m; without those at the ends
     where the curve is too large for a double."""
     grid = _with_features(curve, np.linspace(low, high, 4 * SAMPLES + 1))
@@ -49,7 +49,7 @@ def lengths(curve: Curve, low: float, high: float) -> tuple[np.ndarray, np.ndarr
     return grid, np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(grid))])
 
 
-def sizes(curve: Curve) -> tuple[float, float]:
+def sizes(curve: CurveFormula) -> tuple[float, float]:
     """The largest distance from the origin, and that or the smallest radius of curvature if it is smaller, m."""
     places = _with_features(curve, np.linspace(*curve.span, SAMPLES + 1))
     with np.errstate(all="ignore"):
@@ -58,12 +58,12 @@ def sizes(curve: Curve) -> tuple[float, float]:
     return reach, min(reach, 1.0 / bend) if bend > 0.0 else reach
 
 
-def total_turning(curve: Curve) -> float:
+def total_turning(curve: CurveFormula) -> float:
     """By how much the tangent turns along the whole curve, to either side, rad."""
     return float(np.abs(np.diff(curve.angle_table(curve.span)[1])).sum())
 
 
-def corners(curve: Curve, count: int, offset: float = 0.0) -> np.ndarray:
+def corners(curve: CurveFormula, count: int, offset: float = 0.0) -> np.ndarray:
     """Parameters of the corners of a polygon of so many sides along the whole curve, closer together where it bends;
     those of a closed curve begin with a part of a side, `offset`."""
     grid, angle = curve.angle_table(curve.span)
@@ -77,7 +77,7 @@ def corners(curve: Curve, count: int, offset: float = 0.0) -> np.ndarray:
     return found
 
 
-def angles(curve: Curve, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+def angles(curve: CurveFormula, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Parameters on that range, and there the tangent's continuous angle, which lies within half a turn of zero where
     `Curve.span` begins."""
     count = min(MOST_ANGLES, max(4 * SAMPLES, int(ANGLES * (span[1] - span[0]) / curve.unit))) + 1
@@ -93,7 +93,7 @@ def angles(curve: Curve, span: tuple[float, float]) -> tuple[np.ndarray, np.ndar
     return grid, found - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
 
 
-def _turning(curve: Curve, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _turning(curve: CurveFormula, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The tangent's angles (rad), and how fast it turns (rad to the parameter's unit), 0 where that is not finite."""
     _, _, xp, yp, xs, ys, _, _ = curve.jets(s)
     with np.errstate(all="ignore"):

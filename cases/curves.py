@@ -19,13 +19,13 @@ import numpy as np
 import sympy as sp
 
 from . import curve_tables as tables
-from . import expressions, features, formulas, measured, parametrisation
+from . import expressions, features, formulas, parametrisation, point_fit
+from .compile_cache import cached
+from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
 from .errors import BadCurve, BadValue, finite
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
-from .kept import kept
 from .parametrisation import MOST_ROUNDS
-from .regular import check_regular, check_simple
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
@@ -60,17 +60,17 @@ class Curve:
 
     @in_one_thread
     def __post_init__(self):
-        object.__setattr__(self, "domain", _checked_domain(self.domain))
+        object.__setattr__(self, "domain", _check_domain(self.domain))
         object.__setattr__(self, "expression", _the_one(_expression(self.function)))
         # What is too large or too small for a double shows as a value that is not finite, and is told as such.
         with np.errstate(all="ignore"):
             first = _first(self)
         if first is not self:
-            vars(self).update({name: fact for name, fact in vars(first).items() if name not in _AS_GIVEN})
+            vars(self).update({name: fact for name, fact in vars(first).items() if name not in _NO_DOMAIN})
 
     @in_one_thread
     def __repr__(self) -> str:
-        parts = [_shortened(str(part)) for part in self.expression]
+        parts = [_shorten(str(part)) for part in self.expression]
         where = "" if self.domain is None else f", {self.domain[0]:g} <= s <= {self.domain[1]:g}"
         return f"Curve({', '.join(parts)}{where})"
 
@@ -86,7 +86,7 @@ class Curve:
 
     def __reduce__(self):
         """A curve travels to another process as its expression, a tree of SymPy objects; no text is read back."""
-        return _arrived, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
+        return _restore, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
 
     @in_one_thread
     def at(self, s) -> tuple[sp.Expr, sp.Expr]:
@@ -106,13 +106,13 @@ class Curve:
         """
         if not isinstance(closed, bool | np.bool_):
             raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
-        found = measured.fit(points, closed)
+        found = point_fit.fit(points, closed)
         return cls(lambda s: found.expression, found.domain, found.residual)
 
     @classmethod
     def from_csv(cls, path, closed: bool) -> Curve:
         """The same from a file of two columns x, y; in a case file its path counts from there."""
-        return cls.through(measured.read(path), closed)
+        return cls.through(point_fit.read(path), closed)
 
     # --- evaluation -------------------------------------------------------------------------------------------------
 
@@ -122,7 +122,7 @@ class Curve:
 
         Curves of one structure share their compiled systems, whatever their sizes.
         """
-        (x, y), symbols = expressions.lifted(self.expression)
+        (x, y), symbols = expressions.lift_constants(self.expression)
         return _the_one(((x, y), symbols))
 
     @derived
@@ -132,11 +132,11 @@ class Curve:
 
     @derived
     def _jet(self) -> Callable:
-        return _compiled_jet(self.structure, "math")
+        return _compile_jet(self.structure, "math")
 
     @derived
     def _jets(self) -> Callable:
-        return _compiled_jet(self.structure, "numpy")
+        return _compile_jet(self.structure, "numpy")
 
     def jet(self, s: float) -> tuple[float, ...]:
         """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
@@ -213,7 +213,7 @@ class Curve:
             length, probes = common, common / (2 * np.pi) * np.array([0.1, 1.3, 2.9])
 
         def jets(s: np.ndarray) -> np.ndarray:
-            return parametrisation.scaled(self.jets(s), length / (2 * np.pi))
+            return parametrisation.scale(self.jets(s), length / (2 * np.pi))
 
         with np.errstate(all="ignore"):
             here, there = jets(probes), jets(probes + length)
@@ -316,13 +316,13 @@ def _is_number(s) -> bool:
     return isinstance(s, float) or np.ndim(s) == 0
 
 
-def _shortened(text: str) -> str:
+def _shorten(text: str) -> str:
     """A formula that fits into a line; of one through measured points the beginning."""
     text = re.sub(r"\d+\.\d{7,}", lambda number: f"{float(number[0]):.6g}", text)
     return text if len(text) <= _LONGEST_FORMULA else f"{text[:_LONGEST_FORMULA]} …"
 
 
-def _checked_domain(domain) -> tuple[float, float] | None:
+def _check_domain(domain) -> tuple[float, float] | None:
     if domain is None:
         return None
     try:
@@ -356,18 +356,18 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         raise BadCurve(
             f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"
         ) from problem
-    x, y = (expressions.admitted(part, (PARAMETER,), "the curve's coordinate", BadCurve) for part in (x, y))
+    x, y = (expressions.admissible(part, (PARAMETER,), "the curve's coordinate", BadCurve) for part in (x, y))
     parts = sum(expressions.parts_of_derivatives(part)[3] for part in (x, y))
-    if parts > expressions.MOST_DERIVED:
+    if parts > expressions.MAX_DERIVATIVE_SIZE:
         raise BadCurve(
             f"the curve's third derivatives would have some {parts} parts; give a formula with fewer than "
-            f"{expressions.MOST_DERIVED}: fewer factors, or fewer functions inside each other"
+            f"{expressions.MAX_DERIVATIVE_SIZE}: fewer factors, or fewer functions inside each other"
         )
     return x, y
 
 
 @in_one_thread
-def _arrived(trees, domain, residual) -> Curve:
+def _restore(trees, domain, residual) -> Curve:
     """The curve that a process sent. It was checked there, so it is not checked again."""
     curve, expression = object.__new__(Curve), tuple(map(expressions.from_tree, trees))
     vars(curve).update(function=curve.at, domain=domain, residual=residual, expression=_the_one(expression))
@@ -381,7 +381,7 @@ def _the_one(expressions: T) -> T:
 
 
 # What a curve does not share with one that is equal to it.
-_AS_GIVEN = ("function", "domain", "residual", "expression")
+_NO_DOMAIN = ("function", "domain", "residual", "expression")
 
 
 @lru_cache(maxsize=512)
@@ -410,7 +410,7 @@ def _features(curve: Curve) -> features.Features:
 
 
 @lru_cache(maxsize=512)
-def _compiled_jet(structure, library: str):
+def _compile_jet(structure, library: str):
     """A function (s, constants) -> eight rows, compiled from the structure for floats (math) or arrays (numpy)."""
 
     def make():
@@ -418,4 +418,4 @@ def _compiled_jet(structure, library: str):
         rows = [sp.diff(part, PARAMETER, order) for order in range(4) for part in (x, y)]
         return sp.lambdify([PARAMETER, symbols], rows, modules=library, cse=True)
 
-    return kept("jet", (structure, library), Path(__file__).parent, make)
+    return cached("jet", (structure, library), Path(__file__).parent, make)

@@ -65,7 +65,7 @@ class Load:
 
     def __reduce__(self):
         """A load travels to another process as its formulas; what is compiled from them stays."""
-        return _arrived, tuple(map(expressions.as_tree, self.expression))
+        return _restore, tuple(map(expressions.as_tree, self.expression))
 
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -121,7 +121,7 @@ def checked_quantities(formulas: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
 
 
 @in_one_thread
-def _arrived(*trees) -> Load:
+def _restore(*trees) -> Load:
     """The load that a process sent."""
     return Load(*map(expressions.from_tree, trees))
 
@@ -129,7 +129,7 @@ def _arrived(*trees) -> Load:
 def _formula(what: str, value) -> sp.Expr:
     if isinstance(value, str):
         return formulas.parse(value, {s.name: s for s in MOTION}, what, BadValue)
-    return expressions.admitted(value, MOTION, what, BadValue)
+    return expressions.admissible(value, MOTION, what, BadValue)
 
 
 @dataclass(frozen=True)
@@ -244,7 +244,7 @@ def one(effects: Iterable[Effect], kind: type[E]) -> E | None:
     return None
 
 
-def checked(effects) -> tuple[Effect, ...]:
+def check_formula(effects) -> tuple[Effect, ...]:
     """The effects as a tuple; raises BadValue or DoesNotFit with one sentence if they make no sense together."""
     try:
         effects = tuple(effects)

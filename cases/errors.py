@@ -23,7 +23,7 @@ class CaseError(ValueError):
         super().__init__(line if len(line) <= LONGEST else f"{line[:half]} … {line[-half:]}")
 
 
-def described(problem: BaseException) -> str:
+def describe(problem: BaseException) -> str:
     """An exception in one line: its type and its text, if it has one. Raises nothing, whatever its `__str__` does."""
     try:
         text = str(CaseError(str(problem)))
@@ -58,7 +58,7 @@ class NotSupported(CaseError):
 MOST_NAMES = 16
 
 
-def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownName:
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> UnknownName:
     """The error for a name that is not there: the nearest known names, or all of them where none is near."""
     choices = sorted(known)
     near = difflib.get_close_matches(name, choices, n=3, cutoff=0.5)

@@ -37,14 +37,14 @@ _RECIPROCAL = {
 # measured curve of ten terms is 22 deep.
 MOST_PARTS, DEEPEST, MOST_NESTED = 300, 40, 6
 # The equations hold a curve's third derivatives: their parts, which grow with the cube of what is multiplied or nested.
-MOST_DERIVED = 3000
+MAX_DERIVATIVE_SIZE = 3000
 # SymPy multiplies whole powers out; the library's own curves go up to it.
 LARGEST_POWER = 64
 # A curvature is divided by a length's cube; 1e308 is a double's end.
 LARGEST_NUMBER = 1e100
 
 
-def admitted(value: object, variables: Iterable[sp.Symbol], what: str, error: type[Exception]) -> sp.Expr:
+def admissible(value: object, variables: Iterable[sp.Symbol], what: str, error: type[Exception]) -> sp.Expr:
     """A number or an expression as an expression that every solver can work with; text is neither.
 
     What has an equal among the smooth functions is written by it (sec, coth, 2**s). Raises `error`, with one sentence
@@ -53,10 +53,10 @@ def admitted(value: object, variables: Iterable[sp.Symbol], what: str, error: ty
     found, known = as_expression(value), tuple(variables)
     if found is None:
         names = ", ".join(symbol.name for symbol in known)
-        raise error(f"{what} is {_quoted(value)}; give a number or an expression in {names}")
-    if _checked(found, known, what, error):
+        raise error(f"{what} is {_quote(value)}; give a number or an expression in {names}")
+    if _check(found, known, what, error):
         found = _rewritten(found)
-        _checked(found, known, what, error)
+        _check(found, known, what, error)
     return found
 
 
@@ -71,7 +71,7 @@ def as_expression(value: object) -> sp.Expr | None:
     return sp.sympify(value) if isinstance(value, Rational | Decimal) else sp.Float(number)  # the former exactly
 
 
-def _checked(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: type[Exception]) -> bool:
+def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: type[Exception]) -> bool:
     """Whether something in the expression has to be rewritten; raises `error` for what cannot stand in a formula."""
     foreign, parts, todo = False, 0, [(whole, 1, 0)]
     while todo:
@@ -161,7 +161,7 @@ def float_text(number: sp.Expr) -> str:
     return str(sp.N(number, 3))
 
 
-def _quoted(value: object) -> str:
+def _quote(value: object) -> str:
     """What was given, shortened: a list may hold anything."""
     text = repr(value) if isinstance(value, str | bytes | int | float | complex | None) else type(value).__name__
     return text if len(text) <= 60 else f"{text[:40]} … {text[-15:]}"
@@ -177,7 +177,7 @@ def constants(expressions: Sequence[sp.Expr]) -> tuple[float, ...]:
     return tuple(sizes)
 
 
-def lifted(expressions: Sequence[sp.Expr]) -> tuple[tuple[sp.Expr, ...], tuple[sp.Symbol, ...]]:
+def lift_constants(expressions: Sequence[sp.Expr]) -> tuple[tuple[sp.Expr, ...], tuple[sp.Symbol, ...]]:
     """The expressions with ±c0, ±c1, … (all positive) for their constants, and those symbols."""
     values = constants(expressions)
     symbols = tuple(sp.Symbol(f"c{i}", positive=True) for i in range(len(values)))

@@ -22,7 +22,7 @@ from .derivation import LOCK
 # Sixteen is about the order of the Taylor method, so that a piece is about what one step can follow.
 DEGREE = 16
 # Coefficients below this part of the function's size are rounding of some tens of operations.
-RESOLVED = 1e-13
+RESOLUTION = 1e-13
 # Samples of each window besides the nodes. A Gaussian exp(-(s/w)²) shows above rounding over 11 w: in a window of
 # length 16 none wider than a thousandth hides between them, and narrower ones have their centre in the formula.
 SAMPLES = 2048
@@ -63,7 +63,7 @@ class Window:
         sizes: np.ndarray | float = 0.0,
     ):
         with np.errstate(all="ignore"):  # what overflows is not finite, and seen as such
-            edges, changes = _resolved(function, low, high, centres, sizes)
+            edges, changes = _resolve_interval(function, low, high, centres, sizes)
         lengths = np.diff(edges)
         varies = changes > 0.0
         alike = not varies.any() or (
@@ -226,7 +226,7 @@ def _largest(sizes: np.ndarray) -> np.ndarray:
     return np.max(np.where(np.isfinite(sizes), np.abs(sizes), 0.0), axis=1)
 
 
-def _resolved(
+def _resolve_interval(
     function: Function, low: float, high: float, centres: Iterable[float], least: np.ndarray | float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Edges (n + 1,) of the pieces, and how much the function changes in each (n,), in parts of its size; 0: not."""
@@ -243,9 +243,9 @@ def _resolved(
         coefficients = values @ _TO_COEFFICIENTS.T
         # A function is known no better than its parameter, whose last digit moves it by its slope.
         slope = np.max(np.abs(np.diff(values) / np.diff(nodes)), axis=2)
-        error = RESOLVED + 8 * np.finfo(float).eps * slope * np.maximum(abs(a), abs(b))
+        error = RESOLUTION + 8 * np.finfo(float).eps * slope * np.maximum(abs(a), abs(b))
         good = np.all(np.max(np.abs(coefficients[:, :, -3:]), axis=2) <= error, axis=0)
-        good &= ~_missed(s, rows, a, b, coefficients, error, good)
+        good &= ~_missing(s, rows, a, b, coefficients, error, good)
         # Where nothing is finite there is nothing to resolve; a piece is halved as long as its middle is a number.
         hopeless = (b - a <= 1e-12 * (high - low)) | ~np.isfinite(values).any(axis=(0, 2))
         change = np.max(np.where(np.isfinite(coefficients[:, :, 1:]), np.abs(coefficients[:, :, 1:]), 0.0), axis=2)
@@ -260,7 +260,7 @@ def _resolved(
     return np.append(starts[order], high), changes[order]
 
 
-def _missed(s, rows, a, b, coefficients, error, good) -> np.ndarray:
+def _missing(s, rows, a, b, coefficients, error, good) -> np.ndarray:
     """Which of the pieces that look resolved disagree with the samples in them."""
     missed = np.zeros(len(a), dtype=bool)
     order = np.argsort(a)

@@ -12,7 +12,7 @@ from math import log10
 
 import sympy as sp
 
-from .expressions import DEEPEST, FUNCTIONS, LARGEST_NUMBER, LARGEST_POWER, MOST_PARTS, admitted, sqrt
+from .expressions import DEEPEST, FUNCTIONS, LARGEST_NUMBER, LARGEST_POWER, MOST_PARTS, admissible, sqrt
 
 # A formula on a page or two; Python's own parser takes milliseconds for it.
 LONGEST_TEXT = 4000
@@ -27,7 +27,7 @@ _OPERATIONS: dict[type[ast.AST], Callable[..., sp.Expr]] = {
 }
 
 
-class _Refused(Exception):
+class _FormulaError(Exception):
     """What is wrong with a text, as the end of a sentence that begins with it."""
 
 
@@ -49,15 +49,15 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
     if sum(1 for _ in ast.walk(tree)) > 4 * MOST_PARTS:  # an operation is a node of its own, and so is a name's use
         raise error(f"{what} {shown} is too long a formula; give one of at most {MOST_PARTS} parts")
     try:
-        made = _Reader(variables, source).read(tree.body, 0)
-    except _Refused as problem:
+        made = _FormulaReader(variables, source).read(tree.body, 0)
+    except _FormulaError as problem:
         raise error(f"{what} {shown} {problem}") from None
     except (ArithmeticError, TypeError, ValueError) as problem:  # no number at all, such as 1/0 within a power
         raise error(f"{what} {shown} cannot be read ({problem})") from None
-    return admitted(made, variables.values(), f"{what} {shown}", error)
+    return admissible(made, variables.values(), f"{what} {shown}", error)
 
 
-class _Reader:
+class _FormulaReader:
     """Walks a syntax tree from its leaves up; what is in no table is refused."""
 
     def __init__(self, variables: Mapping[str, sp.Symbol], source: str):
@@ -66,7 +66,7 @@ class _Reader:
     def read(self, node: ast.expr, depth: int) -> sp.Expr:
         """The expression of one node."""
         if depth > 2 * DEEPEST:  # a sum of many terms is nested in Python's tree, and flat in SymPy's
-            raise _Refused(f"has more than {2 * DEEPEST} brackets or terms inside each other; shorten it")
+            raise _FormulaError(f"has more than {2 * DEEPEST} brackets or terms inside each other; shorten it")
         match node:
             case ast.Constant(value=bool()):
                 pass
@@ -77,7 +77,7 @@ class _Reader:
             case ast.UnaryOp() if type(node.op) in _OPERATIONS:
                 return _OPERATIONS[type(node.op)](self.read(node.operand, depth + 1))
             case ast.BinOp(op=ast.BitXor()):
-                raise _Refused("has a ^; write ** for a power")
+                raise _FormulaError("has a ^; write ** for a power")
             case ast.BinOp(op=ast.Pow()):
                 return _power(self.read(node.left, depth + 1), self.read(node.right, depth + 1))
             case ast.BinOp() if type(node.op) in _OPERATIONS:
@@ -85,12 +85,12 @@ class _Reader:
             case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]):
                 return self._call(name, self.read(argument, depth + 1))
             case ast.Call(func=ast.Name(id=name)) if name in FUNCTIONS:
-                raise _Refused(f"gives {name} other than one argument; give it one")
-        raise _Refused(f"is more than arithmetic in {', '.join(self._variables)}; write it as an expression")
+                raise _FormulaError(f"gives {name} other than one argument; give it one")
+        raise _FormulaError(f"is more than arithmetic in {', '.join(self._variables)}; write it as an expression")
 
     def _number(self, value: int | float, node: ast.expr) -> sp.Expr:
         if not abs(value) <= LARGEST_NUMBER:
-            raise _Refused(f"has a number beyond {LARGEST_NUMBER:g}; give a smaller one")
+            raise _FormulaError(f"has a number beyond {LARGEST_NUMBER:g}; give a smaller one")
         if isinstance(value, int):
             return sp.Integer(value)
         # By its digits, as it was written: quadruple precision has use for more than a double holds.
@@ -102,12 +102,12 @@ class _Reader:
         if name == "pi":
             return sp.pi
         if name in FUNCTIONS:
-            raise _Refused(f"has {name} without its argument; write {name}(…)")
-        raise _Refused(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
+            raise _FormulaError(f"has {name} without its argument; write {name}(…)")
+        raise _FormulaError(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
 
     def _call(self, name: str, argument: sp.Expr) -> sp.Expr:
         if name not in FUNCTIONS or name == "pi":
-            raise _Refused(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
+            raise _FormulaError(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
         return sqrt(argument) if name == "sqrt" else FUNCTIONS[name](argument)
 
 
@@ -116,9 +116,9 @@ def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     if exponent.is_number:
         size = complex(exponent.evalf(15))
         if not abs(size) <= LARGEST_POWER:  # NaN is none either
-            raise _Refused(f"has a power that is no number up to {LARGEST_POWER}; write a smaller one")
+            raise _FormulaError(f"has a power that is no number up to {LARGEST_POWER}; write a smaller one")
         if base.is_number:
             length = abs(complex(base.evalf(15)))
             if length > 0.0 and abs(size) * abs(log10(length)) > log10(LARGEST_NUMBER):
-                raise _Refused(f"has a power beyond {LARGEST_NUMBER:g}; give a smaller one")
+                raise _FormulaError(f"has a power beyond {LARGEST_NUMBER:g}; give a smaller one")
     return base**exponent

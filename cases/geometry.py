@@ -29,7 +29,7 @@ CLOSE = 1e6
 SAME = 1e-9
 # What is left of the two conditions of a contact, in the same parts and in radians, where Newton's steps do not come
 # to rest. The gap is then off by the square of it.
-SETTLED = 1e-12
+CONVERGENCE = 1e-12
 
 
 class Contact(NamedTuple):
@@ -40,7 +40,7 @@ class Contact(NamedTuple):
     gap: float
 
 
-class Motion(NamedTuple):
+class MotionPoint(NamedTuple):
     """Pose, velocities and contact parameters with their rates (NaN off the track) at one instant."""
 
     x: float
@@ -64,7 +64,7 @@ def pose(track: Curve, outline: Curve, xi1, xi2):
     return X - (c * x - s * y), Y - (s * x + c * y), theta
 
 
-def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> Motion:
+def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> MotionPoint:
     """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`. Raises
     DoesNotFit where plate and track bend alike."""
     P, p = float(track.speed(xi1)), float(outline.speed(xi2))
@@ -82,12 +82,12 @@ def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, 
     # (11) solved for the velocity of the centre of mass: v = Ṙ₀ + ω U (R − R₀).
     vx = slip * tangent[0] + omega * (contact[1] - y)
     vy = slip * tangent[1] - omega * (contact[0] - x)
-    return Motion(x, y, theta, float(vx), float(vy), omega, xi1, xi2, along_track / P, along_outline / p, slip)
+    return MotionPoint(x, y, theta, float(vx), float(vy), omega, xi1, xi2, along_track / P, along_outline / p, slip)
 
 
 def velocity_apart(
     track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float, gap: float, gap_rate: float
-) -> Motion:
+) -> MotionPoint:
     """The motion of a plate off its track, or about to hit or leave it.
 
     Its outline's point lies `gap` (m) away along the track's normal, tangents parallel, and has the velocity
@@ -101,7 +101,7 @@ def velocity_apart(
     vy = -slip * normal[0] + gap_rate * normal[1] - omega * (contact[0] - x)
     x, y = x + gap * normal[0], y + gap * normal[1]
     x, y, theta, vx, vy = (float(v) for v in (x, y, theta, vx, vy))
-    return Motion(x, y, theta, vx, vy, omega, xi1, xi2, nan, nan, slip)
+    return MotionPoint(x, y, theta, vx, vy, omega, xi1, xi2, nan, nan, slip)
 
 
 def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
@@ -180,11 +180,11 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
         g1, g2 = Xs * rpy - Ys * rpx, Xp * rsy - Yp * rsx
         det = f1 * g2 - f2 * g1
         if not (det > 0.0 or det < 0.0):  # zero, or not a number
-            raise _lost(x, y, near)
+            raise _no_contact(x, y, near)
         step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
         moved = step1 * step1 * pace1 + step2 * step2 * pace2
         if moved > far:
-            shorten = _shortened((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach)
+            shorten = _shorten((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach)
             step1, step2 = shorten * step1, shorten * step2
         xi1, xi2 = xi1 - step1, xi2 - step2
         # Converged where a step moves both points by no more than a few roundings of places and parameters.
@@ -198,14 +198,14 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
         # Where the curves nearly coincide a rounding moves the pair by more than that: it is the contact if it misses
         # both conditions by rounding alone.
         P, p = sqrt(pace1), sqrt(pace2)
-        off = abs(f) / P <= SETTLED * (abs(x) + abs(y) + reach + P * abs(xi1) + p * abs(xi2))
-        if not (off and abs(g) <= SETTLED * P * p):
-            raise _lost(x, y, near)
+        off = abs(f) / P <= CONVERGENCE * (abs(x) + abs(y) + reach + P * abs(xi1) + p * abs(xi2))
+        if not (off and abs(g) <= CONVERGENCE * P * p):
+            raise _no_contact(x, y, near)
     # The last step changes the gap by its square.
     return Contact(xi1, xi2, (dy * Xp - dx * Yp) / sqrt(pace1))
 
 
-def _shortened(along_track: tuple[float, ...], along_outline: tuple[float, ...], reach: float) -> float:
+def _shorten(along_track: tuple[float, ...], along_outline: tuple[float, ...], reach: float) -> float:
     """The part of a step of Newton's method that stays where that converges; `reach` (m) of the outline.
 
     Of track and outline: the step in the parameter, the first and the second derivative, in one frame.
@@ -221,7 +221,7 @@ def _way(step: float, xp: float, yp: float, xs: float, ys: float) -> tuple[float
     return abs(step) * speed, speed**3 / turn if turn else inf
 
 
-def _lost(x: float, y: float, near: tuple[float, float]) -> DoesNotFit:
+def _no_contact(x: float, y: float, near: tuple[float, float]) -> DoesNotFit:
     return DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g} for the pose ({x:.6g}, {y:.6g})")
 
 

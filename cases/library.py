@@ -17,12 +17,12 @@ import sympy as sp
 from .curves import Curve
 from .derivation import in_one_thread
 from .errors import BadCurve, BadValue, finite, positive, whole
-from .expressions import PARAMETER, admitted, cos, cosh, exp, sin
+from .expressions import PARAMETER, admissible, cos, cosh, exp, sin
 
-Made = Callable[..., Curve]
+Maker = Callable[..., Curve]
 
 
-def _kept(curve: Made) -> Made:
+def _memoise(curve: Maker) -> Maker:
     """The same curve for the same arguments: what is known of it is worked out once."""
     kept = lru_cache(maxsize=256, typed=True)(curve)
 
@@ -36,42 +36,42 @@ def _kept(curve: Made) -> Made:
     return made
 
 
-@_kept
+@_memoise
 def line(slope: float = 0.0) -> Curve:
     """A straight line that falls to the right at the angle `slope`; s is arc length."""
     angle = finite("slope of line", slope)
     return Curve(lambda s: (s * cos(angle), -s * sin(angle)))
 
 
-@_kept
+@_memoise
 def circle(radius: float) -> Curve:
     """A circle about the origin, counter-clockwise; s is the polar angle."""
     R = positive("radius of circle", radius)
     return Curve(lambda s: (R * cos(s), R * sin(s)))
 
 
-@_kept
+@_memoise
 def hill(radius: float) -> Curve:
     """The outside of a circle about the origin; s is the angle from its top, to the right."""
     R = positive("radius of hill", radius)
     return Curve(lambda s: (R * sin(s), R * cos(s)))
 
 
-@_kept
+@_memoise
 def ellipse(a: float, b: float) -> Curve:
     """An ellipse about the origin with half-axes a (along X) and b, counter-clockwise."""
     a, b = positive("a of ellipse", a), positive("b of ellipse", b)
     return Curve(lambda s: (a * cos(s), b * sin(s)))
 
 
-@_kept
+@_memoise
 def parabola(focus: float, reach: float = 3.0) -> Curve:
     """The valley y = x²/(4·focus) for |x| ≤ reach; s = x. Radius of curvature 2·focus at the bottom."""
     f, reach = positive("focus of parabola", focus), positive("reach of parabola", reach)
     return Curve(lambda s: (s, s**2 / (4 * f)), (-reach, reach))
 
 
-@_kept
+@_memoise
 def cosine(depth: float, wavenumber: float, reach: float = 3.0) -> Curve:
     """The wave y = −depth·cos(wavenumber·x) for |x| ≤ reach, a valley at s = x = 0."""
     d, k, reach = (
@@ -82,21 +82,21 @@ def cosine(depth: float, wavenumber: float, reach: float = 3.0) -> Curve:
     return Curve(lambda s: (s, -d * cos(k * s)), (-reach, reach))
 
 
-@_kept
+@_memoise
 def catenary(a: float, reach: float = 3.0) -> Curve:
     """The hanging chain y = a cosh(x/a) for |x| ≤ reach; s = x. Its curvature is a/y²."""
     a, reach = positive("a of catenary", a), positive("reach of catenary", reach)
     return Curve(lambda s: (s, a * cosh(s / a)), (-reach, reach))
 
 
-@_kept
+@_memoise
 def catenary_hill(a: float, reach: float) -> Curve:
     """The same chain upside down, y = −a cosh(x/a): the road on which a straight edge rolls level."""
     a, reach = positive("a of catenary_hill", a), positive("reach of catenary_hill", reach)
     return Curve(lambda s: (s, -a * cosh(s / a)), (-reach, reach))
 
 
-@_kept
+@_memoise
 def cycloid(a: float, offset: float = 0.0) -> Curve:
     """The valley x = a(s + sin s), y = −a cos s, moved down its normal by `offset`.
 
@@ -108,7 +108,7 @@ def cycloid(a: float, offset: float = 0.0) -> Curve:
     return Curve(lambda s: (a * (s + sin(s)) + r * sin(s / 2), -a * cos(s) - r * cos(s / 2)), (-2.9, 2.9))
 
 
-@_kept
+@_memoise
 def trochoid(a: float, arm: float, arches: int = 2) -> Curve:
     """x = a s + arm·sin s, y = −arm·cos s: a point at distance `arm` from the centre of a wheel of radius a.
 
@@ -121,7 +121,7 @@ def trochoid(a: float, arm: float, arches: int = 2) -> Curve:
     return Curve(lambda s: (a * s + d * sin(s), -d * cos(s)), (-2 * pi * arches, 2 * pi * arches))
 
 
-@_kept
+@_memoise
 def superellipse(a: float, b: float, exponent: int = 4) -> Curve:
     """|x/a|ⁿ + |y/b|ⁿ = 1 for an even whole number n ≥ 2; s is the polar angle of (x/a, y/b).
 
@@ -141,7 +141,7 @@ def superellipse(a: float, b: float, exponent: int = 4) -> Curve:
     return Curve(point)
 
 
-@_kept
+@_memoise
 def logarithmic_spiral(start: float, growth: float, turns: float = 0.5) -> Curve:
     """r = start·e^(growth·s) about the origin for |s| ≤ 2π·turns, counter-clockwise.
 
@@ -159,7 +159,7 @@ def from_support(support: Callable[[Any], Any]) -> Curve:
     `support` takes a symbol and returns h in metres. Its radius of curvature is h + h″, which must stay positive
     (BadCurve where it reaches zero: the outline has a cusp there).
     """
-    h = admitted(support(PARAMETER), (PARAMETER,), "the support function", BadCurve)
+    h = admissible(support(PARAMETER), (PARAMETER,), "the support function", BadCurve)
     h1 = sp.diff(h, PARAMETER)
     outline = Curve(lambda s: (h * cos(s) - h1 * sin(s), h * sin(s) + h1 * cos(s)))
     radius = sp.lambdify(PARAMETER, h + sp.diff(h1, PARAMETER), "math")
@@ -169,7 +169,7 @@ def from_support(support: Callable[[Any], Any]) -> Curve:
     return outline
 
 
-@_kept
+@_memoise
 def rounded_polygon(radius: float, corners: int, sharpness: float = 0.5) -> Curve:
     """h = radius·(1 + sharpness·cos(n s)/(n² − 1)): an outline with n rounded corners, `sharpness` from 0 to below 1.
 

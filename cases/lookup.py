@@ -16,15 +16,15 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-from . import files, registry
+from . import registry, user_files
 from .case import Case
-from .errors import BadValue, CaseError, UnknownName, described, unknown
+from .errors import BadValue, CaseError, UnknownName, describe, unknown_name
 from .trial import trial
 
 T = TypeVar("T")
 
 
-class Named(NamedTuple):
+class CaseName(NamedTuple):
     """What a word names: cases of the catalogue, what its brackets hold (None: it has none), and the file it is in."""
 
     text: str
@@ -36,7 +36,7 @@ class Named(NamedTuple):
         """The one case, with `changes` such as "mu=0.3"; raises CaseError in one sentence if there are several, or it
         cannot be made."""
         label = self.label(changes)
-        return _tried(f"the case {label}", self.names[0], partial(registry.load, label))
+        return _try(f"the case {label}", self.names[0], partial(registry.load, label))
 
     def every(self, long: bool = False) -> list[Case]:
         """Every variant of every case, or the one variant; with `long` those that take minutes, too. Raises CaseError
@@ -45,7 +45,7 @@ class Named(NamedTuple):
             return [self.one()]
         found: list[Case] = []
         for name in self.names:
-            found += _tried(f"the case {name}", name, partial(registry.select, name, long))
+            found += _try(f"the case {name}", name, partial(registry.select, name, long))
         return found
 
     def label(self, changes: Sequence[str] = ()) -> str:
@@ -57,7 +57,7 @@ class Named(NamedTuple):
         return f"{self.names[0]}[{inside}]" if inside or self.inside is not None else self.names[0]
 
 
-def named(text: str) -> Named:
+def case_name(text: str) -> CaseName:
     """What a word names; a file that it names is tried and brought into the catalogue. Raises CaseError in one
     sentence."""
     head, bracket, rest = text.strip().partition("[")
@@ -71,27 +71,27 @@ def named(text: str) -> Named:
             raise UnknownName(f"there is no case file {path!r}; write FILE.py:FUNCTION")
         bare, _ = registry.parse(head)
         registry.entry(bare)  # raises UnknownName
-        return Named(text, (bare,), inside, None)
+        return CaseName(text, (bare,), inside, None)
     names = tuple(load_file(file))
     if colon and function not in names:
-        raise unknown(f"case in {file}", function, names)
-    return Named(text, (function,) if colon else names, inside, file)
+        raise unknown_name(f"case in {file}", function, names)
+    return CaseName(text, (function,) if colon else names, inside, file)
 
 
 def load_file(file: str | Path) -> list[str]:
     """Bring the cases of a file into the catalogue, once it has been tried; their names. Raises CaseError in one
     sentence with the place in the file."""
-    path = files.existing("case file", file)
-    return _made(f"the case file {path}", path, partial(registry.load_file, path))
+    path = user_files.existing("case file", file)
+    return _make(f"the case file {path}", path, partial(registry.load_file, path))
 
 
-def _tried(what: str, name: str, make: Callable[[], T]) -> T:
+def _try(what: str, name: str, make: Callable[[], T]) -> T:
     """What `make` returns of the case `name`, tried first if the case is not the suite's own."""
     entry = registry.entry(name)
-    return make() if entry.is_own or entry.file is None else _made(what, entry.file, make)
+    return make() if entry.is_own or entry.file is None else _make(what, entry.file, make)
 
 
-def _made(what: str, file: Path, make: Callable[[], T]) -> T:
+def _make(what: str, file: Path, make: Callable[[], T]) -> T:
     """What `make` returns, tried first; raises BadValue with the place in the author's file."""
     trial(what, make, explain=lambda problem: _sentence(file, problem))
     try:
@@ -102,17 +102,17 @@ def _made(what: str, file: Path, make: Callable[[], T]) -> T:
 
 def _sentence(file: Path, problem: BaseException) -> str:
     """What is wrong, and where in the author's file."""
-    place, said = _place(file, problem), described(problem)
-    return said if said.startswith(place) or (place == _shown(file) and place in said) else f"{place}: {said}"
+    place, said = _place(file, problem), describe(problem)
+    return said if said.startswith(place) or (place == _display(file) and place in said) else f"{place}: {said}"
 
 
 def _file(text: str) -> Path | None:
     """The file that a word names; None if it is a name of the catalogue, or nothing that is there."""
     if text.endswith(".py"):
-        return files.existing("case file", text)
+        return user_files.existing("case file", text)
     if text in registry.names():
         return None
-    beside = files.place("case", f"{text}.py")
+    beside = user_files.place("case", f"{text}.py")
     return beside if beside.is_file() else None
 
 
@@ -129,10 +129,10 @@ def _place(file: Path, problem: BaseException) -> str:
     ]
     syntax = [cause.lineno for cause in causes if isinstance(cause, SyntaxError)]
     line = (syntax or lines or [None])[-1]
-    return f"{_shown(file)}:{line}" if line else _shown(file)
+    return f"{_display(file)}:{line}" if line else _display(file)
 
 
-def _shown(file: Path) -> str:
+def _display(file: Path) -> str:
     """The file as it is named from the working folder."""
     here = Path.cwd()
     return str(file.relative_to(here) if file.is_relative_to(here) else file)

@@ -78,7 +78,7 @@ def _squares(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return x * x + y * y
 
 
-class _Samples(NamedTuple):
+class _CurveSamples(NamedTuple):
     """Samples of a curve: parameters, how far from each the next ones are, the same in m, points (n, 2), left normals
     (n, 2), curvatures, the points in stretches to look them up in, and which samples show features."""
 
@@ -92,7 +92,7 @@ class _Samples(NamedTuple):
     fine: np.ndarray
 
     @classmethod
-    def of(cls, curve: Curve, low: float, high: float, count: int) -> _Samples:
+    def of(cls, curve: Curve, low: float, high: float, count: int) -> _CurveSamples:
         """So many samples at even distances along the curve, and what shows its features besides."""
         parameters, fine = curve.even(low, high, count), np.zeros(0)
         if curve.features:
@@ -161,7 +161,7 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     if guess is None:
         return None
     for _ in range(ROUNDS):
-        contact = _found(case, x, y, theta, guess)
+        contact = _pairs(case, x, y, theta, guess)
         if contact is not None:
             return None if _at_an_end(case, contact) else contact
         if _at_an_end(case, guess):
@@ -172,7 +172,7 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     raise DoesNotFit(f"the point of the track nearest to the pose ({x:.6g}, {y:.6g}), theta = {theta:.6g} is not found")
 
 
-def _found(case: Case, x: float, y: float, theta: float, guess: _Guess) -> Contact | None:
+def _pairs(case: Case, x: float, y: float, theta: float, guess: _Guess) -> Contact | None:
     """What Newton's method finds from a pair of samples; None if it does not, or finds another pair than they show."""
     try:
         contact = find(case, x, y, theta, guess[:2])
@@ -229,7 +229,7 @@ def _out_of_sight(case: Case, x: float, y: float) -> bool:
     return hypot(x - px, y - py) > SEEN * (_size(case.track) + _size(case.plate.outline))
 
 
-def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_Samples, _Guess | None]:
+def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_CurveSamples, _Guess | None]:
     """Samples of the track and the nearest pair with any outline; no pair if those of the track are ends of it."""
     outline = _outline(case.plate.outline)
     c, s = cos(theta), sin(theta)
@@ -242,7 +242,7 @@ def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_Samples,
     return track, None if ends[best] else _pair(track, int(places[best]), outline, best, float(apart[best]))
 
 
-def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[_Samples, _Guess | None]:
+def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[_CurveSamples, _Guess | None]:
     """The same of a disc, which is as far from its track as its centre less its radius: one point is looked up and not
     all of its outline."""
     radius = case.plate.radius
@@ -259,7 +259,7 @@ def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[_Samples, _G
     return track, _pair(track, place, outline, against, apart)
 
 
-def _pair(track: _Samples, place: int, outline: _Samples, on_outline: int, apart: float) -> _Guess:
+def _pair(track: _CurveSamples, place: int, outline: _CurveSamples, on_outline: int, apart: float) -> _Guess:
     return _Guess(
         float(track.parameters[place]),
         float(outline.parameters[on_outline]),
@@ -270,7 +270,9 @@ def _pair(track: _Samples, place: int, outline: _Samples, on_outline: int, apart
     )
 
 
-def _below(case: Case, there: np.ndarray, ball: tuple[float, float, float]) -> tuple[_Samples, np.ndarray, np.ndarray]:
+def _below(
+    case: Case, there: np.ndarray, ball: tuple[float, float, float]
+) -> tuple[_CurveSamples, np.ndarray, np.ndarray]:
     """Samples of the track, which of them are nearest to the points `there` (within that circle), and whether these
     are its ends."""
     curve, size = case.track, _size(case.plate.outline)
@@ -298,7 +300,7 @@ def _around(case: Case, ball: tuple[float, float, float], size: float) -> tuple[
     return xi1 - margin, xi1 + margin
 
 
-def _poking(case: Case, track: _Samples, x: float, y: float, theta: float) -> _Guess | None:
+def _poking(case: Case, track: _CurveSamples, x: float, y: float, theta: float) -> _Guess | None:
     """The pair with the smallest gap among the points of the track's features, which may lie between two points of the
     outline; None if no feature is near."""
     if not len(track.fine) or not case.plate.outline.period:
@@ -317,8 +319,8 @@ def _poking(case: Case, track: _Samples, x: float, y: float, theta: float) -> _G
 
 
 @lru_cache(maxsize=64)
-def _outline(outline: Curve) -> _Samples:
-    return _Samples.of(outline, *outline.span, OUTLINE_POINTS + 1)
+def _outline(outline: Curve) -> _CurveSamples:
+    return _CurveSamples.of(outline, *outline.span, OUTLINE_POINTS + 1)
 
 
 @lru_cache(maxsize=64)
@@ -336,7 +338,7 @@ def _size(outline: Curve) -> float:
 
 
 @lru_cache(maxsize=64)
-def _track(track: Curve, low: float, high: float, size: float) -> _Samples:
+def _track(track: Curve, low: float, high: float, size: float) -> _CurveSamples:
     length = track.length(low, high)
     # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
-    return _Samples.of(track, low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))
+    return _CurveSamples.of(track, low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))

@@ -25,7 +25,7 @@ TOGETHER = 100_000
 COLUMN = 2**31
 
 
-class _Polygon(NamedTuple):
+class _PolygonPair(NamedTuple):
     """Corners (2, n) about `middle` (2, 1), seen from there at rising `angles` (n,); None where these do not rise."""
 
     corners: np.ndarray
@@ -45,7 +45,7 @@ class _Polygon(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Samples:
+class _OutlineSamples:
     """Track parameters (n,) and their points (2, n), sorted into square cells of that size, m."""
 
     parameters: np.ndarray
@@ -111,7 +111,7 @@ def first_overlap(
 
 
 @lru_cache(maxsize=64)
-def _polygon(outline: Curve) -> _Polygon:
+def _polygon(outline: Curve) -> _PolygonPair:
     low, high = outline.span
     places = np.linspace(low, high, CORNERS + 1)
     if outline.features:
@@ -125,11 +125,11 @@ def _polygon(outline: Curve) -> _Polygon:
     corners, angles = np.roll(corners, -first, axis=1), np.roll(angles, -first)
     reach = float(np.hypot(*corners).max())
     size = float(np.ptp(corners, axis=1).max())
-    return _Polygon(corners, middle, angles if np.all(np.diff(angles) > 0.0) else None, reach, size)
+    return _PolygonPair(corners, middle, angles if np.all(np.diff(angles) > 0.0) else None, reach, size)
 
 
 @lru_cache(maxsize=64)
-def _samples(track: Curve, low: float, high: float, size: float, reach: float) -> _Samples:
+def _samples(track: Curve, low: float, high: float, size: float, reach: float) -> _OutlineSamples:
     """Track parameters about a sixteenth of `size` apart, within what stays quick to look at, in cells of `reach`."""
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
     places = np.linspace(low, high, int(min(MOST, max(FEWEST, POINTS_A_SIZE * length / size))))
@@ -138,7 +138,7 @@ def _samples(track: Curve, low: float, high: float, size: float, reach: float) -
     points = track.point(places)
     # Far out on a track without ends its points may be too large for a double: nothing meets them.
     there = np.isfinite(points).all(axis=0)
-    return _Samples(places[there], points[:, there], reach)
+    return _OutlineSamples(places[there], points[:, there], reach)
 
 
 def span(track: Curve, xi1, reach: float) -> tuple[float, float]:

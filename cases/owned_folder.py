@@ -1,7 +1,7 @@
 """Files and folders that the suite writes: a file is whole or absent; no file of the user's is deleted or overwritten.
 
-`written` and `write` make one file, a `TemporaryFolder` serves one process, an `OwnedFolder` holds results and a list
-of those files that are ours. Locks are the system's (flock, POSIX) and end with their process, however it ends.
+`atomic_path` and `write` make one file, a `TemporaryFolder` serves one process, an `OwnedFolder` holds results and a
+list of those files that are ours. Locks are the system's (flock, POSIX) and end with their process, however it ends.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from . import files
+from . import user_files
 from .errors import BadValue, CaseError
 
 # The list of our files in a folder, in the format of `sha256sum`: `sha256sum -c slip-to-roll.sha256` checks them.
@@ -32,7 +32,7 @@ _ENTRY = re.compile(r"([0-9a-f]{64})  (\S|\S.*\S)")
 _PARTIAL = re.compile(r"\.slip-to-roll-[0-9a-f]{16}\.partial(\.\w+)?")
 # Where a file system has no locks, what is unfinished belongs to a running process while it is younger than this (s):
 # no command takes a day.
-_LEFT_BEHIND = 86400.0
+_TEMPORARY_NAME = 86400.0
 # Seconds to wait for another process that puts finished files into a folder: to rename a thousand takes one.
 _PATIENCE = 60.0
 
@@ -51,13 +51,13 @@ def check_new(path: Path, force: bool = False) -> None:
 
 
 def write(path: Path, content: str | bytes, replace: bool = True, **how: Any) -> None:
-    """Write a file at once, as `written` does; text in UTF-8."""
-    with written(path, replace, **how) as partial:
+    """Write a file at once, as `atomic_path` does; text in UTF-8."""
+    with atomic_path(path, replace, **how) as partial:
         partial.write_bytes(content if isinstance(content, bytes) else content.encode(errors="backslashreplace"))
 
 
 @contextmanager
-def written(
+def atomic_path(
     path: Path, replace: bool = True, mode: int = 0o666, durable: bool = True, inside: Path | None = None
 ) -> Iterator[Path]:
     """A path to write to, with the same ending; the file is moved to `path` when the block ends well, else removed.
@@ -67,7 +67,7 @@ def written(
     `inside`: the folder of the unfinished file (default: that of `path`).
     """
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-    partial, lock = _claimed(inside or path.parent, path.suffix, lambda new: os.close(os.open(new, flags, mode)))
+    partial, lock = _claim(inside or path.parent, path.suffix, lambda new: os.close(os.open(new, flags, mode)))
     try:
         yield partial
         if durable:
@@ -123,7 +123,7 @@ class TemporaryFolder:
     """A new folder inside another (default: the system's temporary folder), locked while this process needs it."""
 
     def __init__(self, inside: Path | None = None, mode: int = 0o700):
-        self.path, self._lock = _claimed(inside or Path(tempfile.gettempdir()), "", lambda new: new.mkdir(mode))
+        self.path, self._lock = _claim(inside or Path(tempfile.gettempdir()), "", lambda new: new.mkdir(mode))
 
     def __enter__(self) -> Path:
         return self.path
@@ -141,19 +141,19 @@ class TemporaryFolder:
 
 def remove_leftovers(folder: Path | None = None) -> None:
     """Remove the unfinished files and folders that killed processes of this user left in a folder."""
-    for path, found in listed(folder or Path(tempfile.gettempdir()), _PARTIAL):
+    for path, found in files_in(folder or Path(tempfile.gettempdir()), _PARTIAL):
         with suppress(OSError):  # it is gone meanwhile, or cannot be removed: it does no harm
             if found.st_uid != os.getuid() or not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
                 continue
             handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
             try:
-                if _locks(handle, wait=False, otherwise=time.time() - found.st_mtime > _LEFT_BEHIND):
+                if _locks(handle, wait=False, otherwise=time.time() - found.st_mtime > _TEMPORARY_NAME):
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
             finally:
                 os.close(handle)
 
 
-def _claimed(folder: Path, suffix: str, make: Callable[[Path], None]) -> tuple[Path, int]:
+def _claim(folder: Path, suffix: str, make: Callable[[Path], None]) -> tuple[Path, int]:
     """A new unfinished file or folder, and the open handle that locks it."""
     for _ in range(10):
         path = folder / f".slip-to-roll-{secrets.token_hex(8)}.partial{suffix}"
@@ -183,7 +183,7 @@ def _locks(handle: int, wait: bool, otherwise: bool = True) -> bool:
 # --- a cache ----------------------------------------------------------------------------------------------------------
 
 
-def listed(folder: Path, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
+def files_in(folder: Path, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
     """What is in a folder under such a name; nothing if there is no folder."""
     found = []
     with suppress(OSError):
@@ -200,7 +200,7 @@ def remove_longest_unused(
     """Remove the files with such a name that were unused for the longest time, until the others are within the bounds;
     and what killed processes left."""
     remove_leftovers(folder)
-    found = sorted((f for f in listed(folder, name) if stat.S_ISREG(f[1].st_mode)), key=lambda f: f[1].st_mtime_ns)
+    found = sorted((f for f in files_in(folder, name) if stat.S_ISREG(f[1].st_mode)), key=lambda f: f[1].st_mtime_ns)
     size, count, spared = sum(about.st_size for _, about in found), len(found), set(spared)
     for path, about in found:
         if size <= most_bytes and count <= most_files:
@@ -361,7 +361,7 @@ class OwnedFolder:
         """Read the list; whether there is one, of a folder of this kind."""
         self._digests = {}
         try:
-            lines = files.text("list of files", self.path / LIST, _LARGEST_LIST).split("\n")
+            lines = user_files.text("list of files", self.path / LIST, _LARGEST_LIST).split("\n")
         except CaseError:
             return False
         if lines[0] != self._head or not _is_file(self.path / LIST):

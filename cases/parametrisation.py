@@ -25,7 +25,7 @@ DECADES = 10.0 ** np.arange(-12.0, 13.0)
 FRACTION = 1e-12
 
 
-class _Course(NamedTuple):
+class _Frequencies(NamedTuple):
     """A formula as slope·s plus what repeats itself with those angular frequencies (1 over the parameter's unit)."""
 
     slope: float
@@ -53,25 +53,25 @@ def period(expressions: tuple[sp.Expr, ...]) -> float | None:
     return 2 * pi / slowest * reduce(lcm, (r.denominator for r in ratios), 1)
 
 
-def _course(node: sp.Expr) -> _Course | None:
+def _course(node: sp.Expr) -> _Frequencies | None:
     """The formula's course; None if it neither repeats itself nor grows evenly."""
     if not node.has(PARAMETER):
-        return _Course(0.0, frozenset())
+        return _Frequencies(0.0, frozenset())
     if node == PARAMETER:
-        return _Course(1.0, frozenset())
+        return _Frequencies(1.0, frozenset())
     parts = [_course(argument) for argument in node.args if argument.has(PARAMETER)]
     known = [part for part in parts if part is not None]
     if len(known) < len(parts):
         return None
     frequencies = frozenset().union(*(part.frequencies for part in known))
     if isinstance(node, sp.Add):
-        return _Course(sum(part.slope for part in known), frequencies)
+        return _Frequencies(sum(part.slope for part in known), frequencies)
     if isinstance(node, sp.Mul) and len(known) == 1:
         factor = float(sp.Mul(*(argument for argument in node.args if not argument.has(PARAMETER))))
-        return _Course(factor * known[0].slope, frequencies)
+        return _Frequencies(factor * known[0].slope, frequencies)
     if isinstance(node, sp.sin | sp.cos | sp.tan) and known[0].slope:
-        return _Course(0.0, frequencies | {abs(known[0].slope)})
-    return None if any(part.slope for part in known) else _Course(0.0, frequencies)
+        return _Frequencies(0.0, frequencies | {abs(known[0].slope)})
+    return None if any(part.slope for part in known) else _Frequencies(0.0, frequencies)
 
 
 def places(centres: tuple[float, ...]) -> np.ndarray:
@@ -97,7 +97,7 @@ def unit(places: np.ndarray, jets: np.ndarray) -> float:
     return float(10.0 ** (3 * round(log10(far.min()) / 3)))
 
 
-def scaled(jets: np.ndarray, unit: float) -> np.ndarray:
+def scale(jets: np.ndarray, unit: float) -> np.ndarray:
     """Positions and derivatives (8, …) by a parameter in that unit of it: all are lengths, in m."""
     orders = unit ** np.repeat(np.arange(4.0), 2)
     return jets * orders.reshape(-1, *(1,) * (jets.ndim - 1))

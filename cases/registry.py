@@ -15,15 +15,15 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from . import files
+from . import user_files
 from .case import Case
 from .derivation import LOCK, in_one_thread
-from .errors import BadValue, CaseError, described, parameter, unknown
-from .measured import paths_count_from
+from .errors import BadValue, CaseError, describe, parameter, unknown_name
+from .point_fit import paths_count_from
 
 
 @dataclass(frozen=True)
-class Entry:
+class CatalogueEntry:
     """A registered case function with its documented variants.
 
     `hard` says in a sentence what breaks solvers there ("" for an ordinary case), `outcome` what is right. `long` are
@@ -67,7 +67,7 @@ class Entry:
         return (inspect.getdoc(self.function) or "").partition("\n")[0]
 
 
-_entries: dict[str, Entry] = {}
+_entries: dict[str, CatalogueEntry] = {}
 
 
 def case(
@@ -92,19 +92,19 @@ def case(
         if bool(hard) != bool(outcome):
             raise BadValue(f"the hard case {name!r} says only half; give both hard= and outcome=")
         short, minutes = (tuple(dict(v) for v in some) for some in (variants, long))
-        _entries[name] = Entry(name, function, short, hard, outcome, minutes)
+        _entries[name] = CatalogueEntry(name, function, short, hard, outcome, minutes)
         return function
 
     return register if function is None else register(function)
 
 
-def entry(name: str) -> Entry:
+def entry(name: str) -> CatalogueEntry:
     """The registered case of that name; raises UnknownName with the nearest names."""
     _import_catalogue()
     if not isinstance(name, str):
         raise BadValue(f"{name!r} is not a case; give its name, for example disc_in_circle")
     if name not in _entries:
-        raise unknown("case", name, _entries)
+        raise unknown_name("case", name, _entries)
     return _entries[name]
 
 
@@ -125,7 +125,7 @@ def load(name: str, **parameters) -> Case:
     parameters = {**written, **parameters}
     for key, value in parameters.items():
         if key not in found.parameters:
-            raise unknown(f"parameter of {bare}", key, found.parameters)
+            raise unknown_name(f"parameter of {bare}", key, found.parameters)
         parameters[key] = parameter(f"{key} of {bare}", value)
     try:
         with LOCK, paths_count_from(found.folder):
@@ -134,7 +134,7 @@ def load(name: str, **parameters) -> Case:
         raise
     except BaseException as problem:  # sys.exit among them
         values = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
-        raise BadValue(f"{bare} cannot be made with {values}: {described(problem)}") from problem
+        raise BadValue(f"{bare} cannot be made with {values}: {describe(problem)}") from problem
     if not isinstance(made, Case):
         raise BadValue(f"the case function {bare} returned {type(made).__name__}; return a Case")
     return made.named(bare, parameters)
@@ -152,7 +152,7 @@ def select(text: str, long: bool = False) -> list[Case]:
     return [load(bare, **variant) for variant in (*found.variants, *(found.long if long else ()))]
 
 
-class _AsWritten(importlib.machinery.SourceFileLoader):
+class _UncachedLoader(importlib.machinery.SourceFileLoader):
     """Reads the source each time: Python's bytecode cache takes an edit in the same second for none if the size is."""
 
     def get_code(self, fullname):
@@ -166,12 +166,12 @@ def load_file(path: str | Path) -> list[str]:
 
     Raises CaseError, in one sentence, if the file cannot be read, fails, or holds no case.
     """
-    path = files.existing("case file", path)
+    path = user_files.existing("case file", path)
     before = dict(_entries)
     if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
     name, place = f"case_file_{path.stem}", path.resolve()  # workers look for it from other folders
-    spec = importlib.util.spec_from_loader(name, _AsWritten(name, str(place)))
+    spec = importlib.util.spec_from_loader(name, _UncachedLoader(name, str(place)))
     assert spec is not None and spec.loader is not None
     try:
         with paths_count_from(place.parent):
@@ -179,7 +179,7 @@ def load_file(path: str | Path) -> list[str]:
     except (CaseError, KeyboardInterrupt):
         raise
     except BaseException as problem:
-        raise BadValue(f"the case file {path} fails: {described(problem)}") from problem
+        raise BadValue(f"the case file {path} fails: {describe(problem)}") from problem
     new = [name for name in _entries if _entries[name] is not before.get(name)]
     if not new:
         raise BadValue(f"the case file {path} holds no case; mark its function with @case")
@@ -201,7 +201,7 @@ def _import_packages() -> None:
         try:
             found.load()
         except (Exception, SystemExit) as problem:
-            raise BadValue(f"the cases of {found.value} fail: {described(problem)}") from problem
+            raise BadValue(f"the cases of {found.value} fail: {describe(problem)}") from problem
 
 
 def parse(text: str) -> tuple[str, dict[str, float]]:

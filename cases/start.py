@@ -46,7 +46,7 @@ class Start:
         """Whether the plate begins on its track, neither apart from it nor about to hit or leave it."""
         return self.gap == 0.0 and self.gap_rate == 0.0
 
-    def motion(self, track: Curve, outline: Curve) -> geometry.Motion:
+    def motion(self, track: Curve, outline: Curve) -> geometry.MotionPoint:
         """The start as pose, velocities and contact rates. Raises DoesNotFit for an xi2 that cannot be guessed."""
         return _motion(self, track, outline)
 
@@ -84,7 +84,7 @@ def _outline_parameter(start: Start, track: Curve, outline: Curve) -> float:
 
 
 @lru_cache(maxsize=1024)
-def _motion(start: Start, track: Curve, outline: Curve) -> geometry.Motion:
+def _motion(start: Start, track: Curve, outline: Curve) -> geometry.MotionPoint:
     xi2 = _outline_parameter(start, track, outline)
     if start.in_contact:
         return geometry.velocity(track, outline, start.xi1, xi2, start.slip, start.omega)

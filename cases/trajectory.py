@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .errors import BadValue
-from .owned_folder import written
+from .owned_folder import atomic_path
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -250,7 +250,7 @@ class Trajectory:
         """Write that table, all digits, with an empty cell for what is not there (slip in flight); returns the path.
 
         `python -m reports.compare` and `--trajectory` read such files."""
-        with written(Path(path)) as partial:
+        with atomic_path(Path(path)) as partial:
             self.to_frame(count).to_csv(partial, index=False)
         return Path(path)
 

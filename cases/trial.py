@@ -14,21 +14,21 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import IO, Any
 
-from .errors import BadValue, described
+from .errors import BadValue, describe
 
 # Seconds. A case of the catalogue takes milliseconds, the worst formula that is accepted half a minute to derive.
 SECONDS = 60.0
 # Seconds in which a thread of the author's has to end once the author's code has returned.
 _THREAD_SECONDS = 1.0
 # What is printed before a process ends itself is quoted up to this length.
-_QUOTED = 200
+_QUOTE_CHARACTERS = 200
 
 
 def trial(
     what: str,
     make: Callable[[], Any],
     seconds: float | None = None,
-    explain: Callable[[BaseException], str] = described,
+    explain: Callable[[BaseException], str] = describe,
 ) -> None:
     """Call `make` in a forked copy of this process, without a terminal; its result and its output are discarded.
 
@@ -113,4 +113,4 @@ def _last_line(output: IO[bytes]) -> str:
     """The last line of what was printed, to append to a sentence."""
     output.seek(0)
     lines = output.read(2**20).decode(errors="replace").strip().splitlines()
-    return f"; it last printed: {lines[-1][-_QUOTED:]}" if lines else ""
+    return f"; it last printed: {lines[-1][-_QUOTE_CHARACTERS:]}" if lines else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cases import BadValue, Case, CaseError, Gravity, Mode, Trajectory, Unilateral
 from cases.contact import start_motion
-from cases.errors import described
+from cases.errors import describe
 
 from .solve import simulate
 
@@ -21,7 +21,7 @@ def check(case: Case) -> str:
     except CaseError:
         raise
     except Exception as problem:  # whatever else the author's curves and loads bring up
-        raise BadValue(f"the motion fails: {described(problem)}") from problem
+        raise BadValue(f"the motion fails: {describe(problem)}") from problem
 
 
 def wrong_side(case: Case, motion: Trajectory) -> str:

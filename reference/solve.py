@@ -14,9 +14,9 @@ import numpy as np
 
 from cases import BadValue, Case, Cost, Flight, Mode, State, Trajectory
 from cases.contact import pose
-from cases.errors import between, unknown
+from cases.errors import between, unknown_name
 
-from . import literal
+from . import augmented_integrator
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import LIFT_OFF, LOCATED, run, undecidable
 from .minimal.integrators import taylor
@@ -45,7 +45,7 @@ ROUTES = (*METHODS, "augmented")
 INTEGRATORS = {
     "taylor": (taylor.prepare, taylor.integrate),
     "dop853": (_prepare_dop853, _integrate_dop853),
-    "augmented": (literal.prepare, literal.integrate),
+    "augmented": (augmented_integrator.prepare, augmented_integrator.integrate),
     "taylor_quadruple": (taylor.prepare_quadruple, taylor.integrate_quadruple),
 }
 
@@ -67,10 +67,10 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     rtol = between("rtol", rtol, *TOLERANCES)
     # Not as a decorator: NumPy 1 would keep what is to come back afterwards for all threads in one place.
     with np.errstate(all="ignore"):  # what is not finite ends the motion with a reason
-        return _simulated(case, rtol, _known(method))
+        return _simulate(case, rtol, _method_name(method))
 
 
-def _simulated(case: Case, rtol: float, method: str) -> Trajectory:
+def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
     """The same of arguments that make sense."""
     _, integrate = INTEGRATORS[method]
     began_setup = time.perf_counter()
@@ -79,30 +79,30 @@ def _simulated(case: Case, rtol: float, method: str) -> Trajectory:
     try:
         regime = first_regime(case, start)
     except Undecidable:
-        return sampled(case, [], [], undecidable(0.0))
+        return as_trajectory(case, [], [], undecidable(0.0))
     setup = time.perf_counter() - began_setup
     cpu, wall = time.thread_time(), time.perf_counter()
-    segments, transitions, ending = solved(case, regime, start, rtol, integrate)
+    segments, transitions, ending = solve_motion(case, regime, start, rtol, integrate)
     spent = time.thread_time() - cpu, time.perf_counter() - wall
-    return sampled(case, segments, transitions, ending, Cost(*spent, setup_s=setup))
+    return as_trajectory(case, segments, transitions, ending, Cost(*spent, setup_s=setup))
 
 
-def solved(case: Case, regime: Regime | None, start, rtol: float, integrate):
+def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate):
     """All that decides the motion: (segments, transitions, (status, sentence)), cut at a second contact."""
     return until_second_contact(case, run(case, regime, start, rtol, integrate))
 
 
-def sampled(
+def as_trajectory(
     case: Case, segments: list[Segment], transitions, ending: tuple[str, str], cost: Cost = _FREE
 ) -> Trajectory:
-    """What `solved` returned, as a trajectory: sampled; `cost` is filled up with the work."""
+    """What `solve_motion` returned, as a trajectory: sampled; `cost` is filled up with the work."""
     cost = replace(
         cost,
         steps=sum(segment.steps for segment in segments),
         evaluations=sum(segment.evaluations for segment in segments),
     )
     status, reason = ending if _finite(segments) else undecidable(segments[-1].start)
-    warning = literal.warning(segments)
+    warning = augmented_integrator.warning(segments)
     return _trajectory(case, segments, transitions, status, f"{reason} {warning}" if warning else reason, cost)
 
 
@@ -134,19 +134,19 @@ def _tell_method() -> None:
         logging.getLogger("reference").warning("heyoka is not installed: the reference uses dop853, slower and coarser")
 
 
-def _known(method: str | None) -> str:
+def _method_name(method: str | None) -> str:
     if method is None:
         _tell_method()
         return METHODS[0]
     known = isinstance(method, str) and method in INTEGRATORS
     if not known or (method.startswith("taylor") and not taylor.AVAILABLE):
-        raise unknown("method of the reference", str(method), ROUTES)
+        raise unknown_name("method of the reference", str(method), ROUTES)
     return method
 
 
 def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
     """Derive and compile what a run of the case may need, so that no run pays for it."""
-    prepare_phase, _ = INTEGRATORS[_known(method)]
+    prepare_phase, _ = INTEGRATORS[_method_name(method)]
     for regime in (*kinds(case), *((FLIGHT,) if case.effect(Flight) is not None else ())):
         prepare_phase(phase(case, regime), rtol)
 

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cases import Case
-from cases.words import status
+from cases.command_line import status
 
-from .drawing.files import file_name
+from .drawing.figure_files import file_name
 from .show import case_of, check_free
 
 COMMAND = "reports.animate"

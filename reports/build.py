@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import cases
-from cases import Case, CaseError, kept, lookup
-from cases.words import status
+from cases import Case, CaseError, compile_cache, lookup
+from cases.command_line import status
 
 from . import options
-from .options import Plan
+from .options import BuildPlan
 
 if TYPE_CHECKING:
-    from .analysis.work_precision import Measured
+    from .analysis.work_precision import CostMeasurements
     from .running.calls import Calls
     from .running.per_solver import LeftOut
     from .running.records import Experiment
@@ -81,7 +81,7 @@ def listing(files: Sequence[str]) -> str:
     for name in cases.names():
         lines.append(f"  {name}: {cases.entry(name).summary}")
         try:
-            lines += [f"    {case.label}" for case in lookup.named(name).every()]
+            lines += [f"    {case.label}" for case in lookup.case_name(name).every()]
         except CaseError as problem:
             lines.append(f"    cannot be made: {problem}")
     lines.append("solvers")
@@ -98,16 +98,17 @@ def listing(files: Sequence[str]) -> str:
 # --- the report -------------------------------------------------------------------------------------------------------
 
 
-def _build(plan: Plan) -> int:
+def _build(plan: BuildPlan) -> int:
     """Make and write the report, and say what came out; the command's status: 3 if a case has no truth, or one that was
     named was run by nobody."""
-    from .drawing.files import for_print
+    from .drawing.figure_files import for_print
     from .page import folder
-    from .page.text import lost_words
-    from .running import cluster, experiment, external, versions
+    from .page.text import lost_text
+    from .running import experiment, external_motions, versions
     from .running.calls import Calls
-    from .running.progress import Display, usual
-    from .running.store import Store
+    from .running.processes import cluster
+    from .running.processes.progress import Display, usual
+    from .running.storage.result_store import Store
 
     if plan.dask is not None:
         cluster.check(plan.dask)
@@ -118,18 +119,18 @@ def _build(plan: Plan) -> int:
         _say(f"store: {store.problem()}")
     versions.make(plan.solvers, _say)
     try:
-        shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_studies_wanted(plan)))
+        shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_requested_studies(plan)))
         with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
             calls.begin(plan.solvers)
             ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
-            measured = _measured(plan, ran, calls)
-            studied = _studied(plan, calls)
-            shown = external.joined(ran, plan.trajectories)
+            measured = _measure(plan, ran, calls)
+            studied = _study(plan, calls)
+            shown = external_motions.join_external(ran, plan.trajectories)
             with folder.of_report(plan.out).staged(whole=True) as place, for_print(plan.paper):
                 answers, left_out = _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
-    except cluster.Nobody as problem:
+    except cluster.NoWorkers as problem:
         raise OSError(f"{problem}; {store.kept_words()}") from None
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
@@ -139,21 +140,21 @@ def _build(plan: Plan) -> int:
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
     if calls.lost:
-        _say(f"{COMMAND}: {lost_words(calls.lost)}")
+        _say(f"{COMMAND}: {lost_text(calls.lost)}")
     return 3 if lacking else 0
 
 
 @contextmanager
-def _machines(plan: Plan, calls: Calls) -> Iterator[None]:
+def _machines(plan: BuildPlan, calls: Calls) -> Iterator[None]:
     """Runs that are not timed are made on the plan's cluster, if it has one, in the block."""
-    from .running import elsewhere
-    from .running.cluster import Cluster
+    from .running.processes import cluster_worker
+    from .running.processes.cluster import Cluster
 
     if plan.dask is None:
         yield
         return
     present = calls.present(plan.solvers)
-    identity = elsewhere.identity({name: calls.versions[name] for name in present})
+    identity = cluster_worker.identity({name: calls.versions[name] for name in present})
     with closing(Cluster(plan.dask, plan.jobs, identity, present)) as calls.cluster:
         yield
 
@@ -171,37 +172,38 @@ def _run_by_nobody(shown: Experiment) -> list[str]:
     return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
 
 
-def _measured(plan: Plan, ran: Experiment, calls: Calls) -> Measured:
+def _measure(plan: BuildPlan, ran: Experiment, calls: Calls) -> CostMeasurements:
     """The timed pass, after everything else has ended; a quick report goes without."""
     from .analysis import baselines, time_to_accuracy, which_engine, work_precision
-    from .analysis.work_precision import Measured
-    from .running import per_solver, timings
+    from .analysis.work_precision import CostMeasurements
+    from .running import per_solver
+    from .running.timing import timings
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
-        return Measured()
+        return CostMeasurements()
     full = plan.effort == "full"
     timed = timings.measure(ran, full, calls)
     labels = tuple(case.label for case in timed.cases)
-    measured = Measured(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
+    measured = CostMeasurements(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
     points = work_precision.work_precision_rows
-    told, _ = per_solver.made(
+    told, _ = per_solver.make_per_solver(
         lambda *some: time_to_accuracy.rows(points(*some)), (ran, measured), per_solver.solvers_of(ran)
     )
-    beside = timings.beside(ran, which_engine.wanted(told), full, calls)
+    beside = timings.beside(ran, which_engine.cold_start_keys(told), full, calls)
     return measured._replace(cold=beside.cold, parts=beside.parts)
 
 
-def _studies_wanted(plan: Plan) -> bool:
+def _requested_studies(plan: BuildPlan) -> bool:
     """A quick report has none, nor one where cases were named, unless it is a full one."""
     return plan.effort == "full" or (plan.effort == "default" and not plan.named)
 
 
-def _studied(plan: Plan, calls: Calls) -> list[Result]:
+def _study(plan: BuildPlan, calls: Calls) -> list[Result]:
     """All studies of a report."""
     from . import studies
 
-    if not _studies_wanted(plan):
+    if not _requested_studies(plan):
         return []
     full = plan.effort == "full"
     results = []
@@ -224,21 +226,22 @@ def _say(text: str) -> None:
 
 
 def _write(
-    plan: Plan,
+    plan: BuildPlan,
     shown: Experiment,
     ran: Experiment,
-    measured: Measured,
+    measured: CostMeasurements,
     studied: Sequence[Result],
     calls: Calls,
     place: Path,
 ) -> tuple[list[dict[str, Any]], list[LeftOut]]:
     """Tables, figures, page and manifest into a folder; returns the rows of the answer table, and what was made without
     a solver's results since with them it fails. `ran`: what was run here, without what is external."""
-    from .drawing.files import embed_command
+    from .drawing.figure_files import embed_command
     from .page import folder, html, motions, pictures, tables
     from .page.manifest import manifest
-    from .running import external, per_solver, spent
+    from .running import external_motions, per_solver
     from .running.solvers import missing_words
+    from .running.timing import phase_times
 
     command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
     told = manifest(ran.versions) | {
@@ -246,14 +249,14 @@ def _write(
         "options": _options(plan),
         "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {calls.store.taken_words()}",
         "store": calls.store.told(),
-        "compiled": kept.words(),
+        "compiled": compile_cache.words(),
         "ladders": plan.ladders() or "All settings of all ladders.",
         "limit_seconds": plan.limit,
         "cases": {case.label: dict(case.parameters) for case in shown.cases},
         "lost": calls.lost,
     }
     told["not installed"] = "; ".join(missing_words(ran.versions))
-    told["solvers"] |= external.sources(plan.trajectories)
+    told["solvers"] |= external_motions.sources(plan.trajectories)
     made = tables.Tables(place / "tables", command, ran.versions, plan.paper)
     rows = tables.write(made, shown, ran, measured, studied)
     calls.spent.book("tables")
@@ -268,27 +271,32 @@ def _write(
     made.note([*unmoved, *(one for some in (drawn, *of_studies.values()) for each in some for one in each.left_out)])
 
     # The page shows the time of the report up to itself; the manifest has the whole.
-    told["seconds"] = spent.total(calls.spent.phases).wall
+    told["seconds"] = phase_times.total(calls.spent.phases).wall
 
-    def rendered(shown: Experiment, measured: Measured, frames: dict[str, Any], studied: Sequence[Result]) -> str:
-        frames |= {tables.LEFT_OUT: made.frames[tables.LEFT_OUT]} if made.left_out else {}
+    def rendered(
+        shown: Experiment, measured: CostMeasurements, frames: dict[str, Any], studied: Sequence[Result]
+    ) -> str:
+        frames |= {tables.OMISSIONS: made.frames[tables.OMISSIONS]} if made.left_out else {}
         return html.render(shown, measured, frames, made.words, drawn, studied, of_studies, moving, figures, told)
 
     records = (shown, measured, dict(made.frames), tuple(studied))
-    page, left = per_solver.made(rendered, records, per_solver.solvers_of(shown), "the page")
+    page, left = per_solver.make_per_solver(rendered, records, per_solver.solvers_of(shown), "the page")
     if left:
         made.note(left)
         page = rendered(*(per_solver.without(each, {one.solver for one in left}) for each in records))
     tables.describe(made)
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     calls.spent.book("page")
-    told["phases"], told["seconds"] = spent.told(calls.spent.phases), spent.total(calls.spent.phases).wall
+    told["phases"], told["seconds"] = (
+        phase_times.time_summary(calls.spent.phases),
+        phase_times.total(calls.spent.phases).wall,
+    )
     told["left_out"] = [one._asdict() for one in made.left_out]
     folder.sign(place, told)
     return rows, made.left_out
 
 
-def _options(plan: Plan) -> str:
+def _options(plan: BuildPlan) -> str:
     """The options that matter when one case is to be made again: effort, case files and solvers."""
     words = [] if plan.effort == "default" else [f"--{plan.effort}"]
     if plan.files:
@@ -299,7 +307,7 @@ def _options(plan: Plan) -> str:
 
 
 def _summary(
-    plan: Plan,
+    plan: BuildPlan,
     shown: Experiment,
     answers: Sequence[dict[str, Any]],
     studied: Sequence[Result],
@@ -307,12 +315,19 @@ def _summary(
     calls: Calls,
 ) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
-    from .analysis import advice, tables
-    from .page import first
-    from .running import spent
+    from .analysis import recommendation, tables
+    from .page import front_page
     from .running.solvers import missing_words
+    from .running.timing import phase_times
 
-    lines = [first.in_terminal(answers), "", *first.notes(answers), "", *advice.sentences(answers), ""]
+    lines = [
+        front_page.in_terminal(answers),
+        "",
+        *front_page.notes(answers),
+        "",
+        *recommendation.sentences(answers),
+        "",
+    ]
     counts = tables.outcome_counts(shown)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
     count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
@@ -323,9 +338,12 @@ def _summary(
     lines += [f"{one.item} made without {one.solver}: {one.reason}" for one in left_out]
     lines += missing_words(shown.versions)
     store = calls.store
-    lines += [f"store: {store.taken_words()}; {store.size_words()}", f"cache: {kept.place() or 'off'}; {kept.words()}"]
+    lines += [
+        f"store: {store.taken_words()}; {store.size_words()}",
+        f"cache: {compile_cache.place() or 'off'}; {compile_cache.words()}",
+    ]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
-    lines += [spent.words(calls.spent.phases)]
+    lines += [phase_times.words(calls.spent.phases)]
     return "\n".join([*lines, str(plan.out / "index.html")])
 
 

@@ -1,6 +1,6 @@
 """`python -m reports.compare CASE FILE.csv`: judge a trajectory that a solver without Python has written to a file.
 
-The columns: `adapters.common.exported`. The judgement is that of the report. Exit status: 0 if the file could be
+The columns: `adapters.common.motion_file`. The judgement is that of the report. Exit status: 0 if the file could be
 judged, whatever came out; 2, with one sentence, if it could not.
 """
 
@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cases import Case, lookup
-from cases.files import existing
-from cases.words import status
+from cases.command_line import status
+from cases.user_files import existing
 
 from . import options
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 COMMAND = "reports.compare"
 # What the transitions' times are, and are not.
-SEEN = (
+SHOWN_DIGITS = (
     "Transitions are extrapolated between the samples (seen_at: the first sample after each, where a user who looks at "
     "step ends would see it)."
 )
@@ -36,9 +36,9 @@ def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
     Raises CaseError if the file cannot be judged, or the reference has no truth.
     """
     from adapters import Setting
-    from adapters.common.exported import columns_of, read_table, trajectory_of
+    from adapters.common.motion_file import columns_of, read_table, trajectory_of
 
-    from .running.external import judge_external
+    from .running.external_motions import judge_external
     from .running.records import Run
     from .running.tasks import find_truth
 
@@ -51,14 +51,14 @@ def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
 def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from tabulate import tabulate
 
-    from adapters.common.exported import NEEDED, followed
+    from adapters.common.motion_file import REQUIRED_COLUMNS, follow_contact
     from cases.mechanics import energy
 
-    from .judging.residuals import energy_growth, laws_broken
+    from .judging.residuals import broken_laws, energy_growth
 
-    gap = followed(case, {name: getattr(motion, name) for name in NEEDED})[2]
+    gap = follow_contact(case, {name: getattr(motion, name) for name in REQUIRED_COLUMNS})[2]
     ledger = [
-        (r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, _seen_at(motion, r.time), r.verdict)
+        (r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, _time_text(motion, r.time), r.verdict)
         for r in run.ledger
     ]
     head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "verdict")
@@ -69,7 +69,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
         ("energy at the end (J)", total[-1]),
         ("largest growth (J)", energy_growth(case, motion)),
     ]
-    broken = laws_broken(case, motion, gap)
+    broken = broken_laws(case, motion, gap)
     return "\n\n".join(
         (
             f"{run.solver} on {case.label}: {run.outcome}{f' ({run.reason})' if run.reason else ''}",
@@ -78,12 +78,12 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
             "Laws broken\n" + ("\n".join(broken) if broken else "none"),
             f"Slip is told from stick above {motion.slip_resolution:.2g} m/s.",
-            SEEN,
+            SHOWN_DIGITS,
         )
     )
 
 
-def _seen_at(motion: Trajectory, time: float) -> float:
+def _time_text(motion: Trajectory, time: float) -> float:
     """The first sample at or after a time; NaN where there is none."""
     place = int(motion.t.searchsorted(time))
     return float(motion.t[place]) if place < len(motion.t) else float("nan")
@@ -100,7 +100,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", "creep", words=positional)
         given = parser.parse_args(words)
         options.load_files(given.case_file)
-        case = lookup.named(given.CASE).one()
+        case = lookup.case_name(given.CASE).one()
         print(compare(case, existing("file", given.FILE), options.creep_of(given.creep)))
 
     return status(COMMAND, work, argv)

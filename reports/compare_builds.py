@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases import BadValue
-from cases.files import place, text
-from cases.words import status
+from cases.command_line import status
+from cases.user_files import place, text
 
 from . import options
 from .running.records import legible
@@ -61,7 +61,7 @@ class Difference(NamedTuple):
     other: Any
 
 
-class Comparison(NamedTuple):
+class BuildComparison(NamedTuple):
     """Accuracies that changed; awards, ratios outside both intervals and ranks that changed; and of how many ratios."""
 
     accuracies: list[Difference]
@@ -76,7 +76,7 @@ class Comparison(NamedTuple):
         return not (self.accuracies or self.awards or self.ratios or self.ranks)
 
 
-def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> Comparison:
+def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> BuildComparison:
     """What differs between the reports in two folders, or between one of two `solvers` in the first and the other in
     the second, as if they had one name. Raises BadValue for a folder that holds no report or not the solver."""
     frames = [_tables(one), _tables(other)]
@@ -89,16 +89,16 @@ def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> Comparison:
     pairs = _pairs(_TIMED, *(f.get("time_to_accuracy") for f in frames))
     awards, ratios, ranks, compared = [], [], [], 0
     for row, a, b in pairs:
-        told = ("time_to_accuracy", row)
+        summary_lines = ("time_to_accuracy", row)
         if _stands(a) != _stands(b):
-            awards.append(Difference(*told, "award", a["award"], b["award"]))
+            awards.append(Difference(*summary_lines, "award", a["award"], b["award"]))
         if a["ratio_low"] == a["ratio_low"] and b["ratio_low"] == b["ratio_low"]:  # NaN is not itself
             compared += 1
             if a["ratio_low"] > b["ratio_high"] or b["ratio_low"] > a["ratio_high"]:
-                ratios.append(Difference(*told, "ratio", a["ratio"], b["ratio"]))
+                ratios.append(Difference(*summary_lines, "ratio", a["ratio"], b["ratio"]))
         if a["rank"] != b["rank"] and a["rank"] == a["rank"] and b["rank"] == b["rank"]:
-            ranks.append(Difference(*told, "rank", a["rank"], b["rank"]))
-    return Comparison(accuracies, awards, ratios, ranks, compared)
+            ranks.append(Difference(*summary_lines, "rank", a["rank"], b["rank"]))
+    return BuildComparison(accuracies, awards, ratios, ranks, compared)
 
 
 def _stands(row: dict[str, Any]) -> str:
@@ -189,10 +189,10 @@ def _accuracies(
 # --- in words ---------------------------------------------------------------------------------------------------------
 
 
-def told(comparison: Comparison, one: Path, other: Path, solvers: Sequence[str] = ()) -> str:
+def summary_lines(comparison: BuildComparison, one: Path, other: Path, solvers: Sequence[str] = ()) -> str:
     """The comparison as text: first what the reports were made with, where that differs."""
     names = [f", {name}" for name in solvers] or ["", ""]
-    lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_made(one, other)]
+    lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_provenance(one, other)]
     parts = {
         "accuracies that changed": comparison.accuracies,
         "awards that changed": comparison.awards,
@@ -211,7 +211,7 @@ def _short(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "(empty)"
 
 
-def _made(one: Path, other: Path) -> list[str]:
+def _provenance(one: Path, other: Path) -> list[str]:
     """What differs in how the two were made."""
     manifests = [_manifest(folder / "manifest.json") for folder in (one, other)]
     names = ("commit", "machine", "python", "solvers", "packages", "settings")
@@ -221,12 +221,12 @@ def _made(one: Path, other: Path) -> list[str]:
 
 def _manifest(file: Path) -> dict[str, Any]:
     try:
-        told = json.loads(text("manifest", file, _LARGEST))
+        summary_lines = json.loads(text("manifest", file, _LARGEST))
     except (json.JSONDecodeError, RecursionError) as problem:
         raise BadValue(f"{file} is no JSON: {problem}; give a report of this suite") from problem
-    if not isinstance(told, dict):
+    if not isinstance(summary_lines, dict):
         raise BadValue(f"{file} says nothing of a report; give a report of this suite")
-    return told
+    return summary_lines
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -243,7 +243,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if len(solvers) not in (0, 2):
             raise BadValue("--solver is given twice, once for A and once for B, or not at all")
         comparison = compare(one, other, solvers)
-        print(told(comparison, one, other, solvers))
+        print(summary_lines(comparison, one, other, solvers))
         return 0 if comparison.same else 3
 
     return status(COMMAND, work, argv)

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 
 import adapters
 from adapters import EngineFailure, Setting
-from adapters.common.exported import columns_of, read_table, trajectory_of
+from adapters.common.motion_file import columns_of, read_table, trajectory_of
 from cases import BadValue, Case, DoesNotFit, NotSupported, Trajectory
-from cases.errors import unknown
+from cases.errors import unknown_name
 
 from .running import tasks
 from .running.calls import Calls
-from .running.external import judge_external
+from .running.external_motions import judge_external
 from .running.records import Run, Truth, first_error
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def motion_of(case: Case, solver: str, route: str, setting: Setting | Mapping | 
     or ran out of time.
     """
     if solver not in adapters.engines():
-        raise unknown("engine", solver, adapters.engines())
+        raise unknown_name("engine", solver, adapters.engines())
     with Calls(jobs=1) as calls:
         (asked,) = calls.all("survey", tasks.survey, [(case, solver)])
         offers = asked.value if asked.outcome == "done" else ()
@@ -43,7 +43,7 @@ def motion_of(case: Case, solver: str, route: str, setting: Setting | Mapping | 
             raise EngineFailure(f"{solver} cannot be asked: {asked.reason}")
         offer = next((offer for offer in offers if offer.route in (route, "")), None)
         if offer is None:
-            raise unknown(f"route of {solver}", route, [offer.route for offer in offers])
+            raise unknown_name(f"route of {solver}", route, [offer.route for offer in offers])
         if offer.outcome or not offer.settings:
             raise NotSupported(f"{solver}, {route}: {offer.reason or 'it offers no setting'}")
         chosen = offer.settings[-1] if setting is None else _setting(setting)
@@ -68,12 +68,12 @@ def compare(case: Case, **given: str | Path | Trajectory) -> Comparison:
         raise DoesNotFit(f"there is no truth to judge by: {truth.failure}")
     motions, runs = {}, []
     for name, what in given.items():
-        motions[name], run = _judged(case, truth, name, what)
+        motions[name], run = _judge(case, truth, name, what)
         runs.append(run)
     return Comparison(case, truth, motions, tuple(runs))
 
 
-def _judged(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -> tuple[Trajectory, Run]:
+def _judge(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -> tuple[Trajectory, Run]:
     """A motion of what is given, and its row."""
     row = Run(case.label, name, "", Setting.of(), 0, outcome="")
     if not isinstance(what, Trajectory | str | Path):

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from cases import Case
-from cases.owned_folder import write, written
+from cases.owned_folder import atomic_path, write
 
 from .show import MADE_BY, case_of, check_free, main
 
@@ -49,17 +49,17 @@ def export(case: Case, folder: Path, replace: bool = True) -> list[Path]:
 
 
 def _write_csv(path: Path, rows: np.ndarray, head: str, replace: bool, fmt: str = "%.18e") -> None:
-    with written(path, replace) as partial:
+    with atomic_path(path, replace) as partial:
         np.savetxt(partial, rows, delimiter=",", comments="", header=head, fmt=fmt)
 
 
 def truth(case: Case) -> dict:
     """How the true motion ends, and its transitions with their error bars, by the certificate that reports judge by."""
-    from reference.certification import kept_or_new
+    from reference.certification import stored_or_new
 
     from .running.tasks import in_catalogue
 
-    certificate = kept_or_new(case, kept=in_catalogue(case))
+    certificate = stored_or_new(case, kept=in_catalogue(case))
     return {
         "made_by": f"{MADE_BY} export",
         "status": certificate.status,

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 
 import adapters
 import cases
-from cases import BadValue, Case, kept, lookup
-from cases.errors import unknown
-from cases.files import place
+from cases import BadValue, Case, compile_cache, lookup
+from cases.command_line import Parser
+from cases.errors import unknown_name
 from cases.owned_folder import OwnedFolder, TemporaryFolder
-from cases.words import Parser
+from cases.user_files import place
 
 from .page import folder
 from .running.records import REFERENCE
@@ -28,7 +28,7 @@ from .running.records import REFERENCE
 if TYPE_CHECKING:
     from adapters import Setting
 
-    from .running.external import External
+    from .running.external_motions import External
 
 # The families every solver runs; they alone make up a quick report.
 SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
@@ -131,7 +131,7 @@ class _NoCache(argparse.Action):
     """Turns off what is kept between processes, for this one and its workers."""
 
     def __call__(self, parser, namespace, values, option_string=None):
-        os.environ[kept.VARIABLE] = kept.OFF
+        os.environ[compile_cache.VARIABLE] = compile_cache.OFF
 
 
 def parser(
@@ -164,7 +164,8 @@ def parser(
         "--no-cache",
         action=_NoCache,
         nargs=0,
-        help=f"derive and compile anew what earlier processes kept on disk ({kept.VARIABLE}=off does the same)",
+        help="derive and compile again what earlier processes cached on disk "
+        f"({compile_cache.VARIABLE}=off does the same)",
     )
     for name, text in (words or {}).items():
         parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
@@ -177,7 +178,7 @@ def command(module: str, words: Sequence[str]) -> str:
 
 
 @dataclass(frozen=True)
-class Plan:
+class BuildPlan:
     """What a report is made of, checked."""
 
     out: Path
@@ -232,25 +233,25 @@ def solvers() -> tuple[str, ...]:
     return (REFERENCE, *adapters.engines())
 
 
-def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> Plan:
+def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
     effort = "quick" if options.quick else "full" if options.full else "default"
     try:
         own_engines = tuple(adapters.interface.register(file) for file in options.engine)
     except ImportError as problem:
         raise BadValue(str(problem)) from problem
-    jobs, chosen = whole_jobs(options.jobs), chosen_solvers([*(options.solver or solvers()), *own_engines])
+    jobs, chosen = whole_jobs(options.jobs), choose_solvers([*(options.solver or solvers()), *own_engines])
     files, own = load_files(options.case_file)
-    out = checked_out(options.out)
-    store = checked_store(options.store, out)
+    out = check_out(options.out)
+    store = check_store(options.store, out)
     names = options.case or own
-    found, more = chosen_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
+    found, more = choose_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
     external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
     named = bool(names)
     if options.dask is not None and own_engines:
         raise BadValue("--engine names files of this machine, which --dask leaves; give one of the two")
     files = tuple(dict.fromkeys((*files, *more)))
-    return Plan(
+    return BuildPlan(
         out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper,
         options.dask,
     )  # fmt: skip
@@ -264,7 +265,7 @@ def plan_by_hand(
     jobs: int,
     store: Path | None,
     fresh: bool,
-) -> Plan:
+) -> BuildPlan:
     """The plan of a report on cases made by hand, checked as one of the command's; raises CaseError."""
     found = tuple(given)
     for case in found:
@@ -275,18 +276,18 @@ def plan_by_hand(
     if twice or not found:
         raise BadValue(f"two cases are called {twice!r}; give each a name=" if twice else "no case is given; give one")
     if effort not in _LIMITS:
-        raise unknown("effort", effort, _LIMITS)
-    chosen, out = chosen_solvers(solvers), checked_out(out)
-    return Plan(out, found, (), chosen, effort, whole_jobs(str(jobs)), (), True, checked_store(store, out), fresh)
+        raise unknown_name("effort", effort, _LIMITS)
+    chosen, out = choose_solvers(solvers), check_out(out)
+    return BuildPlan(out, found, (), chosen, effort, whole_jobs(str(jobs)), (), True, check_store(store, out), fresh)
 
 
-def chosen_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
+def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
     """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be asked for."""
     chosen = tuple(dict.fromkeys(names or solvers()))
     for name in chosen:
         engine, mark, _ = name.partition("@")
         if engine not in solvers():
-            raise unknown("solver", engine, solvers())
+            raise unknown_name("solver", engine, solvers())
         if mark:
             from .running import versions
 
@@ -303,9 +304,9 @@ def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
 def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External, ...]:
     if not texts:
         return ()
-    from .running import external
+    from .running import external_motions
 
-    return external.from_options(texts, found, solvers())
+    return external_motions.from_options(texts, found, solvers())
 
 
 def creep_of(text: str) -> float:
@@ -324,7 +325,7 @@ def _submissions(folder: str | None, found: Sequence[Case]) -> tuple[External, .
         return ()
     from .running import submissions
 
-    return submissions.externals(submissions.found_in(place("folder of --submissions", folder)), found, solvers())
+    return submissions.externals(submissions.submissions_in(place("folder of --submissions", folder)), found, solvers())
 
 
 def whole_jobs(text: str) -> int:
@@ -338,11 +339,11 @@ def whole_jobs(text: str) -> int:
     return jobs
 
 
-def chosen_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], tuple[str, ...]]:
+def choose_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], tuple[str, ...]]:
     """The cases of the texts, each once, and the files that the texts name; a quick report takes only the last variant
     of each case."""
     found: dict[tuple, Case] = {}
-    named = [lookup.named(text) for text in texts]
+    named = [lookup.case_name(text) for text in texts]
     for one in named:
         variants = one.every()
         for case in {case.name: case for case in variants}.values() if effort == "quick" else variants:
@@ -350,7 +351,7 @@ def chosen_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], t
     return tuple(found.values()), tuple(str(one.file.resolve()) for one in named if one.file)
 
 
-def checked_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = folder.of_report) -> Path:
+def check_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = folder.of_report) -> Path:
     """The folder to write, resolved; raises BadValue if it is where the user works, cannot be written to, or is not as
     `OwnedFolder.check` wants it."""
     out = place("folder of --out", out).resolve()
@@ -361,7 +362,7 @@ def checked_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = fold
     return out
 
 
-def checked_store(text: str | Path | None, out: Path) -> Path:
+def check_store(text: str | Path | None, out: Path) -> Path:
     """The store's folder, resolved; raises BadValue if what was asked for is no folder of its own or not writable."""
     store = place("folder of --store", STORE if text is None else text).resolve()
     if store == out or store in out.parents or out in store.parents:

@@ -21,10 +21,10 @@ from pathlib import Path
 from typing import Any
 
 import cases
-from cases import BadValue, files
+from cases import BadValue, user_files
+from cases.command_line import status
 from cases.errors import finite
 from cases.owned_folder import digest, write
-from cases.words import status
 
 from . import options
 from .page import folder
@@ -64,7 +64,7 @@ def publish(report: Path, results: Path) -> Path:
             shutil.copyfile(report / name, partial / name)
         page = _by_itself(_text(report / folder.PAGE), kept)
         (partial / folder.PAGE).write_text(page, encoding="utf-8")
-        package = _described(_json(report / PACKAGE), told, partial, names)
+        package = _describe(_json(report / PACKAGE), told, partial, names)
         (partial / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
         (partial / CONSTRAINTS).write_text(_constraints(told), encoding="utf-8")
         folder.sign(partial, told | {"licence": LICENCE["name"]})
@@ -126,7 +126,7 @@ def _json(file: Path) -> Any:
 
 
 def _text(file: Path) -> str:
-    return files.text("file of the report", file, _LARGEST)
+    return user_files.text("file of the report", file, _LARGEST)
 
 
 def _check(told: Mapping[str, Any], report: Path, names: Sequence[str]) -> None:
@@ -175,7 +175,7 @@ def _by_itself(page: str, kept: Sequence[str]) -> str:
     return page
 
 
-def _described(package: Any, told: Mapping[str, Any], place: Path, names: Sequence[str]) -> dict[str, Any]:
+def _describe(package: Any, told: Mapping[str, Any], place: Path, names: Sequence[str]) -> dict[str, Any]:
     """The data package with version, licence and the digests of its tables; raises BadValue for one that says anything
     but which tables there are."""
     given = package.get("resources") if isinstance(package, dict) else None
@@ -269,10 +269,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             example=f"python -m {COMMAND} report",
         )  # fmt: skip
         given = parser.parse_args(words)
-        results = files.place("folder of --out", given.out).resolve()
+        results = user_files.place("folder of --out", given.out).resolve()
         if results == RESULTS:
             around(ROOT / "README.md")  # before anything is written
-        place = publish(files.place("report", given.REPORT), results)
+        place = publish(user_files.place("report", given.REPORT), results)
         if results == RESULTS:
             refresh(ROOT / "README.md", place)
         size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())

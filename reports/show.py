@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import cases
 from cases import BadValue, Case, Trajectory, lookup
-from cases.files import place
-from cases.owned_folder import check_new, written
+from cases.command_line import status
+from cases.owned_folder import atomic_path, check_new
 from cases.pictures import MADE_BY
-from cases.words import status
+from cases.user_files import place
 
 from . import options
 
@@ -24,7 +24,7 @@ _CHANGES = "what differs from its own"
 KINDS = (".png", ".svg", ".pdf")
 
 
-class Asked(NamedTuple):
+class ShowRequest(NamedTuple):
     """What a command line asks for."""
 
     case: Case
@@ -46,20 +46,20 @@ def run(words: Sequence[str]) -> None:
     motion = reference.simulate(case)
     picture.parent.mkdir(parents=True, exist_ok=True)
     metadata = {"Software" if picture.suffix == ".png" else "Creator": MADE_BY}
-    with written(picture, replace=force) as partial:
+    with atomic_path(picture, replace=force) as partial:
         motion.plot().savefig(partial, metadata=metadata)
     print(facts(case, motion))
     print(f"picture: {picture}")
 
 
-def case_of(command: str, words: Sequence[str], says: str) -> Asked:
+def case_of(command: str, words: Sequence[str], says: str) -> ShowRequest:
     """The case that a command line names, where its output goes, and whether it may write over what is there."""
     positional = {"CASE": options.A_CASE, "parameter=value*": _CHANGES}
     parser = options.parser(command, says, "case_file", "out", "force", words=positional)
     given = parser.parse_args(list(words))
     out = given.out and place("folder or file of --out", given.out)
     options.load_files(given.case_file)
-    return Asked(lookup.named(given.CASE).one(getattr(given, "parameter=value")), out, given.force)
+    return ShowRequest(lookup.case_name(given.CASE).one(getattr(given, "parameter=value")), out, given.force)
 
 
 def check_free(path: Path, force: bool) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cases import BadValue, lookup
-from cases.words import status
+from cases.command_line import status
 
 from . import options, studies
 from .page import folder
@@ -21,7 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _work(words: list[str]) -> None:
-    from .drawing.files import for_print
+    from .drawing.figure_files import for_print
 
     parser = options.parser(
         COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "full", "jobs",
@@ -37,12 +37,12 @@ def _work(words: list[str]) -> None:
     texts = given.case or own
     if own and "case" not in study.TAKES:
         raise BadValue(f"{given.NAME} has its own cases; leave out --case-file")
-    solvers, jobs = options.chosen_solvers(given.solver), options.whole_jobs(given.jobs)
-    made = (case for text in texts for case in lookup.named(text).every(long=given.full))
+    solvers, jobs = options.choose_solvers(given.solver), options.whole_jobs(given.jobs)
+    made = (case for text in texts for case in lookup.case_name(text).every(long=given.full))
     chosen = tuple({case.label: case for case in made}.values())
     request = studies.Request(chosen, solvers, given.full)
-    out = options.checked_out(given.out or given.NAME, folder.of_study)
-    store = options.checked_store(given.store, out)
+    out = options.check_out(given.out or given.NAME, folder.of_study)
+    store = options.check_store(given.store, out)
     with for_print(given.paper):
         _make(given.NAME, request, out, store, given.fresh, jobs, options.command(COMMAND, words))
 
@@ -50,13 +50,13 @@ def _work(words: list[str]) -> None:
 def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
-    from .drawing.files import embed_command, printed
+    from .drawing.figure_files import embed_command, writes_pdf
     from .page import dictionary, text
     from .page.manifest import manifest
     from .running import versions
     from .running.calls import Calls
-    from .running.progress import Display
-    from .running.store import Store
+    from .running.processes.progress import Display
+    from .running.storage.result_store import Store
 
     store = Store(store_folder, fresh)
     versions.make(request.solvers, lambda text: print(text, file=sys.stderr, flush=True))
@@ -69,7 +69,7 @@ def _make(
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
     with folder.of_study(out).staged(whole=True) as place:
-        files = text.write(result.frames, result.words, place, command, printed())
+        files = text.write(result.frames, result.words, place, command, writes_pdf())
         files += dictionary.write(result.frames, result.words, place, command)
         for drawn in result.draw(place):
             embed_command(place, drawn, command)

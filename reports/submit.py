@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases.files import place
-from cases.words import status
+from cases.command_line import status
+from cases.user_files import place
 
 from . import options
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 COMMAND = "reports.submit"
 
 
-def judged(folder: str | Path) -> tuple[Submission, list[Run]]:
+def judge_submission(folder: str | Path) -> tuple[Submission, list[Run]]:
     """A submission and the rows of its motions. Raises CaseError, in one sentence, for what is not in the form."""
-    from .running import external, submissions
+    from .running import external_motions, submissions
     from .running.tasks import find_truth
 
     submission = submissions.read(place("folder", folder))
     motions = [submissions.motion(submission, label) for label in submission.files]
-    return submission, [external.judged(given, 1, find_truth(given.case)) for given in motions]
+    return submission, [external_motions.judge_motion(given, 1, find_truth(given.case)) for given in motions]
 
 
 def _text(submission: Submission, runs: Sequence[Run]) -> str:
@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     def work(words: list[str]) -> None:
         positional = {"FOLDER": "submissions/ENGINE/VERSION, with submission.toml and a CASE.csv for each case"}
         parser = options.parser(COMMAND, "Check and judge motions that are to be handed in.", words=positional)
-        print(_text(*judged(parser.parse_args(words).FOLDER)))
+        print(_text(*judge_submission(parser.parse_args(words).FOLDER)))
 
     return status(COMMAND, work, argv)
 

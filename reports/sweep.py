@@ -6,8 +6,8 @@ import sys
 from collections.abc import Sequence
 
 from cases import BadValue, lookup
+from cases.command_line import status
 from cases.errors import finite, whole
-from cases.words import status
 
 from . import options
 
@@ -28,9 +28,9 @@ def _work(words: list[str]) -> None:
     )  # fmt: skip
     given = parser.parse_args(words)
     files, _ = options.load_files(given.case_file)
-    case = lookup.named(given.CASE)
+    case = lookup.case_name(given.CASE)
     plan = _plan(given, case.label(), (*files, str(case.file.resolve())) if case.file else files)
-    solvers = [name for name in options.chosen_solvers(given.solver or ["reference"]) if name != "reference"]
+    solvers = [name for name in options.choose_solvers(given.solver or ["reference"]) if name != "reference"]
     if versioned := next((name for name in solvers if "@" in name), ""):
         raise BadValue(f"a sweep runs what is installed, not {versioned}; reports.build has versions beside each other")
     jobs = options.whole_jobs(given.jobs)
@@ -74,27 +74,27 @@ def _width(text: str, plan) -> float:
     width = _number("--refine", text)
     if not width > 0.0:
         raise BadValue(f"--refine is {width:g}; give a width above zero")
-    from .sweeping import refine
+    from .sweeping import boundary_search
 
-    refine.check(plan)
+    boundary_search.check(plan)
     return width
 
 
 def _sweep(plan, solvers: Sequence[str], jobs: int, given, width: float | None, command: str) -> None:
     """Make the rows, the boundaries and the maps, and say where they are."""
-    from .drawing.files import embed_command
-    from .running import cluster
-    from .running.progress import Display
-    from .sweeping import maps, refine, run
+    from .drawing.figure_files import embed_command
+    from .running.processes import cluster
+    from .running.processes.progress import Display
+    from .sweeping import boundary_search, maps, run
     from .sweeping.folder import Folder
 
-    out = options.checked_out(given.out, lambda path: Folder(path, given.fresh))
+    out = options.check_out(given.out, lambda path: Folder(path, given.fresh))
     if given.dask is not None:
         cluster.check(given.dask)
 
     ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not there
     folder = Folder(out, given.fresh)
-    with folder.exclusive(run.asked(plan, given.certify)):
+    with folder.exclusive(run.sweep_identity(plan, given.certify)):
         folder.record({"command": command})
         try:
             with Display() as display:
@@ -103,7 +103,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, given, width: float | None, 
                 engines: dict[str, str] = {}
                 for name in solvers:
                     engines |= run.run_engine(plan, folder, name, ways[name], machines)
-            edges = refine.run(plan, folder, width) if width is not None else None
+            edges = boundary_search.run(plan, folder, width) if width is not None else None
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"what is done is in {out}; give the same command to go on") from None
         counts = maps.counts(folder)
@@ -117,7 +117,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, given, width: float | None, 
     for what, count in counts.most_common(12):
         print(f"  {count:>12,}  {what}")
     if edges is not None:
-        print(f"boundaries: {out / refine.FILE} ({edges.points} points, {edges.scenarios} more scenarios)")
+        print(f"boundaries: {out / boundary_search.FILE} ({edges.points} points, {edges.scenarios} more scenarios)")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import cases
-from cases import CaseError, kept, lookup
+from cases import CaseError, compile_cache, lookup
 
 _PROPERTY = "accuracy"
 _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
@@ -35,7 +35,7 @@ def pytest_configure(config):
 
     What was compiled is taken from disk only where the environment names a folder, as `make test` does.
     """
-    os.environ.setdefault(kept.VARIABLE, kept.OFF)
+    os.environ.setdefault(compile_cache.VARIABLE, compile_cache.OFF)
     gc.disable()  # what is collected stays to the end: looking through it for garbage finds none and takes seconds
     quick = config.option.markexpr == QUICK and config.getoption("--hypothesis-seed", None) is None
     settings.load_profile("same" if quick else "other")

@@ -104,8 +104,8 @@ PARTS = {
     "paper": set(),
     "minimal": set(),
     "contact_frame": set(),
-    "literal": {"minimal", "paper"},
-    "solve": {"minimal", "literal"},
+    "augmented_integrator": {"minimal", "paper"},
+    "solve": {"minimal", "augmented_integrator"},
     "narration": {"solve"},
     "errata": {"paper", "solve"},
     "certification": {"solve", "minimal", "contact_frame"},
@@ -156,7 +156,7 @@ def test_the_way_of_a_case_enters_no_room_twice_but_the_workers():
 # Calls outside `cases/owned_folder.py` that delete or rename files, and why they may.
 REMOVALS = {
     (
-        "reports/running/serving.py",
+        "reports/running/processes/worker_process.py",
         "rmtree",
     ): "the folder that the worker made for a call, and its content",
     ("reports/running/versions.py", "unlink"): "the note, in the suite's own cache, of why an environment was not made",

@@ -10,14 +10,15 @@ import pandas as pd
 import pytest
 
 import cases
-from adapters.common import exported
-from cases import CaseError, Curve, Load, kept, lookup, trial
+from adapters.common import motion_file
+from cases import CaseError, Curve, Load, compile_cache, lookup, trial
 from cases.effects import MOTION
 from cases.owned_folder import LIST, digest
 from reports import compare_builds
 from reports.analysis.columns import Table
 from reports.page import folder, text
-from reports.running import external, packing, store, submissions
+from reports.running import external_motions, submissions
+from reports.running.storage import packing, result_store
 from reports.sweeping import folder as sweep_folder
 
 SCENE = Path(__file__).resolve().parents[1]
@@ -78,8 +79,8 @@ def test_no_name_parameter_or_path_is_run(mark):
         refused(cases.select, f"{attack}[mu=1]")
         refused(cases.load_file, attack)
         refused(Curve.from_csv, attack, closed=True)
-        refused(exported.read_table, attack)
-        refused(external.from_options, [f"{attack}=nothing.csv"], [], [])
+        refused(motion_file.read_table, attack)
+        refused(external_motions.from_options, [f"{attack}=nothing.csv"], [], [])
 
 
 def test_no_cell_of_a_file_is_run(mark, tmp_path):
@@ -93,7 +94,7 @@ def test_no_cell_of_a_file_is_run(mark, tmp_path):
             f"t,x,y,theta\n{rows}{attack}",
         ):
             (tmp_path / "motion.csv").write_text(content)
-            refused(exported.read_table, tmp_path / "motion.csv")
+            refused(motion_file.read_table, tmp_path / "motion.csv")
         (tmp_path / "points.csv").write_text(f"0,0\n{quoted},1\n" + "".join(f"{i},{i * i}\n" for i in range(20)))
         refused(Curve.from_csv, tmp_path / "points.csv", closed=False)
 
@@ -111,18 +112,18 @@ class Bomb:
 def test_no_pickle_is_read_from_a_store_or_an_array(mark, tmp_path):
     content = pickle.dumps(Bomb(mark))
     (tmp_path / "bomb.csv").write_bytes(content)
-    refused(exported.read_table, tmp_path / "bomb.csv")
+    refused(motion_file.read_table, tmp_path / "bomb.csv")
     refused(Curve.from_csv, tmp_path / "bomb.csv", closed=True)
     place = tmp_path / "store"
-    results = store.Store(place)
+    results = result_store.Store(place)
     assert results.problem() == ""
     key = {"what": "a run"}
     results.put("run", key, 1.0, float)
     (file,) = place.glob("run-*.npz")
     file.write_bytes(content)
-    assert store.Store(place).get("run", key, float) is None
+    assert result_store.Store(place).get("run", key, float) is None
     np.savez(file, record=np.array([Bomb(mark)], dtype=object))
-    assert store.Store(place).get("run", key, float) is None
+    assert result_store.Store(place).get("run", key, float) is None
 
 
 def rows_of(path: Path, asked: dict) -> list:
@@ -149,7 +150,7 @@ def test_no_file_of_a_strangers_report_sweep_or_submission_is_run(mark, tmp_path
         (place / name).parent.mkdir(parents=True, exist_ok=True)
         (place / name).write_text(whole)
     reading = {
-        report: lambda: compare_builds.told(compare_builds.compare(report, report), report, report),
+        report: lambda: compare_builds.summary_lines(compare_builds.compare(report, report), report, report),
         sweep: lambda: rows_of(sweep, ours["asked"]),
         hand_in: lambda: submissions.read(hand_in),
     }
@@ -174,7 +175,7 @@ def test_a_strangers_report_says_nothing_that_a_terminal_acts_on(tmp_path):
         (tmp_path / name / "manifest.json").write_text(json.dumps({"machine": said}))
         (tmp_path / name / "tables" / "truth.csv").write_text(f"case,event,time\na,1,0.1{said}\n")
     one, other = tmp_path / "one", tmp_path / "other"
-    told = compare_builds.told(compare_builds.compare(one, other), one, other)
+    told = compare_builds.summary_lines(compare_builds.compare(one, other), one, other)
     assert "machine" in told and "0.1" in told and "\x1b" not in told
 
 
@@ -200,8 +201,8 @@ def test_a_record_says_nothing_about_what_code_runs(mark):
 def test_what_others_could_have_put_into_the_cache_is_not_read(mark, tmp_path, monkeypatch, open_to, caplog):
     cache = tmp_path / "cache"
     cache.mkdir(mode=0o700)
-    monkeypatch.setenv(kept.VARIABLE, str(cache))
-    made = kept.kept("jet", ("a secret", open_to), Path(kept.__file__).parent, lambda: 1.0)
+    monkeypatch.setenv(compile_cache.VARIABLE, str(cache))
+    made = compile_cache.cached("jet", ("a secret", open_to), Path(compile_cache.__file__).parent, lambda: 1.0)
     assert made == 1.0
     (file,) = cache.glob("*.kept")
     content = pickle.dumps(Bomb(mark))
@@ -209,7 +210,7 @@ def test_what_others_could_have_put_into_the_cache_is_not_read(mark, tmp_path, m
 
     file.write_bytes(hashlib.sha256(content).digest() + content)
     file.chmod(0o600 | open_to)
-    assert kept.kept("jet", ("a secret", open_to), Path(kept.__file__).parent, lambda: 2.0) == 2.0
+    assert compile_cache.cached("jet", ("a secret", open_to), Path(compile_cache.__file__).parent, lambda: 2.0) == 2.0
 
 
 def test_text_is_inert_in_tables(mark, tmp_path):

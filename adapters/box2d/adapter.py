@@ -42,7 +42,7 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
-from cases.errors import unknown
+from cases.errors import unknown_name
 from cases.mechanics import gravity
 
 from ..common import facets, half_steps
@@ -78,7 +78,7 @@ def version() -> str:
 def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
-        raise unknown("route of box2d", route, routes)
+        raise unknown_name("route of box2d", route, routes)
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if strange:
         return f"box2d has nothing for {' and '.join(strange)}."
@@ -116,7 +116,7 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
 
 
 @dataclass
-class Model:
+class Box2dModel:
     """One run: the case, its setting, the step (s) and how many; the engine's world and plate, and what was noted."""
 
     case: Case
@@ -128,7 +128,7 @@ class Model:
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
 
-def build(case: Case, route: str, setting: Setting) -> Model:
+def build(case: Case, route: str, setting: Setting) -> Box2dModel:
     """A world with the plate at the case's start. The step divides the duration evenly."""
     steps, knobs = max(2, round(case.duration / setting["h"])), dict[str, Any](setting)
     h, scale, start = case.duration / steps, setting["scale"], start_motion(case)
@@ -150,10 +150,10 @@ def build(case: Case, route: str, setting: Setting) -> Model:
     mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), case.plate.inertia * scale**2
     plate.mass_data = mass
     plate.linear_velocity, plate.angular_velocity = (scale * start.vx, scale * start.vy), start.omega
-    return Model(case, knobs, h, steps, world, plate)
+    return Box2dModel(case, knobs, h, steps, world, plate)
 
 
-def run(model: Model) -> None:
+def run(model: Box2dModel) -> None:
     """Step through the duration, noting poses and the velocities after the next step, in the engine's units."""
     h, step, plate, note, substeps = model.h, model.world.step, model.plate, model.rows.append, model.knobs["substeps"]
     rest = half_steps.rest(substeps) * h
@@ -168,7 +168,7 @@ def run(model: Model) -> None:
             plate.set_transform((x + rest * vx, y + rest * vy), shapes.rotation(angle + rest * omega))
 
 
-def read(model: Model) -> Trajectory:
+def read(model: Box2dModel) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
     case, knobs, scale = model.case, model.knobs, model.knobs["scale"]
     rows = np.array(model.rows) / np.array([scale, scale, 1.0, scale, scale, 1.0])
@@ -177,4 +177,4 @@ def read(model: Model) -> Trajectory:
     rows[:, 2] = theta + 2 * np.pi * np.round((start_motion(case).theta - theta[0]) / (2 * np.pi))
     rough = facets.sagitta(case, knobs.get("facets"), knobs.get("vertices")) + SLOP / scale
     engine: dict[str, Any] = dict(rough=rough, lever=0.5, rounding=ROUNDING, rest=half_steps.rest(knobs["substeps"]))
-    return half_steps.read(half_steps.Noted(case, model.h, model.steps, rows, **engine))
+    return half_steps.read(half_steps.StepRecord(case, model.h, model.steps, rows, **engine))

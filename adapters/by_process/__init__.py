@@ -3,8 +3,8 @@
 `docs/process_protocol.md` has the protocol, `scene.schema.json` beside this file the form of a scene.
 """
 
+from .bundle import FOLDER, BundledEngine, bundled_engines
 from .engine import Engine
 from .scene import SCHEMA, VERSION, as_json, scene
-from .shipped import FOLDER, Shipped, shipped
 
-__all__ = ["FOLDER", "SCHEMA", "VERSION", "Engine", "Shipped", "as_json", "scene", "shipped"]
+__all__ = ["FOLDER", "SCHEMA", "VERSION", "Engine", "BundledEngine", "as_json", "scene", "bundled_engines"]

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
 
-from ..common import exported, supervision
+from ..common import motion_file, supervision
 from ..interface import EngineFailure, Setting
 from .scene import as_json, scene
 
@@ -32,16 +32,16 @@ MOST_BYTES = 30 * 2**20
 # Wall seconds of a run, where nobody has set a shorter limit.
 MOST_SECONDS = 600.0
 # The exit status by which an executable refuses a scene; the sentence stands on standard error.
-REFUSED = 3
+UNSUPPORTED_STATUS = 3
 # Characters of a line that is quoted.
-_QUOTED = 200
+_QUOTE_CHARACTERS = 200
 # How often its output is measured while it runs, s.
 _LOOKS = 0.01
 _COST = re.compile(r"^#\s*cost\b(.*)$", re.MULTILINE)
 
 
 @dataclass
-class Model:
+class ProcessModel:
     """One run: what goes in, and what came out."""
 
     case: Case
@@ -90,11 +90,11 @@ class Engine:
         """The step (s) of the engine as it comes: nothing is known of it, and a game's is taken."""
         return STEPS[0]
 
-    def build(self, case: Case, route: str, setting: Setting) -> Model:
+    def build(self, case: Case, route: str, setting: Setting) -> ProcessModel:
         """The scene and the setting as text."""
-        return Model(case, as_json({**scene(case), "setting": dict(setting)}) + "\n")
+        return ProcessModel(case, as_json({**scene(case), "setting": dict(setting)}) + "\n")
 
-    def run(self, model: Model) -> None:
+    def run(self, model: ProcessModel) -> None:
         """One process; raises NotSupported if it refuses, EngineFailure if it fails, or writes or takes too much."""
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
             given = Path(folder) / "scene.json"
@@ -104,31 +104,31 @@ class Engine:
                     self.command(self.path), stdin=asked, stdout=out, stderr=err, cwd=folder, preexec_fn=_bound
                 )
                 try:
-                    status = _waited(process, out.fileno(), err.fileno())
+                    status = _wait(process, out.fileno(), err.fileno())
                 finally:
                     process.kill()
                     process.wait()
             _check_size(out.fileno(), err.fileno())
             said = _read(err, 2000)
-            if status == REFUSED:
+            if status == UNSUPPORTED_STATUS:
                 raise NotSupported(said.partition("\n")[0] or "it gave no reason")
             if status < 0:
-                raise EngineFailure(f"its process was ended by signal {_signal(-status)}{_quoted(said)}")
+                raise EngineFailure(f"its process was ended by signal {_signal(-status)}{_quote(said)}")
             if status:
-                raise EngineFailure(f"its process ended with exit status {status}{_quoted(said)}")
+                raise EngineFailure(f"its process ended with exit status {status}{_quote(said)}")
             model.output = _read(out, MOST_BYTES)
 
-    def read(self, model: Model) -> Trajectory:
+    def read(self, model: ProcessModel) -> Trajectory:
         """The motion; raises EngineFailure for output that is no motion of the case."""
         try:
-            table = exported.parsed(model.output, self.NAME)
-            motion = exported.trajectory_of(model.case, table)
+            table = motion_file.parse(model.output, self.NAME)
+            motion = motion_file.trajectory_of(model.case, table)
         except CaseError as problem:
             raise EngineFailure(f"its output is no motion: {problem}") from problem
         return replace(motion, cost=_cost(model.output))
 
 
-def _waited(process: subprocess.Popen, *files: int) -> int:
+def _wait(process: subprocess.Popen, *files: int) -> int:
     """The exit status; raises EngineFailure if it writes or takes too much."""
     end = time.monotonic() + MOST_SECONDS
     while True:
@@ -151,11 +151,11 @@ def _read(file, most: int) -> str:
     return file.read(most).decode("utf-8", errors="replace").strip()
 
 
-def _quoted(said: str) -> str:
+def _quote(said: str) -> str:
     """What stands on standard error, to append to a sentence: the first line with a word in it, and the last."""
     lines = [line.strip() for line in said.splitlines() if any(map(str.isalnum, line))]
     ends = [lines[0], *lines[-1:]] if len(lines) > 1 else lines
-    return f": {' … '.join(line[:_QUOTED] for line in ends)}" if ends else ""
+    return f": {' … '.join(line[:_QUOTE_CHARACTERS] for line in ends)}" if ends else ""
 
 
 def _cost(output: str) -> Cost:

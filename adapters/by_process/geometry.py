@@ -34,7 +34,7 @@ def mjcf(case: Case) -> str:
     plate = xml.SubElement(world, "body", name="plate", pos=_text(start.x, start.y, 0), euler=_text(0, 0, start.theta))
     for name, kind, axis in (("x", "slide", (1, 0, 0)), ("y", "slide", (0, 1, 0)), ("theta", "hinge", (0, 0, 1))):
         # A body's joints count in its own frame, which is turned by theta.
-        turned = _turned(axis, -start.theta)
+        turned = _turn(axis, -start.theta)
         xml.SubElement(plate, "joint", name=name, type=kind, axis=_text(*turned))
     inertia = _text(case.plate.inertia, case.plate.inertia, case.plate.inertia)
     xml.SubElement(plate, "inertial", pos=_text(0, 0, 0), mass=repr(case.plate.mass), diaginertia=inertia)
@@ -101,7 +101,7 @@ def _corners(case: Case) -> np.ndarray:
     return np.array(outline.point(np.linspace(*outline.span, CORNERS, endpoint=not outline.period))).T
 
 
-def _turned(axis, angle: float):
+def _turn(axis, angle: float):
     c, s = np.cos(angle), np.sin(angle)
     return c * axis[0] - s * axis[1], s * axis[0] + c * axis[1], axis[2]
 

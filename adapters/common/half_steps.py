@@ -21,11 +21,11 @@ from cases.mechanics import gravity
 
 from ..interface import EngineFailure
 from .facets import shown, sway
-from .follow import BEYOND, LANDED, LEFT, Follower, flights, lands_for_good
+from .flights import BEYOND, LANDED, OFF_TRACK, Follower, flights, lands_for_good
 
 
 @dataclass(frozen=True)
-class Noted:
+class StepRecord:
     """What a run noted: rows (x, y, theta, vx, vy, omega) at every step of `h` s, `steps` + 1 if it ran to its end.
 
     `contacts`: those of the rows if the engine was given them, else they are looked for. `load`: what the case's Load
@@ -52,7 +52,7 @@ def rest(substeps: int) -> float:
 
 
 @dataclass(frozen=True)
-class _Samples:
+class _MotionSamples:
     """Samples at the poses' times, arrays of one length.
 
     `t` (s); `pose`, `rates` (n, 3); `force` (n, 2) of the contact, N, and whether it `pressed`; contact parameters and
@@ -73,12 +73,12 @@ class _Samples:
     gap: np.ndarray
     aloft: np.ndarray
 
-    def __getitem__(self, places) -> _Samples:
+    def __getitem__(self, places) -> _MotionSamples:
         """The samples at these places."""
         return replace(self, **{name: getattr(self, name)[places] for name in self.__dataclass_fields__})
 
 
-class _Ending(NamedTuple):
+class _SampleEnd(NamedTuple):
     """How many samples belong to the motion, and what ended it; `time` (s) if that lies before the last of them."""
 
     kept: int
@@ -87,7 +87,7 @@ class _Ending(NamedTuple):
     time: float = nan
 
 
-def read(noted: Noted) -> Trajectory:
+def read(noted: StepRecord) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion.
 
     Where the case has Flight the plate's leaving is no end.
@@ -103,7 +103,7 @@ def read(noted: Noted) -> Trajectory:
     table = _table(noted, samples)
     creep = _creep(noted, samples[~samples.aloft], table[~samples.aloft, 8])
     if np.isfinite(ending.time):
-        table = _ended(table, ending.time)
+        table = _with_end(table, ending.time)
     t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = table.T
     return Trajectory(
         *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
@@ -117,7 +117,7 @@ def read(noted: Noted) -> Trajectory:
 # --- samples ----------------------------------------------------------------------------------------------------------
 
 
-def _samples(noted: Noted) -> _Samples:
+def _samples(noted: StepRecord) -> _MotionSamples:
     """Everything at the poses' times, up to the first pose without contact; nothing is aloft yet."""
     case, h, rows = noted.case, noted.h, noted.rows
     if len(rows) < 3:
@@ -137,10 +137,10 @@ def _samples(noted: Noted) -> _Samples:
     # As one row of numbers: NumPy takes nine times as long to look into tuples with names.
     xi1, xi2, gap = np.fromiter(chain.from_iterable(contacts), dtype=float).reshape(-1, 3).T
     kept = slice(len(gap))
-    return _Samples(
+    return _MotionSamples(
         t=np.linspace(0.0, case.duration, noted.steps + 1)[kept], pose=pose[kept], rates=rates[kept],
         falling=(before + late * applied / inertia)[kept], rising=(after - ahead * applied / inertia)[kept],
-        after=after[kept], force=force[kept], pressed=_pressed(noted, force, rates)[kept],
+        after=after[kept], force=force[kept], pressed=_pressing(noted, force, rates)[kept],
         xi1=xi1, xi2=xi2, gap=gap, aloft=np.zeros(len(gap), dtype=bool),
     )  # fmt: skip
 
@@ -165,7 +165,7 @@ def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float, rest: flo
     return rates
 
 
-def _pressed(noted: Noted, force: np.ndarray, rates: np.ndarray) -> np.ndarray:
+def _pressing(noted: StepRecord, force: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """Where the contact pushed.
 
     A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
@@ -185,7 +185,7 @@ def _follow(case: Case, poses: np.ndarray) -> list[Contact]:
     return contacts
 
 
-def _both_sides(samples: _Samples) -> _Samples:
+def _both_sides(samples: _MotionSamples) -> _MotionSamples:
     """The samples with two for every landing: as the plate flew there, and as it goes on; the last only as it flew.
 
     An impact has no duration, and the velocities to either side of it have no mean. Where the next sample flies, it
@@ -205,7 +205,7 @@ def _both_sides(samples: _Samples) -> _Samples:
     return both
 
 
-def _table(noted: Noted, samples: _Samples) -> np.ndarray:
+def _table(noted: StepRecord, samples: _MotionSamples) -> np.ndarray:
     """The columns of a Trajectory, shape (n, 12); in flight there are neither contact parameters, slip nor forces."""
     case, up, xi1 = noted.case, samples.aloft, samples.xi1
     nx, ny = case.track.normal(xi1)
@@ -223,7 +223,7 @@ def _table(noted: Noted, samples: _Samples) -> np.ndarray:
 # --- how a motion ends ------------------------------------------------------------------------------------------------
 
 
-def _ended(table: np.ndarray, time: float) -> np.ndarray:
+def _with_end(table: np.ndarray, time: float) -> np.ndarray:
     """The table with its last row moved to that time, s; where contact ends, or has not begun, nothing presses."""
     before, last = table[-2], table[-1]
     share = (time - before[0]) / (last[0] - before[0])
@@ -232,13 +232,13 @@ def _ended(table: np.ndarray, time: float) -> np.ndarray:
     return np.vstack([table[:-1], last])
 
 
-def _ending(noted: Noted, samples: _Samples, flown: list[tuple[int, int]], hop: float) -> _Ending:
+def _ending(noted: StepRecord, samples: _MotionSamples, flown: list[tuple[int, int]], hop: float) -> _SampleEnd:
     """The first of the things that end a motion, or the end of its time."""
     case, there, asked, gap = noted.case, len(samples.t), noted.steps + 1, samples.gap
-    endings = [_Ending(asked)]
+    endings = [_SampleEnd(asked)]
     through = gap < -case.plate.inner
     if through.any():
-        endings.append(_Ending(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
+        endings.append(_SampleEnd(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
     for name, curve, xi in (("track", case.track, samples.xi1), ("outline", case.plate.outline, samples.xi2)):
         if curve.domain and not curve.period:
             # Where there was no contact any more, the next one would have been about as far ahead as the last.
@@ -247,18 +247,18 @@ def _ending(noted: Noted, samples: _Samples, flown: list[tuple[int, int]], hop: 
             outside = ~up & ((xi < curve.domain[0]) | (xi > curve.domain[1]))
             if outside.any():
                 reason = f"The contact reached the end of the {name}'s domain."
-                endings.append(_Ending(int(np.argmax(outside)), f"{name}_end", reason))
+                endings.append(_SampleEnd(int(np.argmax(outside)), f"{name}_end", reason))
     if there < asked:
-        endings.append(_Ending(there, "lost_track", "No point of the track is near the plate any more."))
+        endings.append(_SampleEnd(there, "lost_track", "No point of the track is near the plate any more."))
     if not case.effect(Flight) and (gap > hop).any():
         endings.append(_let_go(noted, samples, int(np.argmax(gap > hop))))
     landings = [landing for _, landing in flown if landing < there]
     if landings and lands_for_good(case):
-        endings.append(_touched(noted, gap, landings[0]))
+        endings.append(_touching(noted, gap, landings[0]))
     return min(endings, key=lambda ending: ending.kept)
 
 
-def _let_go(noted: Noted, samples: _Samples, surely: int) -> _Ending:
+def _let_go(noted: StepRecord, samples: _MotionSamples, surely: int) -> _SampleEnd:
     """The lift-off where the force vanishes, after the last sample that pressed, before that `surely` off the track.
 
     The weaker a contact, the more steps lie between two that push; the force over a hop is the push over its steps. It
@@ -266,7 +266,7 @@ def _let_go(noted: Noted, samples: _Samples, surely: int) -> _Ending:
     (An engine with drag of its own never stops pushing; its plate leaves where it is surely off.)
     """
     last = np.flatnonzero(samples.pressed[: surely + 1])[-7:]
-    ending = _Ending(int(last[-1]) + 1 if last.size else 1, "lift_off", LEFT)
+    ending = _SampleEnd(int(last[-1]) + 1 if last.size else 1, "lift_off", OFF_TRACK)
     if len(last) < 3 or last[-1] == surely:
         return ending
     hops, strength = np.diff(last), np.hypot(*samples.force[last[:-1]].T)
@@ -277,7 +277,7 @@ def _let_go(noted: Noted, samples: _Samples, surely: int) -> _Ending:
     return ending._replace(kept=max(int(np.ceil(vanishes)) + 1, 2), time=vanishes * noted.h)
 
 
-def _touched(noted: Noted, gap: np.ndarray, landing: int) -> _Ending:
+def _touching(noted: StepRecord, gap: np.ndarray, landing: int) -> _SampleEnd:
     """The landing where the gap closes, as it closes between the last sample in flight and the first that pressed.
 
     A contact that is given to the engine presses at the beginning of the step in which the plate would land; it lands
@@ -285,10 +285,10 @@ def _touched(noted: Noted, gap: np.ndarray, landing: int) -> _Ending:
     """
     before, after = gap[landing - 1 : landing + 1]
     share = min(before / (before - after), 2.0) if before > after else 1.0
-    return _Ending(landing + 1, "landing", LANDED, (landing - 1 + share) * noted.h)
+    return _SampleEnd(landing + 1, "landing", LANDED, (landing - 1 + share) * noted.h)
 
 
-def _hop(noted: Noted, samples: _Samples) -> float:
+def _hop(noted: StepRecord, samples: _MotionSamples) -> float:
     """A gap in metres that only a plate in flight reaches.
 
     An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
@@ -310,7 +310,7 @@ def _hop(noted: Noted, samples: _Samples) -> float:
 # --- what is left where the engine sticks -----------------------------------------------------------------------------
 
 
-def _creep(noted: Noted, samples: _Samples, normal_force: np.ndarray) -> float:
+def _creep(noted: StepRecord, samples: _MotionSamples, normal_force: np.ndarray) -> float:
     """The slip velocity (m/s) that remains where the engine sticks, in all but one step in a hundred.
 
     It sticks with the velocities of a half step, along a tangent that turns by some angle a in a step: the mean of
@@ -333,7 +333,7 @@ def _creep(noted: Noted, samples: _Samples, normal_force: np.ndarray) -> float:
     return 0.5 * speed * turn**2 + missing + _usual(lag)
 
 
-def _lag(case: Case, samples: _Samples) -> np.ndarray:
+def _lag(case: Case, samples: _MotionSamples) -> np.ndarray:
     """The slip velocity (m/s) that the lever leaves from each sample to the next, where the engine finds the contact.
 
     It sticks with the lever of the step's beginning. Along the normal that of a plate that is no disc grows or

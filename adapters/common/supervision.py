@@ -75,7 +75,7 @@ def _stay(copy: int, memory: int, watched: set[signal.Signals]) -> NoReturn:
     looked = time.monotonic()
     while True:
         came = signal.sigtimedwait(watched, _LOOK) if hasattr(signal, "sigtimedwait") else signal.sigwait(watched)
-        status = _reaped(copy)
+        status = _reap_child(copy)
         if status is not None:
             _end_all()
             _end_as(os.waitstatus_to_exitcode(status))
@@ -91,7 +91,7 @@ def _stay(copy: int, memory: int, watched: set[signal.Signals]) -> NoReturn:
             _end_as(-TOO_MUCH_MEMORY)
 
 
-def _reaped(copy: int) -> int | None:
+def _reap_child(copy: int) -> int | None:
     """Let children that have ended be gone; the status of the copy if it is among them."""
     found = None
     with suppress(ChildProcessError):

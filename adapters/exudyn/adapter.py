@@ -27,11 +27,11 @@ import numpy as np
 
 from cases import Case, Cost, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
-from cases.errors import unknown
+from cases.errors import unknown_name
 
 from ..interface import Setting
-from . import constrained, integrator, native
-from .reading import Model, read
+from . import constraints, integrator, native
+from .reader import ExudynModel, read
 from .system import scales
 
 __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]
@@ -71,7 +71,7 @@ LADDERS = {"native": RUNGS, "integrator": (*RUNGS[:4], (9e-3, 1.5e6, 2e-5), (5e-
 
 # The smallest share of a step that is asked for where the slip crosses zero: at h/100 the overshoot, some h/200 of the
 # acceleration, is below every rung's vreg.
-CUT = 0.01
+CUTOFF = 0.01
 
 # The engine's own defaults: 100 steps whatever the duration, generalized-alpha, modified Newton, and a
 # regularisation in m/s. Only the stiffness has no default: a penetration of a thousandth of the radius is typed.
@@ -103,7 +103,7 @@ def version() -> str:
 def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
-        raise unknown("route of exudyn", route, routes)
+        raise unknown_name("route of exudyn", route, routes)
     strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if strange:
         return f"Exudyn's contacts have nothing for {' and '.join(strange)}."
@@ -128,18 +128,18 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     length, acceleration = scales(case)
     stiffness, step = case.plate.mass * acceleration / length, case.duration / DEFAULT_STEPS
     typed = Setting.of(rung="defaults", solver="GeneralizedAlpha", newton="modified", h=step)
-    if not _constrained(case, route):
-        typed = Setting((*typed.values, ("k", _rounded(1e3 * stiffness)), ("vreg", DEFAULT_VREG)))
+    if not _build_constrained(case, route):
+        typed = Setting((*typed.values, ("k", _round(1e3 * stiffness)), ("vreg", DEFAULT_VREG)))
     return (typed, *(_setting(case, route, *knobs, rung=n) for n, knobs in enumerate(LADDERS[route], start=1)))
 
 
-def _constrained(case: Case, route: str) -> bool:
-    return route == "native" and constrained.suits(case)
+def _build_constrained(case: Case, route: str) -> bool:
+    return route == "native" and constraints.suits(case)
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
     """Step times stiffness times regularisation, those of three rungs; none for a constraint, which has but a step."""
-    if _constrained(case, route):
+    if _build_constrained(case, route):
         return ()
     chosen = (RUNGS[0], RUNGS[2], RUNGS[4])
     return tuple(_setting(case, route, h, k, vreg) for h, k, vreg in product(*zip(*chosen, strict=True)))
@@ -154,40 +154,44 @@ _WIDE = {
 
 def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
     """Step times stiffness times regularisation as wide as a ladder is long; none for a constraint."""
-    return () if _constrained(case, route) else tuple(_setting(case, route, *knobs) for knobs in product(*_WIDE[route]))
+    return (
+        ()
+        if _build_constrained(case, route)
+        else tuple(_setting(case, route, *knobs) for knobs in product(*_WIDE[route]))
+    )
 
 
 def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: int) -> Setting:
     """A setting from multiples of the case's scales, as in RUNGS."""
     length, acceleration = scales(case)
     time, stiffness = sqrt(length / acceleration), case.plate.mass * acceleration / length
-    step = _rounded(h * time)
-    if _constrained(case, route):
+    step = _round(h * time)
+    if _build_constrained(case, route):
         return Setting.of(**rung, solver="GeneralizedAlpha", newton="full", h=step)
     # Without a bound friction is all stiffness, and the trapezoidal rule would let it ring.
     solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
-    knobs = dict(k=_rounded(k * stiffness), vreg=_rounded(vreg * length / time))
+    knobs = dict(k=_round(k * stiffness), vreg=_round(vreg * length / time))
     if case.effect(CoulombFriction):
-        knobs["cut"] = CUT
+        knobs["cut"] = CUTOFF
     return Setting.of(**rung, solver=solver, newton="full", h=step, **knobs)
 
 
-def _rounded(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.2g}")
 
 
 # --- build, run -----------------------------------------------------------------------------------------------------
 
 
-def build(case: Case, route: str, setting: Setting) -> Model:
+def build(case: Case, route: str, setting: Setting) -> ExudynModel:
     """The engine's system for a case the route does not refuse."""
-    if _constrained(case, route):
-        return Model(case, route, setting, constrained.build(case, setting))
+    if _build_constrained(case, route):
+        return ExudynModel(case, route, setting, constraints.build(case, setting))
     maker = native if route == "native" else integrator
-    return Model(case, route, setting, maker.build(case, setting))
+    return ExudynModel(case, route, setting, maker.build(case, setting))
 
 
-def run(model: Model) -> None:
+def run(model: ExudynModel) -> None:
     """Solve. What the engine says if it gives up is kept for `read`, since the plate may have left long before."""
     system, settings = model.system.system, _simulation_settings(model)
     with _quiet():
@@ -199,7 +203,7 @@ def run(model: Model) -> None:
     model.cost = Cost(steps=int(iteration.currentStepIndex), evaluations=int(iteration.newtonStepsCount))
 
 
-def _simulation_settings(model: Model):
+def _simulation_settings(model: ExudynModel):
     case, setting = model.case, model.setting
     settings = exu.SimulationSettings()
     # A step that fits the duration to a millionth of a step is not made smaller for its rounding.

@@ -18,22 +18,22 @@ import numpy as np
 from cases import Case, Load, PerfectlyRough, Unilateral
 from cases.mechanics import gravity
 
-from ..common.follow import BEYOND, Follower
+from ..common.flights import BEYOND, Follower
 from ..interface import Setting
 from .system import (
-    Contact,
-    Stored,
-    System,
+    ExudynContact,
+    ExudynSystem,
+    SensorData,
     critical_damping,
-    cut_steps,
     friction_coefficient,
     node_sensors,
     rough_friction,
-    settled_start,
+    static_start,
+    steps_until,
 )
 
 
-class Touch(NamedTuple):
+class PenaltyState(NamedTuple):
     """Contact at one instant: parameters, lever of the contact point (m), unit tangent, gap, slip, N, share of mu."""
 
     xi1: float
@@ -61,13 +61,13 @@ class PenaltyContact:
         # At the last evaluation.
         self.slip = case.start.slip
 
-    def touch(self, pose, velocity) -> Touch:
+    def touch(self, pose, velocity) -> PenaltyState:
         """The contact of a state; raises one of BEYOND where there is none to be found."""
         x, y, theta = pose
         vx, vy, omega = velocity
         xi1, xi2, gap = self.follower(x, y, theta)
         if isnan(xi1):
-            return Touch(xi1, xi2, 0.0, 0.0, 1.0, 0.0, gap, 0.0, 0.0, 0.0)
+            return PenaltyState(xi1, xi2, 0.0, 0.0, 1.0, 0.0, gap, 0.0, 0.0, 0.0)
         X, Y, Xp, Yp, _, _, _, _ = self.case.track.jet(xi1)
         speed = hypot(Xp, Yp)
         tx, ty, ax, ay = Xp / speed, Yp / speed, X - x, Y - y
@@ -77,15 +77,15 @@ class PenaltyContact:
         if self.unilateral and (gap >= 0.0 or normal_force < 0.0):
             normal_force = 0.0
         share = slip / self.vreg if self.rough else max(-1.0, min(1.0, slip / self.vreg))
-        return Touch(xi1, xi2, ax, ay, tx, ty, gap, slip, normal_force, share)
+        return PenaltyState(xi1, xi2, ax, ay, tx, ty, gap, slip, normal_force, share)
 
-    def friction_force(self, touch: Touch) -> float:
+    def friction_force(self, touch: PenaltyState) -> float:
         """Along the track's tangent, against the slip velocity."""
         if self.rough:
             return -self.grip(touch) * touch.share
         return -self.mu * abs(touch.normal_force) * touch.share
 
-    def grip(self, touch: Touch) -> float:
+    def grip(self, touch: PenaltyState) -> float:
         """The friction (N) of a perfectly rough contact that creeps with vreg.
 
         Where the plate may leave, it fades out with the last hundredth of the weight, so that friction does not end
@@ -153,7 +153,7 @@ class PenaltyContact:
 
         return slip
 
-    def follow(self, stored: Stored) -> Contact:
+    def follow(self, stored: SensorData) -> ExudynContact:
         """The contact along a run that begins at the case's start, as far as it can be found."""
         self.follower = Follower(self.case)
         rows, lost = [], None
@@ -165,12 +165,12 @@ class PenaltyContact:
         except BEYOND as problem:
             lost = str(problem)
         xi1, xi2, gap, slip, normal_force, friction_force = np.array(rows, dtype=float).reshape(-1, 6).T
-        return Contact(xi1, xi2, gap, slip, normal_force, friction_force, lost)
+        return ExudynContact(xi1, xi2, gap, slip, normal_force, friction_force, lost)
 
 
-def build(case: Case, setting: Setting) -> System:
+def build(case: Case, setting: Setting) -> ExudynSystem:
     """Three coordinates (x, y, θ), the plate's mass matrix, gravity, and the contact as a user function."""
-    start, plate, law = settled_start(case, setting), case.plate, PenaltyContact(case, setting)
+    start, plate, law = static_start(case, setting), case.plate, PenaltyContact(case, setting)
     container = exu.SystemContainer()
     system = container.AddSystem()
     node = system.AddNode(
@@ -190,7 +190,7 @@ def build(case: Case, setting: Setting) -> System:
             jacobianUserFunction=law.jacobian,  # type: ignore[arg-type]
         )
     )
-    cut_steps(case, setting, system, law.slip_at(system))
+    steps_until(case, setting, system, law.slip_at(system))
     motion = node_sensors(system, node)
     system.Assemble()
-    return System(container, system, motion, None, law.follow)
+    return ExudynSystem(container, system, motion, None, law.follow)

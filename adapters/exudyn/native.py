@@ -15,21 +15,21 @@ from cases.contact import start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
 from ..common.facets import round_plate
-from ..common.follow import BEYOND, Follower
+from ..common.flights import BEYOND, Follower
 from ..interface import Setting
-from . import constrained
+from . import constraints
 from .system import (
-    Contact,
-    Stored,
-    System,
+    ExudynContact,
+    ExudynSystem,
+    SensorData,
     critical_damping,
-    cut_steps,
     disc_body,
     disc_circle,
     friction_coefficient,
     ground,
     node_sensors,
-    settled_start,
+    static_start,
+    steps_until,
 )
 
 # An impact slower than this (m/s) is damped as if it were as fast: contact that lasts comes to rest.
@@ -42,20 +42,20 @@ def refuses(case: Case) -> str | None:
         return "Exudyn has smooth rolling contact for discs alone, and this outline is no circle."
     if as_line(case.track) is None and as_circle(case.track) is None:
         return "Exudyn has smooth rolling contact on straight lines and circles alone, and this track is neither."
-    if constrained.suits(case):
-        return constrained.refuses(case)
+    if constraints.suits(case):
+        return constraints.refuses(case)
     if case.effect(Unilateral) is None:
         return "Exudyn's contacts with friction only push; a track that also pulls (no Unilateral) is not among them."
     return None
 
 
-def build(case: Case, setting: Setting) -> System:
+def build(case: Case, setting: Setting) -> ExudynSystem:
     """A disc in the plane, its gravity, and the contact object that fits the track."""
     container = exu.SystemContainer()
     system = container.AddSystem()
     line, circle = as_line(case.track), as_circle(case.track)
     # On a line friction acts on the track; on a circle in the middle of the overlap.
-    start = settled_start(case, setting, depth=1.0 if line else 0.5)
+    start = static_start(case, setting, depth=1.0 if line else 0.5)
     node, disc = disc_body(case, start, system)
     if line:
         number, contact = _on_line(case, setting, system, disc, line)
@@ -69,9 +69,9 @@ def build(case: Case, setting: Setting) -> System:
     )
     motion = node_sensors(system, node)
     state = system.systemData.GetDataCoordinates
-    cut_steps(case, setting, system, slip, speed=lambda: state()[1])
+    steps_until(case, setting, system, slip, speed=lambda: state()[1])
     system.Assemble()
-    return System(container, system, motion, force, contact)
+    return ExudynSystem(container, system, motion, force, contact)
 
 
 def _slip_on_line(case: Case, system, line: Line) -> Callable[[Any], float]:
@@ -128,7 +128,7 @@ def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
         )
     )
 
-    def contact(stored: Stored) -> Contact:
+    def contact(stored: SensorData) -> ExudynContact:
         centre, velocity = _of_disc(case, stored)
         away = centre - circle.centre
         distance = np.hypot(away[:, 0], away[:, 1])
@@ -154,7 +154,7 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
         )
     )
 
-    def contact(stored: Stored) -> Contact:
+    def contact(stored: SensorData) -> ExudynContact:
         centre, velocity = _of_disc(case, stored)
         gap = (centre - line.point) @ normal - radius
         # The engine's friction acts on the triangle's plane.
@@ -167,7 +167,7 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
     # Told of no gap it would let the plate fall for a step before it presses; told of no slip, friction would begin on
     # the steep branch of its law, with a thousand times its bound.
-    touching, settled = start_motion(case), settled_start(case, setting, depth=0.0)
+    touching, settled = start_motion(case), static_start(case, setting, depth=0.0)
     gap = -hypot(settled.x - touching.x, settled.y - touching.y)
     slip = hypot(settled.vx - touching.vx, settled.vy - touching.vy) or abs(touching.slip) if gap else 0.0
     data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
@@ -185,7 +185,7 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     )
 
 
-def _of_disc(case: Case, stored: Stored) -> tuple[np.ndarray, np.ndarray]:
+def _of_disc(case: Case, stored: SensorData) -> tuple[np.ndarray, np.ndarray]:
     """Place (m) and velocity (m/s) of the middle of the plate's circle along a run, each of shape (n, 2)."""
     (dx, dy), theta, omega = disc_circle(case).centre, stored.pose[:, 2], stored.velocity[:, 2]
     ax, ay = dx * np.cos(theta) - dy * np.sin(theta), dx * np.sin(theta) + dy * np.cos(theta)
@@ -193,7 +193,7 @@ def _of_disc(case: Case, stored: Stored) -> tuple[np.ndarray, np.ndarray]:
     return stored.pose[:, :2] + np.column_stack([ax, ay]), stored.velocity[:, :2] + spun
 
 
-def _read(case: Case, stored: Stored, velocity, normal, gap, arm) -> Contact:
+def _read(case: Case, stored: SensorData, velocity, normal, gap, arm) -> ExudynContact:
     """Slip and forces along the track's tangent and normal, from the velocity of the middle of the disc; `arm`: from
     there to where friction acts."""
     pose, force = stored.pose, stored.force
@@ -208,7 +208,7 @@ def _read(case: Case, stored: Stored, velocity, normal, gap, arm) -> Contact:
         lost = str(problem)
     xi1, xi2 = np.array(found, dtype=float).reshape(-1, 2).T
     n = len(found)
-    return Contact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], lost)
+    return ExudynContact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], lost)
 
 
 def _ground_triangle(case: Case, line: Line) -> list[list[float]]:

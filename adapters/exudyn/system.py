@@ -12,7 +12,7 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
-from cases.contact import Motion, start_motion
+from cases.contact import MotionPoint, start_motion
 from cases.mechanics import gravity as gravity_of
 from cases.shapes import Circle
 
@@ -21,7 +21,7 @@ from ..interface import Setting
 
 
 @dataclass(frozen=True)
-class Contact:
+class ExudynContact:
     """The contact along a run, arrays of one length: parameters, gap (m), slip (m/s), forces on the plate (N).
 
     Shorter than the run if the plate was lost on the way, for the reason `lost`.
@@ -36,7 +36,7 @@ class Contact:
     lost: str | None = None
 
 
-class Stored(NamedTuple):
+class SensorData(NamedTuple):
     """What the sensors kept: times (n,), pose and velocity (n, 3), force or acceleration (n, 3), or (n, 0) if none."""
 
     t: np.ndarray
@@ -46,7 +46,7 @@ class Stored(NamedTuple):
 
 
 @dataclass(frozen=True)
-class System:
+class ExudynSystem:
     """An assembled system in the container that owns it.
 
     `motion` are the sensors of pose and velocity, `force` is one the contact's forces are read from, if there is one;
@@ -57,7 +57,7 @@ class System:
     system: Any
     motion: tuple[int, int]
     force: int | None
-    contact: Callable[[Stored], Contact]
+    contact: Callable[[SensorData], ExudynContact]
 
 
 def node_sensors(system, node: int) -> tuple[int, int]:
@@ -76,7 +76,7 @@ def disc_circle(case: Case) -> Circle:
     return circle
 
 
-def settled_start(case: Case, setting: Setting, depth: float = 1.0) -> Motion:
+def static_start(case: Case, setting: Setting, depth: float = 1.0) -> MotionPoint:
     """The case's start as the contact's law has it: deeper in the track by its deflection under the first normal force,
     and with the creep of the first friction.
 
@@ -97,7 +97,7 @@ def settled_start(case: Case, setting: Setting, depth: float = 1.0) -> Motion:
     )
 
 
-def first_force(case: Case, start: Motion, vreg: float) -> tuple[float, float]:
+def first_force(case: Case, start: MotionPoint, vreg: float) -> tuple[float, float]:
     """The normal force (N) at the start, and the slip velocity (m/s) at which the law gives the friction of then.
 
     As for any joint they follow from the motion: the plate's point of contact keeps to the track and, if it sticks,
@@ -148,7 +148,7 @@ def first_force(case: Case, start: Motion, vreg: float) -> tuple[float, float]:
     return force, share * vreg
 
 
-def disc_body(case: Case, start: Motion, system) -> tuple[int, int]:
+def disc_body(case: Case, start: MotionPoint, system) -> tuple[int, int]:
     """The plate as a rigid body in the plane at a start, with gravity and load: its node, and a marker at the centre of
     its circle, which need not be the centre of mass."""
     plate, gravity, load, circle = case.plate, case.effect(Gravity), case.effect(Load), disc_circle(case)
@@ -187,7 +187,7 @@ def ground(system, point: np.ndarray) -> int:
     return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
 
 
-def applied(case: Case, stored: Stored) -> np.ndarray:
+def external_forces(case: Case, stored: SensorData) -> np.ndarray:
     """The forces beside the contact's, gravity and load: (F_x, F_y) in N at the stored times, shape (n, 2)."""
     force, gravity, load = np.zeros((len(stored.t), 2)), case.effect(Gravity), case.effect(Load)
     if gravity:
@@ -204,7 +204,7 @@ NOTHING = 1e-9
 MOST_GRAVITIES = 20.0
 
 
-def cut_steps(
+def steps_until(
     case: Case, setting: Setting, system, slip: Callable[[Any], float], speed: Callable[[], float] | None = None
 ) -> None:
     """With `cut` in the setting: a step in which the slip changes its sign is made again, smaller.

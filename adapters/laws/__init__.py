@@ -1,10 +1,9 @@
 """The laws of mechanics that adapters are held to: this suite's in its tests, anybody's by `python -m adapters.laws`.
 
 `LAWS` maps names to laws, plain functions of a `Route`. A law raises AssertionError, which begins with its name, if the
-route breaks it, `Refused` if the route cannot model its scene, and `NotTold` if it tells nothing of what the law is
-about. `judge` tries them all. For tests of one's own there
-are the laws themselves (`adapters.laws.mechanics`), their scenes, `mirrored` and `turned`, and `hold` with the scales
-of a `Run`'s error.
+route breaks it, `Unsupported` if the route cannot model its scene, and `NotReported` if the route does not report what
+the law is about. `judge` tries them all. For tests of one's own there are the laws themselves
+(`adapters.laws.mechanics`), their scenes, `mirror` and `turn_gravity`, and `hold` with the scales of an error.
 """
 
 from __future__ import annotations
@@ -13,22 +12,22 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from . import effects, mechanics
-from .mechanics import SCENES, Law, mirrored, turned
-from .runs import NotTold, Refused, Route, Run, hold
+from .mechanics import SCENES, Law, mirror, turn_gravity
+from .runs import LawRun, NotReported, Route, Unsupported, hold
 
 __all__ = [
     "LAWS",
     "SCENES",
     "Law",
-    "NotTold",
-    "Refused",
+    "NotReported",
+    "Unsupported",
     "Route",
-    "Run",
+    "LawRun",
     "Verdict",
     "hold",
     "judge",
-    "mirrored",
-    "turned",
+    "mirror",
+    "turn_gravity",
 ]
 
 
@@ -53,15 +52,15 @@ def judge(adapter: Any, laws: Iterable[str] = tuple(LAWS), routes: Iterable[str]
     laws = tuple(laws)
     for route in adapter.routes if routes is None else routes:
         for law in laws:
-            yield Verdict(route, law, *_tried(law, Route(adapter, route)))
+            yield Verdict(route, law, *_try(law, Route(adapter, route)))
 
 
-def _tried(law: str, route: Route) -> tuple[str, str]:
+def _try(law: str, route: Route) -> tuple[str, str]:
     try:
         LAWS[law](route)
-    except Refused as refusal:
+    except Unsupported as refusal:
         return "refused", str(refusal)
-    except NotTold as silence:
+    except NotReported as silence:
         return "not told", str(silence)
     except AssertionError as broken:
         return "broken", str(broken)

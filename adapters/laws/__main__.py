@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from cases import CaseError
-from cases.errors import unknown
-from cases.words import Parser
+from cases.command_line import Parser
+from cases.errors import unknown_name
 
 HELP = """\
 ADAPTER is a name that the suite knows (its own adapters, and those of installed packages in the entry-point group
@@ -32,26 +32,26 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--law", metavar="LAW", nargs="+", help="only these laws, with all their scenes (default: all)")
     try:
         options = parser.parse_args(argv)
-        return _judged(options.adapter, options.route, options.law)
+        return _judge(options.adapter, options.route, options.law)
     except (CaseError, ImportError) as problem:
         print(f"adapters.laws: {CaseError(str(problem))}", file=sys.stderr)  # whatever an import says is one line
         return 2
 
 
-def _judged(name: str, routes: Sequence[str] | None, names: Sequence[str] | None) -> int:
+def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None) -> int:
     from . import LAWS  # SciPy and the scenes take their time, and --help needs none of them
-    from .apart import Apart
+    from .law_process import AdapterProcess
 
     known = {*LAWS, *(law.partition("[")[0] for law in LAWS)}
     for law in names or ():
         if law not in known:
-            raise unknown("law", law, known)
+            raise unknown_name("law", law, known)
     chosen = [law for law in LAWS if not names or law in names or law.partition("[")[0] in names]
     counts: Counter[str] = Counter()
-    with Apart(name) as adapter:
+    with AdapterProcess(name) as adapter:
         for route in routes or ():
             if route not in adapter.face.routes:
-                raise unknown(f"route of {adapter.face.name}", route, adapter.face.routes)
+                raise unknown_name(f"route of {adapter.face.name}", route, adapter.face.routes)
         for route in routes or adapter.face.routes:
             for law, outcome, reason in adapter.tried(route, chosen):
                 counts[outcome] += 1

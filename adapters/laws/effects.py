@@ -28,7 +28,7 @@ from cases import (
 )
 from cases.contact import start_motion
 
-from .runs import G, Route, Run, hold
+from .runs import G, LawRun, Route, hold
 
 LEVEL = Curve(lambda s: (s, 0))
 MASS, RADIUS, INERTIA = 2.0, 0.1, 0.012
@@ -51,7 +51,7 @@ def load(route: Route) -> None:
     hold("load", "omega", run.motion.omega - exact, allowed * moment / INERTIA)
 
 
-def _dropped(restitution: float, mu: float, omega: float, duration: float) -> Case:
+def _drop(restitution: float, mu: float, omega: float, duration: float) -> Case:
     friction = (CoulombFriction(mu),) if mu else ()
     effects = (Gravity(G), *friction, Unilateral(), Flight(), Impact(restitution))
     return Case(LEVEL, DISC, effects, Start(0.0, slip=RADIUS * omega, omega=omega, gap=0.2), duration=duration)
@@ -66,7 +66,7 @@ def _fall(case: Case) -> tuple[float, float]:
 def bounce(route: Route) -> None:
     """A disc that falls from h on a level line rises to e² h again."""
     restitution = 0.5
-    case = _dropped(restitution, 0.0, 0.0, duration=0.42)
+    case = _drop(restitution, 0.0, 0.0, duration=0.42)
     run, (time, speed) = route.run(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
     top, exact = float(run.motion.y[after].max()) - RADIUS, (restitution * speed) ** 2 / (2 * G)
@@ -77,7 +77,7 @@ def bounce(route: Route) -> None:
 def bounce_with_friction(route: Route) -> None:
     """A spinning disc that slips through its impact: friction takes μ of the impulse, so v_t grows by μ (1 + e) v_n."""
     restitution, mu, omega = 0.5, 0.1, 60.0
-    case = _dropped(restitution, mu, omega, duration=0.38)
+    case = _drop(restitution, mu, omega, duration=0.38)
     run, (time, speed) = route.run(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
     _spun(
@@ -92,13 +92,13 @@ def bounce_with_friction(route: Route) -> None:
 def landing(route: Route) -> None:
     """A spinning disc that stays where it lands: v_t grows by μ v_n in the impact, and by μ g t from then on."""
     mu, omega = 0.1, 60.0
-    case = _dropped(0.0, mu, omega, duration=0.4)
+    case = _drop(0.0, mu, omega, duration=0.4)
     run, (time, speed) = route.run(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
     _spun("landing", run, after, -mu * (speed + G * (run.motion.t[after] - time)), RESTITUTION * mu * speed)
 
 
-def _spun(law: str, run: Run, after: np.ndarray, exact, allowed: float) -> None:
+def _spun(law: str, run: LawRun, after: np.ndarray, exact, allowed: float) -> None:
     """Velocity along the line and spin after an impact: friction gave one as much impulse as it took the other."""
     allowed += run.kick
     begun = start_motion(run.case)

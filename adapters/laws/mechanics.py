@@ -18,7 +18,7 @@ from cases import Case, CoulombFriction, Curve, Flight, Gravity, Plate, Start, T
 from cases.contact import follow, pose, slip_velocity, start_motion
 from cases.mechanics import energy, energy_growth
 
-from .runs import G, Refused, Route, Run, hold
+from .runs import G, LawRun, Route, Unsupported, hold
 
 # --- scenes ----------------------------------------------------------------------------------------------------------
 
@@ -56,7 +56,7 @@ def _slope(angle: float, mu: float, **how) -> Case:
     return Case(track, disc(0.1, 2.0), (Gravity(G), CoulombFriction(mu), Unilateral()), Start(0.0), **how)
 
 
-def mirrored(case: Case) -> Case:
+def mirror(case: Case) -> Case:
     """The case seen in a mirror that swaps left and right; parameters run backwards so that left stays left."""
     start, gravity = start_motion(case), case.effect(Gravity)
     assert gravity is not None
@@ -78,7 +78,7 @@ def _mirror(curve: Curve) -> Curve:
     return Curve(function, domain=curve.domain and (-curve.domain[1], -curve.domain[0]))
 
 
-def turned(case: Case, angle: float) -> Case:
+def turn_gravity(case: Case, angle: float) -> Case:
     """The case with its track and its gravity turned about the origin."""
     start, gravity = start_motion(case), case.effect(Gravity)
     assert gravity is not None
@@ -136,7 +136,7 @@ def friction_opposes_slip(route: Route, scene: Case) -> None:
     sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * _ease(scene.plate)
     sure[0] = False
     if sure.sum() < 10:
-        raise Refused("the plate hardly slips in this scene")
+        raise Unsupported("the plate hardly slips in this scene")
     normal, friction = run.forces
     against, pressed = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
     # On facets the force of one step is noise, its sum is not.
@@ -172,7 +172,7 @@ def no_friction_no_spin(route: Route) -> None:
     hold("no spin-up without friction", "the spin", omega - omega[0], allowed)
 
 
-def energy_kept(route: Route, scene: Case) -> None:
+def energy_conservation(route: Route, scene: Case) -> None:
     """Without friction the energy is what it was."""
     frictionless = replace(scene, effects=(Gravity(G), Unilateral()))
     run = route.run(frictionless)
@@ -189,16 +189,16 @@ def energy_never_grows(route: Route, scene: Case) -> None:
 
 def mirror_image(route: Route, scene: Case) -> None:
     """The mirrored case has the mirrored motion."""
-    here, there = route.run(scene), route.run(mirrored(scene))
+    here, there = route.run(scene), route.run(mirror(scene))
     a, b = _common(here, there)
     image = replace(b, x=-b.x, theta=-b.theta)
     _hold_same_motion("mirror image", here, a, image)
 
 
-def turned_frame(route: Route, scene: Case) -> None:
+def turn_frame(route: Route, scene: Case) -> None:
     """The case turned about the origin, gravity and all, has the turned motion."""
     angle = 2.1
-    here, there = route.run(scene), route.run(turned(scene, angle))
+    here, there = route.run(scene), route.run(turn_gravity(scene, angle))
     a, b = _common(here, there)
     back = replace(
         b, x=b.x * cos(angle) + b.y * sin(angle), y=b.y * cos(angle) - b.x * sin(angle), theta=b.theta - angle
@@ -297,12 +297,12 @@ def _ease(plate: Plate) -> float:
     return 1 + plate.mass * plate.reach**2 / plate.inertia
 
 
-def _swing(run: Run) -> float:
+def _swing(run: LawRun) -> float:
     """By how much the energy of a sample, J, may be off if its velocity is off by a kick."""
     return run.case.plate.mass * run.speed * run.kick
 
 
-def _common(here: Run, there: Run) -> tuple[Trajectory, Trajectory]:
+def _common(here: LawRun, there: LawRun) -> tuple[Trajectory, Trajectory]:
     """Both motions at the times of the first, up to the end of the shorter: an engine that chooses its steps may choose
     others in another frame, by a rounding."""
     a, b = here.motion, there.motion
@@ -310,7 +310,7 @@ def _common(here: Run, there: Run) -> tuple[Trajectory, Trajectory]:
     return tuple(replace(each, dense=None, t=times, **each(times)._asdict()) for each in (a, b))  # type: ignore[return-value]
 
 
-def _hold_same_motion(law: str, run: Run, a: Trajectory, b: Trajectory) -> None:
+def _hold_same_motion(law: str, run: LawRun, a: Trajectory, b: Trajectory) -> None:
     # A velocity that is off by a kick, for as long as the motion lasts.
     drift = run.kick * float(a.t[-1])
     hold(law, "the end of the motion", float(a.t[-1]) - run.case.duration, 2 * run.step)
@@ -341,9 +341,9 @@ LAWS: dict[str, Law] = {
     **_everywhere(on_its_track),
     **_everywhere(cone),
     **_everywhere(friction_opposes_slip),
-    **_everywhere(energy_kept),
+    **_everywhere(energy_conservation),
     **_everywhere(energy_never_grows),
     **_everywhere(mirror_image),
-    **_everywhere(turned_frame),
+    **_everywhere(turn_frame),
     **_everywhere(momentum_balance),
 }

@@ -32,11 +32,11 @@ RUNG = -2
 MOST_VERTICES = 500
 
 
-class Refused(Exception):
+class Unsupported(Exception):
     """The route cannot model the law's scene; the text is the adapter's reason."""
 
 
-class NotTold(Exception):
+class NotReported(Exception):
     """The route tells nothing of what the law is about; the text says of what. It is neither kept nor broken."""
 
 
@@ -47,13 +47,13 @@ class Route:
     adapter: Any
     name: str
 
-    def run(self, case: Case) -> Run:
+    def run(self, case: Case) -> LawRun:
         """The motion at the finest rung but one; raises Refused."""
         return _run(self.adapter, self.name, case)
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class LawRun:
     """A motion, what was asked and with which setting, and the scales of its error (see the module)."""
 
     case: Case
@@ -66,7 +66,7 @@ class Run:
         """Normal and friction force, N; raises NotTold if the route tells none."""
         for name in ("normal_force", "friction_force"):
             if not np.isfinite(getattr(self.motion, name)).any():
-                raise NotTold(f"it tells no {name.replace('_', ' ')}")
+                raise NotReported(f"it tells no {name.replace('_', ' ')}")
         return self.motion.normal_force, self.motion.friction_force
 
     @property
@@ -120,21 +120,21 @@ class Run:
 
 
 @lru_cache(maxsize=64)
-def _run(adapter, route: str, case: Case) -> Run:
+def _run(adapter, route: str, case: Case) -> LawRun:
     refusal = adapter.refuses(case, route)
     if refusal:
-        raise Refused(refusal)
+        raise Unsupported(refusal)
     declared = other_laws(adapter, case, route)
     if declared:
-        raise Refused("; ".join(declared))
+        raise Unsupported("; ".join(declared))
     ladder = adapter.ladder(case, route)
     setting = [rung for rung in ladder if rung.get("vertices", 0) <= MOST_VERTICES][RUNG]
     model = adapter.build(case, route, setting)
     try:
         adapter.run(model)
     except NotSupported as refusal:
-        raise Refused(str(refusal)) from refusal
-    return Run(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))
+        raise Unsupported(str(refusal)) from refusal
+    return LawRun(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))
 
 
 def hold(law: str, what: str, error, tolerance) -> None:

@@ -1,9 +1,9 @@
 """pymunk's adapter; `adapters.pymunk.adapter` says what it does."""
 
-from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, stripped, version, wide_grid
+from .adapter import NAME, bare_run, build, grid, ladder, read, refuses, routes, run, version, wide_grid
 from .meanings import MEANINGS
 
 __all__ = [
-    "MEANINGS", "NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version",
+    "MEANINGS", "NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "bare_run", "version",
     "wide_grid",
 ]  # fmt: skip

@@ -27,7 +27,7 @@ from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import Drive
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "stripped", "version", "wide_grid"]
+__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "bare_run", "version", "wide_grid"]
 
 NAME = "pymunk"
 routes = ("native", "assisted")
@@ -127,11 +127,11 @@ def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
 
 # The plate comes first; the space's static body is one, too.
 _BODIES = 2
-_NOTED = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+_RECORD_FIELDS = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
 
 
 @dataclass
-class Model:
+class PymunkModel:
     """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
 
     `drive`: its load; `rough`: sagitta in metres of the facets that stand for the curves; `guide`: what gives the
@@ -145,7 +145,7 @@ class Model:
     steps: int
     drive: Drive | None = None
     rough: float = 0.0
-    guide: assisted.Guide | None = None
+    guide: assisted.ContactGuide | None = None
     # What the engine itself notes after every step, six numbers for the plate and then as many for the track's body.
     # Reading them one by one in Python takes longer than a native step.
     noted: Buffer = field(default_factory=Buffer)
@@ -157,22 +157,22 @@ class Model:
         return np.frombuffer(self.noted.float_buf()).reshape(-1, _BODIES, 6)[:, 0].copy()
 
 
-def build(case: Case, route: str, setting: Setting) -> Model:
+def build(case: Case, route: str, setting: Setting) -> PymunkModel:
     """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
     return _model(case, route, setting, driven=case.effect(Load) is not None)
 
 
-def _model(case: Case, route: str, setting: Setting, driven: bool) -> Model:
+def _model(case: Case, route: str, setting: Setting, driven: bool) -> PymunkModel:
     steps = max(2, round(case.duration / setting["h"]))
     h = case.duration / steps
     if route == "native":
         space, body = native.build(case, setting)
         drive = Drive(case, body, h) if driven else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
-        model = Model(case, space, body, h, steps, drive, rough)
+        model = PymunkModel(case, space, body, h, steps, drive, rough)
     else:
         space, body, drive, guide = assisted.build(case, setting, h)
-        model = Model(case, space, body, h, steps, drive, guide=guide)
+        model = PymunkModel(case, space, body, h, steps, drive, guide=guide)
     start = start_motion(case)
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
@@ -180,18 +180,18 @@ def _model(case: Case, route: str, setting: Setting, driven: bool) -> Model:
     return model
 
 
-def run(model: Model) -> None:
+def run(model: PymunkModel) -> None:
     """Step through the duration, noting pose and velocities after every step."""
     space, step, noted = model.space, model.space.step, model.noted
     # The half step moves the plate to its start and gives the velocities half a step's forces.
     step(0.5 * model.h)
-    get_space_bodies(space, _NOTED, noted)
+    get_space_bodies(space, _RECORD_FIELDS, noted)
     for _ in range(model.steps):
         step(model.h)
-        get_space_bodies(space, _NOTED, noted)
+        get_space_bodies(space, _RECORD_FIELDS, noted)
 
 
-def stripped(case: Case, route: str, setting: Setting, without: str) -> Callable[[], None]:
+def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable[[], None]:
     """As many steps as `run` takes, ready to be called: without "notes"; and with the "callback" empty; and without the
     "binding", by the C function alone.
 
@@ -222,7 +222,7 @@ def _step_on(space: pymunk.Space, step: Callable[..., None], what: tuple, steps:
         step(*what)
 
 
-def read(model: Model) -> Trajectory:
+def read(model: PymunkModel) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
     drive, guide, rows = model.drive, model.guide, model.rows
     if drive and drive.problem:
@@ -231,5 +231,5 @@ def read(model: Model) -> Trajectory:
         raise EngineFailure(f"The contact could not be given to pymunk: {guide.problem}") from guide.problem
     contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
     return half_steps.read(
-        half_steps.Noted(model.case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)
+        half_steps.StepRecord(model.case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)
     )

@@ -16,10 +16,10 @@ import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
 from cases import Case, Curve, Load, Unilateral
-from cases.contact import Contact, Motion, start_motion
+from cases.contact import Contact, MotionPoint, start_motion
 from cases.mechanics import gravity
 
-from ..common.follow import BEYOND, Follower
+from ..common.flights import BEYOND, Follower
 from ..interface import Setting
 from .load import Drive, Torsor
 from .native import friction_coefficient
@@ -33,7 +33,7 @@ FREELY = 1e9
 _TRACK, _PLATE = 1, 2
 
 
-class Guide:
+class ContactGuide:
     """The geometry the engine is told, step by step, and the contacts it was told.
 
     `lost` is true from the moment when no point of the track is near the plate; `problem` is the first exception
@@ -140,7 +140,7 @@ def _frame(track: Curve, xi1: float) -> tuple[float, float, float, float]:
     return X, Y, tx / length, ty / length
 
 
-def _velocities(start: Motion) -> tuple[float, float, float]:
+def _velocities(start: MotionPoint) -> tuple[float, float, float]:
     return start.vx, start.vy, start.omega
 
 
@@ -152,11 +152,11 @@ def iterations(case: Case) -> int:
     return 10 if case.plate.radius else 40
 
 
-def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Drive | None, Guide]:
+def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Drive | None, ContactGuide]:
     """A space with the plate as a body of its mass and inertia, what drives it, and the guide that knows its track."""
     space, body = overlapping(case, setting)
     drive = Drive(case, body, h) if case.effect(Load) else None
-    guide = Guide(case, body, h, drive)
+    guide = ContactGuide(case, body, h, drive)
     listen(space, guide.pre_solve)
     return space, body, drive, guide
 

@@ -15,13 +15,13 @@ from matplotlib import animation as movies
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from ..errors import BadValue, positive, unknown
-from ..owned_folder import written
+from ..errors import BadValue, positive, unknown_name
+from ..owned_folder import atomic_path
 from . import MADE_BY, layout
 from . import scene as scenes
-from .layout import Scene
+from .layout import DrawnScene
 from .plots import LABELS, MODE_WORDS, mark_transitions
-from .style import FAINT, FORCE, PLATE, Picture, styled
+from .style import FAINT, FORCE, PLATE, Picture, apply_style
 
 # Frames per second: smooth, and a whole number of hundredths of a second per frame, which is the time unit of a GIF.
 FRAMES_A_SECOND = 20
@@ -41,9 +41,9 @@ class Animation:
     round number that does. `quantity`: the quantity plotted against time next to the scene.
     """
 
-    def __init__(self, motion: Any, scene: Scene, weight: float, factor: float | None, quantity: str):
+    def __init__(self, motion: Any, scene: DrawnScene, weight: float, factor: float | None, quantity: str):
         if quantity not in LABELS:
-            raise unknown("quantity of a motion", quantity, LABELS)
+            raise unknown_name("quantity of a motion", quantity, LABELS)
         self._motion, self._scene, self._weight, self._quantity = motion, scene, weight, quantity
         lasts = float(motion.t[-1] - motion.t[0])
         if not lasts > 0.0:
@@ -69,7 +69,7 @@ class Animation:
         """
         path = Path(path)
         gif = _check_kind(path)
-        with styled(), written(path, replace) as partial:
+        with apply_style(), atomic_path(path, replace) as partial:
             figure, show = self._frames()
             times = np.linspace(self._motion.t[0], self._motion.t[-1], max(int(self.seconds * FRAMES_A_SECOND), 2))
             (_save_gif if gif else _save_mp4)(partial, figure, show, [float(time) for time in times])
@@ -109,7 +109,7 @@ class Animation:
 class _Moving:
     """The parts of the picture that change from frame to frame."""
 
-    def __init__(self, left: Any, right: Any, scene: Scene):
+    def __init__(self, left: Any, right: Any, scene: DrawnScene):
         self._scene = scene
         (self._body,) = left.fill([0], [0], facecolor=(PLATE, 0.25), edgecolor=PLATE, linewidth=1.2)
         (self._spoke,) = left.plot([], [], color=PLATE, linewidth=1.2)
@@ -122,7 +122,7 @@ class _Moving:
         (self._here,) = right.plot([], [], "o", color=PLATE, markersize=5)
 
     def show(self, now: Any, time: float, value: float, scale: float, mode: str | None) -> None:
-        corners, spoke = layout.placed(self._scene, now)
+        corners, spoke = layout.place_outline(self._scene, now)
         self._body.set_xy(corners.T)
         self._spoke.set_data(*spoke)
         self._rim.set_data(*spoke[:, 1:])
@@ -148,7 +148,7 @@ def _mode_at(motion: Any, time: float) -> str | None:
     return mode
 
 
-def _room(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray) -> None:
+def _room(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> None:
     """Draw the track, and set the axes so that they contain the plate at all times."""
     X, Y = scene.track.point(layout.visible(scene, path, xi1))
     ax.plot(X, Y, color="black", linewidth=1.6)

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from . import scene as scenes
-from .layout import Instant, Scene, instants
-from .style import Picture, styled
+from .layout import DrawnScene, Instant, instants
+from .style import Picture, apply_style
 
 # Largest number of transitions in a notebook's table; the others are only counted.
 _MOST = 12
@@ -60,12 +60,12 @@ def _side_by_side(picture: str, words: str) -> str:
     )
 
 
-def _scene(scene: Scene, *poses: Instant, path: np.ndarray | None = None, xi1: np.ndarray | None = None) -> str:
+def _scene(scene: DrawnScene, *poses: Instant, path: np.ndarray | None = None, xi1: np.ndarray | None = None) -> str:
     first = poses[0]
     path = np.array([[first.x], [first.y]]) if path is None else path
     xi1 = np.array([first.xi1]) if xi1 is None else xi1
     buffer = BytesIO()
-    with styled():
+    with apply_style():
         figure = Picture(figsize=(3.4, 2.8), layout="constrained")
         scenes.draw(figure.subplots(), scene, path, xi1, poses)
         figure.savefig(buffer, format="png", dpi=100)

@@ -16,7 +16,7 @@ CORNERS = 73
 _POINTS = 361
 
 
-class Scene(NamedTuple):
+class DrawnScene(NamedTuple):
     """The data of a case for a picture: two curves, a label, and whether Y (the direction of gravity) points down."""
 
     track: Curve
@@ -39,7 +39,7 @@ class Instant(NamedTuple):
     shade: float
 
 
-def placed(scene: Scene, at: Any) -> tuple[np.ndarray, np.ndarray]:
+def place_outline(scene: DrawnScene, at: Any) -> tuple[np.ndarray, np.ndarray]:
     """The outline's corners (2, n) and its spoke (2, 2) at a pose, in the fixed frame."""
     turn = np.array([[cos(at.theta), -sin(at.theta)], [sin(at.theta), cos(at.theta)]])
     centre = np.array([[at.x], [at.y]])
@@ -47,7 +47,7 @@ def placed(scene: Scene, at: Any) -> tuple[np.ndarray, np.ndarray]:
     return corners, np.hstack([centre, corners[:, :1]])
 
 
-def visible(scene: Scene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
+def visible(scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
     """Evenly spaced track parameters for drawing: all of a closed track, otherwise the part near the plate's path.
 
     `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import unknown
+from ..errors import unknown_name
 from . import scene as scenes
-from .layout import Instant, Scene, instants
-from .style import FAINT, PLATE, Picture, styled
+from .layout import DrawnScene, Instant, instants
+from .style import FAINT, PLATE, Picture, apply_style
 
 # Axis labels of the quantities that can be plotted against time.
 LABELS = {
@@ -40,7 +40,7 @@ _LETTER = 5.0
 _PANEL = 270.0
 
 
-def plot(motion: Any, scene: Scene | None, quantities: Iterable[str], colour: str = PLATE) -> Picture:
+def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colour: str = PLATE) -> Picture:
     """Plot the scene (unless None) next to the quantities against time, with lines at the transitions.
 
     Raises UnknownName for a quantity that a motion does not have.
@@ -48,10 +48,10 @@ def plot(motion: Any, scene: Scene | None, quantities: Iterable[str], colour: st
     names = tuple(quantities)
     for name in names:
         if name not in LABELS:
-            raise unknown("quantity of a motion", name, LABELS)
+            raise unknown_name("quantity of a motion", name, LABELS)
     times = motion.times()
     state = motion(times)
-    with styled():
+    with apply_style():
         figure = Picture(figsize=(9.2 if scene else 5.0, max(1.5 * len(names), 3.4)), layout="constrained")
         right: Any = figure
         if scene is not None:
@@ -68,7 +68,7 @@ def plot(motion: Any, scene: Scene | None, quantities: Iterable[str], colour: st
     return figure
 
 
-def _scene(ax: Any, scene: Scene, motion: Any, times: np.ndarray, state: Any) -> None:
+def _scene(ax: Any, scene: DrawnScene, motion: Any, times: np.ndarray, state: Any) -> None:
     samples = instants(times, [t.time for t in motion.transitions][:6])
     poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
     scenes.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from .layout import Instant, Scene, placed, visible
+from .layout import DrawnScene, Instant, place_outline, visible
 from .style import FORCE, PLATE, TRACK
 
 
-def draw(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray, instants: Sequence[Instant]) -> None:
+def draw(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray, instants: Sequence[Instant]) -> None:
     """Draw track and plate; `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).
 
     The spoke turns with the plate, and the dot is the contact point. In flight, the path of the centre is drawn.
@@ -21,7 +21,7 @@ def draw(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray, instants: Seq
     if np.isfinite(flying).any():
         ax.plot(*flying, color=PLATE, linewidth=0.9, linestyle=(0, (2, 1.5)))
     for instant in instants:
-        corners, spoke = placed(scene, instant)
+        corners, spoke = place_outline(scene, instant)
         edge, inside = 0.4 + 0.6 * instant.shade, 0.08 + 0.22 * instant.shade
         ax.fill(*corners, facecolor=(PLATE, inside), edgecolor=(PLATE, edge), linewidth=0.9)
         ax.plot(*spoke, color=PLATE, linewidth=0.9, alpha=edge)
@@ -30,7 +30,7 @@ def draw(ax: Any, scene: Scene, path: np.ndarray, xi1: np.ndarray, instants: Seq
     finish(ax, scene)
 
 
-def finish(ax: Any, scene: Scene) -> None:
+def finish(ax: Any, scene: DrawnScene) -> None:
     """Set equal scales, gravity down the page, and the axis labels."""
     ax.set_aspect("equal")
     ax.locator_params(nbins=5)

@@ -12,7 +12,7 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..owned_folder import written
+from ..owned_folder import atomic_path
 
 # Colours of a scene. The plate is slate like the reference's curves, because by default its motion is the reference's.
 # Forces are amber, which is no solver's colour.
@@ -57,19 +57,19 @@ class Picture(Figure):
 
     def savefig(self, fname, **kwargs) -> None:
         """Save like Matplotlib's `savefig`, in the suite's style; a file is written completely or not at all."""
-        with styled():
+        with apply_style():
             if not isinstance(fname, str | Path):
                 super().savefig(fname, **kwargs)
                 return
             path = Path(fname)
             if not path.suffix and not kwargs.get("format"):
                 path = path.with_name(f"{path.name}.{self.canvas.get_default_filetype()}")  # as Matplotlib does
-            with written(path) as partial:
+            with atomic_path(path) as partial:
                 super().savefig(partial, **kwargs)
 
 
 @contextmanager
-def styled() -> Iterator[None]:
+def apply_style() -> Iterator[None]:
     """A context in which figures are drawn and written in the suite's style."""
     with matplotlib.rc_context(STYLE):
         yield

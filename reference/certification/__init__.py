@@ -3,7 +3,7 @@
 from .agreement import contradiction
 from .bars import Bar
 from .certificate import Certificate, NotCertified, certify
-from .truth_file import TRUTH, DamagedTruth, kept_or_new, read, write
+from .truth_file import TRUTH, DamagedTruth, read, stored_or_new, write
 
 __all__ = [
     "TRUTH",
@@ -13,7 +13,7 @@ __all__ = [
     "NotCertified",
     "certify",
     "contradiction",
-    "kept_or_new",
+    "stored_or_new",
     "read",
     "write",
 ]

@@ -15,7 +15,7 @@ from .certificate import Certificate
 from .witnesses import EPS
 
 
-class _Stated(NamedTuple):
+class _ValuePair(NamedTuple):
     """A value of some kind that certificate and motion both state, and `coarser`, the same motion at a larger
     tolerance; `what` names it."""
 
@@ -39,7 +39,7 @@ def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coar
         return f"the certificate has {_in_words(*certified)}, the motion {_in_words(*events)}"
     if _events(coarser) != events:
         return ""  # what happens depends on the tolerance: nothing is known of this motion's error
-    stated = list(_stated(case, certificate, motion, coarser))
+    stated = list(_value_pairs(case, certificate, motion, coarser))
     for kind in dict.fromkeys(each.kind for each in stated):
         same = [each for each in stated if each.kind == kind]
         error = max(abs(each.motion - each.coarser) for each in same)
@@ -63,14 +63,14 @@ def _in_words(status: str, changes: list) -> str:
     return f"{count} transition{'' if count == 1 else 's'} and the status {status}"
 
 
-def _stated(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> Iterator[_Stated]:
+def _value_pairs(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> Iterator[_ValuePair]:
     """All values that both state. In flight there are no slip and no contact, and then no value."""
     for each in _all(case, certificate, motion, coarser):
         if all(map(isfinite, (each.certified.value, each.motion, each.coarser))):
             yield each
 
 
-def _all(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> Iterator[_Stated]:
+def _all(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> Iterator[_ValuePair]:
     period = case.track.period
 
     def near(value: float, centre: float) -> float:
@@ -80,11 +80,11 @@ def _all(case: Case, certificate: Certificate, motion: Trajectory, coarser: Traj
     rows = zip(certificate.transitions, motion.transitions, coarser.transitions, strict=True)
     for number, ((_, after, time, xi1), event, other) in enumerate(rows, start=1):
         which = f"of transition {number} (to {after})"
-        yield _Stated("time", f"the time {which}", " s", time, event.time, other.time)
-        yield _Stated("xi1", f"xi1 {which}", "", xi1, near(event.xi1, xi1.value), near(other.xi1, xi1.value))
-    yield _Stated("end", "the end", " s", certificate.end, float(motion.t[-1]), float(coarser.t[-1]))
+        yield _ValuePair("time", f"the time {which}", " s", time, event.time, other.time)
+        yield _ValuePair("xi1", f"xi1 {which}", "", xi1, near(event.xi1, xi1.value), near(other.xi1, xi1.value))
+    yield _ValuePair("end", "the end", " s", certificate.end, float(motion.t[-1]), float(coarser.t[-1]))
     here, there = (each(np.minimum(certificate.times, each.t[-1])) for each in (motion, coarser))
     for quantity, bars in certificate.samples.items():
         columns = (np.asarray(getattr(each, quantity)).tolist() for each in (here, there))
         for time, *values in zip(certificate.times, bars, *columns, strict=True):
-            yield _Stated(quantity, f"{quantity} at {time:.6g} s", "", *values)
+            yield _ValuePair(quantity, f"{quantity} at {time:.6g} s", "", *values)

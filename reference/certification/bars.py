@@ -17,7 +17,7 @@ import numpy as np
 from cases import Case
 from cases.contact import velocity
 
-from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, moved
+from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, perturb
 
 # A state is worked out in a handful of operations, each of which rounds by half a unit in the last place.
 ULPS = 4
@@ -64,12 +64,12 @@ class Shares(NamedTuple):
 
 def shares(case: Case, times: np.ndarray, method: str) -> Shares:
     """The change of everything by the roundings of the state, summed over its components."""
-    plain = moved(case, 0, 0.0, method)
+    plain = perturb(case, 0, 0.0, method)
     sums = _differences(plain, plain, times, case.track.period)
     ill = ""
     for component in range(components(case)):
         for steps in STEPS:
-            other = moved(case, component, steps, method)
+            other = perturb(case, component, steps, method)
             if other.events == plain.events:
                 changes = _differences(plain, other, times, case.track.period)
                 sums = [a + ULPS / steps * b for a, b in zip(sums, changes, strict=True)]
@@ -80,16 +80,16 @@ def shares(case: Case, times: np.ndarray, method: str) -> Shares:
     return Shares(at, places, float(end), dict(zip(plain.states(times), samples, strict=True)), ill)
 
 
-def unresolved(case: Case, method: str) -> str:
+def ambiguity(case: Case, method: str) -> str:
     """Which move of a component of the state by the method's own tolerance changes what happens, "" if none does.
 
     A method whose tolerance is far above rounding (DOP853) gives the same wrong answer for all states that differ by
     roundings only.
     """
-    plain, most = moved(case, 0, 0.0, method), FINEST[method] / EPS
+    plain, most = perturb(case, 0, 0.0, method), FINEST[method] / EPS
     for component in range(components(case)):
         for by in (most, -most):
-            other = moved(case, component, by, method)
+            other = perturb(case, component, by, method)
             if other.events != plain.events:
                 return _changes(by, other)
     return ""

@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, CaseError, Mode
 
-from .bars import ULPS, Bar, Shares, bar, roundings, shares, unresolved
+from .bars import ULPS, Bar, Shares, ambiguity, bar, roundings, shares
 from .witnesses import EPS, QUANTITIES, Witness, witnesses
 
 SAMPLES = 11
@@ -114,7 +114,7 @@ def _same_events(case: Case, able: list[Witness], moves: Shares, method: str) ->
     centre = able[0]
     for other in able[1:]:
         if other.events != centre.events:
-            fault = _whose_fault(moves if moves.ill else moves._replace(ill=unresolved(case, method)))
+            fault = _whose_fault(moves if moves.ill else moves._replace(ill=ambiguity(case, method)))
             raise NotCertified(f"{case.label}: {_contradiction(centre, other)}; {fault}")
     for other in able[1:]:
         for one, same in zip(centre.transitions, other.transitions, strict=True):

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import cases
 from cases import BadValue, CaseError
+from cases.command_line import Parser
 from cases.errors import whole
-from cases.words import Parser
 
 from .certificate import Certificate, NotCertified, certify
 from .truth_file import TRUTH, DamagedTruth, damage, read, sound, write

@@ -28,7 +28,7 @@ class DamagedTruth(CaseError):
     """The kept certificates are not those that were written."""
 
 
-def kept_or_new(case: Case, kept: bool = True) -> Certificate:
+def stored_or_new(case: Case, kept: bool = True) -> Certificate:
     """The kept certificate of a catalogue's case, else a new one (always, if not `kept`). Raises DamagedTruth."""
     return (read().get(case.label) if kept else None) or certify(case)
 

@@ -1,7 +1,7 @@
 """The ways of solving a case that certify each other, and what roundings of their own make of each.
 
 Witnesses start from the same rounded state, so their distance from each other does not show what that rounding does.
-`moved` shows it: the same motion again, one component of the state moved by some roundings at the beginning of each
+`perturb` shows it: the same motion again, one component of the state moved by some roundings at the beginning of each
 phase, where the motion is kept in doubles.
 """
 
@@ -97,10 +97,10 @@ def _ways() -> dict[str, tuple[str, float]]:
 
 
 def _by_first(case: Case, name: str, method: str, rtol: float) -> Witness:
-    return _told(name, solve.simulate(case, rtol=rtol, method=method))
+    return _message(name, solve.simulate(case, rtol=rtol, method=method))
 
 
-def _told(name: str, motion: Trajectory) -> Witness:
+def _message(name: str, motion: Trajectory) -> Witness:
     def states(times):
         state = motion(np.minimum(times, motion.t[-1]))
         return {q: np.asarray(getattr(state, q)) for q in (*QUANTITIES, "xi1", "xi2")}
@@ -131,7 +131,7 @@ def components(case: Case) -> int:
     return max(len(phase(case, regime).system.variables) for regime in regimes)
 
 
-def moved(case: Case, component: int, roundings: float, method: str) -> Witness:
+def perturb(case: Case, component: int, roundings: float, method: str) -> Witness:
     """The motion with one component of the state moved by so many roundings at the beginning of each phase; with 0
     roundings the motion to compare it with."""
     rtol = FINEST[method]
@@ -139,17 +139,18 @@ def moved(case: Case, component: int, roundings: float, method: str) -> Witness:
     solve.prepare(case, method, rtol)
 
     def shifted(now: Phase, t: float, y, end: float, tolerance: float):
-        return integrate(now, t, _shifted(now, y, component, roundings), end, tolerance)
+        return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)
 
     start = start_state(case)
     regime = solve.first_regime(case, start)
     segments, transitions, ending = hybrid.run(case, regime, start, rtol, shifted)
-    return _told(
-        f"component {component} moved by {roundings:g} roundings", solve.sampled(case, segments, transitions, ending)
+    return _message(
+        f"component {component} moved by {roundings:g} roundings",
+        solve.as_trajectory(case, segments, transitions, ending),
     )
 
 
-def _shifted(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:
+def _shift(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:
     """The state with one component moved by so many roundings of its own size.
 
     A position is a difference of places of the plate's size at least. A speed is a difference of speeds: what it is

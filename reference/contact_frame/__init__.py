@@ -1,5 +1,5 @@
 """The second formulation: numbers in the contact's own frame. It shares no code with the first."""
 
-from .march import MOTION, STOPS, Answer, solve
+from .second_formulation import MOTION, STOPS, SecondMotion, solve
 
-__all__ = ["MOTION", "STOPS", "Answer", "solve"]
+__all__ = ["MOTION", "STOPS", "SecondMotion", "solve"]

@@ -21,7 +21,7 @@ import numpy as np
 
 from cases import Curve
 
-from .distance import Distance, Seen
+from .distance import Seen, TrackDistance
 from .moving import Limits, Motion, limits
 from .pairs import Touch
 from .stretches import Stretches, halves
@@ -50,7 +50,7 @@ class TooManyRounds(Exception):
 class Search:
     """Searches for first touches of one plate and one track, and the rounds that they took."""
 
-    def __init__(self, track: Curve, distance: Distance, locate: Locate):
+    def __init__(self, track: Curve, distance: TrackDistance, locate: Locate):
         self.track, self.distance, self.locate, self.rounds = track, distance, locate, 0
 
     def first(
@@ -139,7 +139,7 @@ class Search:
 
 
 def _clear(
-    plate: Distance, seen: Seen, some: Stretches, half: np.ndarray, known: Limits, rest: np.ndarray
+    plate: TrackDistance, seen: Seen, some: Stretches, half: np.ndarray, known: Limits, rest: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """For how long (s) no point within `half` of the stretches' middles begins to touch, and which stretches hold no
     more than one touch until `rest` is over."""
@@ -182,7 +182,7 @@ def _clear(
         return np.where(lasts > 0.0, lasts, 0.0), alone
 
 
-def _bending(plate: Distance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
+def _bending(plate: TrackDistance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
     """A lower bound on the second derivative of the distance along stretches, 1/m, while tangents turn by `bent`."""
     level = np.cos(np.minimum(seen.angle + bent, np.pi))
     away = plate.bluntest / (1.0 + plate.bluntest * (np.maximum(seen.phi, 0.0) + half))
@@ -190,7 +190,7 @@ def _bending(plate: Distance, seen: Seen, some: Stretches, half: np.ndarray, ben
     return np.where(level > 0.0, crest + away * level**2, -some.bend) - 2.0 * plate.hollow
 
 
-def _closest(plate: Distance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
+def _closest(plate: TrackDistance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
     """A lower bound on the distance of stretches, m."""
     slope, c = np.abs(seen.slope), _bending(plate, seen, some, half, bent)
     return np.where(

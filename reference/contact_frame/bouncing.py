@@ -24,7 +24,7 @@ class Bounce(NamedTuple):
     kind: object
 
 
-class Limit(NamedTuple):
+class BounceLimit(NamedTuple):
     """The limit of a sequence of bounces: time and state, and how well the time is known (s)."""
 
     time: float
@@ -32,7 +32,7 @@ class Limit(NamedTuple):
     error: float
 
 
-def limit(bounces: list[Bounce]) -> Limit | None:
+def limit(bounces: list[Bounce]) -> BounceLimit | None:
     """The limit of the latest bounces that ended alike; None if there are too few of them or they do not shrink.
 
     Along such a sequence time and state are smooth functions of the velocity with which the plate leaves its track
@@ -66,4 +66,4 @@ def limit(bounces: list[Bounce]) -> Limit | None:
     for velocity in (2, 3):
         if abs(z[velocity]) <= VANISHED * nodes[0].lift:
             z[velocity] = 0.0
-    return Limit(nodes[0].time + float(chosen[0]), z, steps[best])
+    return BounceLimit(nodes[0].time + float(chosen[0]), z, steps[best])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .equations import Scene
+from .equations import ContactScene
 from .moving import Limits
 from .stretches import Stretches, evenly
 
@@ -45,12 +45,12 @@ class Seen(NamedTuple):
     fuzz: np.ndarray
 
 
-class Distance:
+class TrackDistance:
     """The distance from one plate. `reach`: of its points from its centre of mass; `size`: its diameter (m); bounds on
     its curvature (1/m): `sharpest` the largest, `bluntest` the smallest or 0, `hollow` the size of a negative one or 0;
     `single`: up to that distance (m) a point outside has one nearest point of the outline."""
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: ContactScene):
         self.outline, self.radius = scene.outline, scene.case.plate.radius
         outline = scene.outline
         self.params, _ = evenly(outline, *outline.span, OUTLINE_POINTS)

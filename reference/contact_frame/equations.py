@@ -20,7 +20,7 @@ from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, Ro
 from cases.contact import pose
 
 from .loads import load_scales
-from .steps import Lost
+from .steps import StepFailure
 
 # A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
 RELEASE = 1e-12
@@ -39,7 +39,7 @@ NEAR, FAR, SHOWN = 1e-3, 1e6, 100.0
 DOUBLINGS = 80
 
 
-class Phase(NamedTuple):
+class ContactPhase(NamedTuple):
     """What the contact does, finer than a mode: within one phase all forces are smooth.
 
     `slip`, `turn`: direction of slip and of rotation (±1), 0 where it is held at zero, None where nothing opposes it;
@@ -87,7 +87,7 @@ class Place(NamedTuple):
     arm_n: float
 
 
-class Laws(NamedTuple):
+class ContactLaws(NamedTuple):
     """What friction and rolling resistance can do; None: the case has no such effect."""
 
     slip: float | None  # coefficient against slip
@@ -95,7 +95,7 @@ class Laws(NamedTuple):
     arm: float | None
 
 
-class Scene:
+class ContactScene:
     """A case's numbers, taken once."""
 
     def __init__(self, case: Case):
@@ -108,9 +108,9 @@ class Scene:
         self.load, self.load_scales = load.at if load else None, load_scales(load)
         arm = resistance.arm if resistance else None
         if case.effect(PerfectlyRough):
-            self.laws = Laws(inf, inf, arm)
+            self.laws = ContactLaws(inf, inf, arm)
         else:
-            self.laws = Laws(friction.mu, friction.stick, arm) if friction else Laws(None, 0.0, arm)
+            self.laws = ContactLaws(friction.mu, friction.stick, arm) if friction else ContactLaws(None, 0.0, arm)
         self.unilateral = case.effect(Unilateral) is not None
         # What a step may pass over unseen: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
@@ -166,7 +166,7 @@ class Scene:
         try:
             fx, fy, moment = self.load(t, *body)
         except (ArithmeticError, ValueError) as problem:
-            raise Lost(f"the load has no value at t = {t:.9g} s ({problem}); end the case before") from None
+            raise StepFailure(f"the load has no value at t = {t:.9g} s ({problem}); end the case before") from None
         return self.g[0] + fx / self.m, self.g[1] + fy / self.m, moment / self.m
 
     def body(self, z, turns: int) -> list[float]:
@@ -184,7 +184,7 @@ class Scene:
         bodies = np.array([self.body(z, turns) for z in states.T.tolist()]).T
         return self.load_scales is None or self.load_scales.allows(times, bodies)
 
-    def forces(self, t: float, z, phase: Phase, turns: int) -> Forces:
+    def forces(self, t: float, z, phase: ContactPhase, turns: int) -> Forces:
         """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""
         q, (_, _, w, v) = self.place(z[0], z[1]), z
         ax, ay, spin_pull = self.pull(t, self.body(z, turns) if self.load else None)
@@ -256,7 +256,7 @@ class Scene:
                 break
             try:
                 ax, ay, spin_pull = self.pull(t + wait, body)
-            except Lost:
+            except StepFailure:
                 break  # the load's own end; a motion that comes so far meets it
             pull = hypot(ax, ay) + abs(spin_pull) * self.m / self.J * self.reach
             soonest = min(soonest, wait + sqrt(self.reach / pull)) if pull > 0.0 else soonest
@@ -269,14 +269,14 @@ def speeds(q: Place, w: float, v: float) -> tuple[float, float]:
     return along_track, along_track - v
 
 
-def ratios(laws: Laws, phase: Phase) -> tuple[float, float]:
+def ratios(laws: ContactLaws, phase: ContactPhase) -> tuple[float, float]:
     """Friction and couple per normal force where they oppose a motion; 0 where they are absent or hold."""
     friction = -phase.side * phase.slip * laws.slip if phase.slip and laws.slip is not None else 0.0
     couple = -phase.side * phase.turn * laws.arm if phase.turn and laws.arm is not None else 0.0
     return friction, couple
 
 
-class Held(NamedTuple):
+class ContactForces(NamedTuple):
     """Normal force, friction and couple in a phase, whatever they are measured in (forces or parts of an impulse)."""
 
     normal: float
@@ -285,8 +285,13 @@ class Held(NamedTuple):
 
 
 def admissible(
-    laws: Laws, v: float, w: float, needed: Callable[[Phase], Held], may_stick: bool = True, may_hold: bool = True
-) -> Iterator[Phase]:
+    laws: ContactLaws,
+    v: float,
+    w: float,
+    needed: Callable[[ContactPhase], ContactForces],
+    may_stick: bool = True,
+    may_hold: bool = True,
+) -> Iterator[ContactPhase]:
     """Phases that Coulomb's inequalities allow at slip v and spin w, those that hold most first.
 
     What is at rest is held as long as that takes no more than the normal force allows, and else begins to move against
@@ -298,21 +303,21 @@ def admissible(
     def slip_is_right(slip, turn) -> bool:
         if v != 0.0 or slip is None:
             return True
-        held = needed(Phase(0, turn))
+        held = needed(ContactPhase(0, turn))
         too_much = not may_stick or abs(held.friction) > laws.stick * abs(held.normal)
         return not too_much if slip == 0 else too_much and slip * held.friction <= 0.0
 
     def turn_is_right(slip, turn) -> bool:
         if w != 0.0 or turn is None:
             return True
-        held = needed(Phase(slip, 0))
+        held = needed(ContactPhase(slip, 0))
         too_much = not may_hold or abs(held.couple) > laws.arm * abs(held.normal)  # type: ignore[operator]
         return not too_much if turn == 0 else too_much and turn * held.couple <= 0.0
 
     for slip in slips:
         for turn in turns:
             if slip_is_right(slip, turn) and turn_is_right(slip, turn):
-                yield Phase(slip, turn)
+                yield ContactPhase(slip, turn)
 
 
 def _options(law: float | None, velocity: float, may_rest: bool) -> tuple[int | None, ...]:
@@ -325,16 +330,18 @@ def _options(law: float | None, velocity: float, may_rest: bool) -> tuple[int | 
     return (0, 1, -1) if may_rest else (1, -1)
 
 
-def decide(scene: Scene, t: float, z, turns: int, may_stick: bool = True, may_hold: bool = True) -> Phase | None:
+def decide(
+    scene: ContactScene, t: float, z, turns: int, may_stick: bool = True, may_hold: bool = True
+) -> ContactPhase | None:
     """The phase at an instant; None if none is consistent with the sign of its normal force."""
     tolerance = RELEASE * scene.scale(t, z, turns)
 
-    def needed(phase: Phase) -> Held:
+    def needed(phase: ContactPhase) -> ContactForces:
         f = scene.forces(t, z, sided(phase), turns)
         # A unilateral contact holds nothing by a pull.
-        return Held(max(f.normal, 0.0) if scene.unilateral else f.normal, f.friction, f.couple)
+        return ContactForces(max(f.normal, 0.0) if scene.unilateral else f.normal, f.friction, f.couple)
 
-    def sided(phase: Phase) -> Phase:
+    def sided(phase: ContactPhase) -> ContactPhase:
         if scene.unilateral:
             return phase
         f = scene.forces(t, z, phase, turns)
@@ -350,7 +357,7 @@ def decide(scene: Scene, t: float, z, turns: int, may_stick: bool = True, may_ho
     return None
 
 
-def _soon(scene: Scene, t: float, z, phase: Phase, turns: int) -> float:
+def _soon(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> float:
     """The normal force on its side a moment later (N), for an instant at which it is zero: by a midpoint step."""
     pace = scene.pace(t, z, turns)
     if pace == 0.0:
@@ -361,13 +368,13 @@ def _soon(scene: Scene, t: float, z, phase: Phase, turns: int) -> float:
     return phase.side * scene.forces(t + moment, after.tolist(), phase, turns).normal
 
 
-def leaves(scene: Scene, t: float, z, turns: int) -> bool:
+def leaves(scene: ContactScene, t: float, z, turns: int) -> bool:
     """Whether the plate left to itself would leave its track (and not move into it)."""
-    free = Phase(None, None)
+    free = ContactPhase(None, None)
     return scene.forces(t, z, free, turns).push <= RELEASE * scene.scale(t, z, turns) / scene.m
 
 
-def lets_go(scene: Scene, t: float, z, phase: Phase, turns: int) -> bool:
+def lets_go(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> bool:
     """Whether a plate leaves a perfectly rough contact whose normal force has just vanished.
 
     Friction T may act there, since nothing bounds it. With a, b the arm along tangent and normal, per mass (J = ρ² m):
@@ -386,7 +393,7 @@ def lets_go(scene: Scene, t: float, z, phase: Phase, turns: int) -> bool:
     return q.arm_t * q.arm_n * scene.m / scene.J * friction >= -RELEASE * scene.scale(t, z, turns)
 
 
-def rates(scene: Scene, t: float, z, phase: Phase, turns: int) -> np.ndarray:
+def rates(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> np.ndarray:
     """Time derivatives of (ξ₁, ξ₂, ω, v)."""
     q = scene.place(z[0], z[1])
     forces = scene.forces(t, z, phase, turns)

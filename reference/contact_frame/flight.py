@@ -14,10 +14,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from .advancement import TooManyRounds
-from .equations import Scene
+from .equations import ContactScene
 from .moving import Motion, limits
 from .pairs import Touch, polished, refined
-from .steps import Lost, Paced, UsedUp, Work
+from .steps import FrequencyLimitedDOP853, StepFailure, WorkBudget, WorkLimit
 from .surroundings import Surroundings
 
 # From a search to the next no point of the plate moves farther than its reach times this, unless the track is farther.
@@ -38,17 +38,25 @@ class Flown(NamedTuple):
     touch: Touch | None
 
 
-class _Course:
+class _FlightCourse:
     """A flight as it is integrated, step by step, and looked at."""
 
     def __init__(
-        self, scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, work: Work
+        self,
+        scene: ContactScene,
+        around: Surroundings,
+        t: float,
+        body,
+        end: float,
+        rtol: float,
+        looks: int,
+        work: WorkBudget,
     ):
         self.scene, self.around = scene, around
         self.rtol = max(rtol, 1e-13)
         # Without a load a flight is a parabola, which no step is too long for.
         pace = scene.free_pace if scene.load else lambda t, body: 0.0
-        self.solver = Paced(
+        self.solver = FrequencyLimitedDOP853(
             self.rates, t, np.array(body), end, pace=pace, looks=looks, work=work, features=scene.in_time,
             load_allows=scene.load_scales.allows if scene.load_scales else None, rtol=self.rtol, atol=1e-2 * self.rtol,
         )  # fmt: skip
@@ -65,9 +73,9 @@ class _Course:
         while solver.t < t:
             problem = solver.step()
             if solver.status == "failed" and solver.work.used_up:
-                raise UsedUp
+                raise WorkLimit
             if solver.status == "failed":
-                raise Lost(f"the second formulation's flight stopped at t = {solver.t:.9g} s: {problem}")
+                raise StepFailure(f"the second formulation's flight stopped at t = {solver.t:.9g} s: {problem}")
             self.pieces.append((solver.t_old, solver.t, solver.dense_output()))
             self.nodes.append((solver.t, solver.y.copy()))
 
@@ -100,7 +108,8 @@ class _Course:
 
 
 def fly(
-    scene: Scene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, hop: float, work: Work,
+    scene: ContactScene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, hop: float,
+    work: WorkBudget,
     place: tuple[float, float] | None,
 ) -> Flown:  # fmt: skip
     """Free flight from a pose until the outline meets the track, at most until `end`.
@@ -108,7 +117,7 @@ def fly(
     `looks`: steps to a turn under a load, at least; `place`: the contact's parameters, if it begins on the track;
     `hop`: roughly when it comes down again there, s (inf: nothing known).
     """
-    course = _Course(scene, around, t, body, end, rtol, looks, work)
+    course = _FlightCourse(scene, around, t, body, end, rtol, looks, work)
     before, opened, own = t, t, None
     try:
         if place is not None:
@@ -125,13 +134,18 @@ def fly(
                 touch = polished(scene, course.exactly, touch, around.size)
                 return Flown(_until(course.pieces, touch.time), touch.time, touch)
             before, own = after, None
-    except (UsedUp, TooManyRounds):
+    except (WorkLimit, TooManyRounds):
         pass
     return Flown(_until(course.pieces, before), before, None)
 
 
 def _between(
-    around: Surroundings, course: _Course, before: float, after: float, opened: float, own: tuple[float, float] | None
+    around: Surroundings,
+    course: _FlightCourse,
+    before: float,
+    after: float,
+    opened: float,
+    own: tuple[float, float] | None,
 ) -> Touch | None:
     """The first touch between two times; on the stretch `own`, where the flight begins, it is none until `opened`."""
     course.until(after)
@@ -147,7 +161,13 @@ def _between(
 
 
 def _opened(
-    scene: Scene, course: _Course, around: Surroundings, t: float, end: float, hop: float, place: tuple[float, float]
+    scene: ContactScene,
+    course: _FlightCourse,
+    around: Surroundings,
+    t: float,
+    end: float,
+    hop: float,
+    place: tuple[float, float],
 ) -> tuple[float, tuple[float, float] | None]:
     """When the gap of a flight that begins on the track has opened, and the stretch of the track on which no other
     touch is possible until then; None where it does not open."""
@@ -174,7 +194,7 @@ def _until(pieces: list[tuple[float, float, Callable]], end: float) -> list[tupl
     return [(start, min(stop, end), course) for start, stop, course in pieces if start < end]
 
 
-def _time(scene: Scene, t: float, body, reach: float, way: float) -> float:
+def _time(scene: ContactScene, t: float, body, reach: float, way: float) -> float:
     """How long the plate's points take for a way, s, as it moves and is pulled now."""
     ax, ay, spin = scene.pull(t, body)
     speed = hypot(body[3], body[4]) + abs(body[5]) * reach

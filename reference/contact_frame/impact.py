@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from cases import Impact, PerfectlyRough
 
-from .equations import Held, Phase, Place, Scene, admissible, ratios
+from .equations import ContactForces, ContactPhase, ContactScene, Place, admissible, ratios
 
 # Far more than Coulomb's law allows: slip and rotation stop, reverse or stay, each at most once in compression and
 # once in restitution.
@@ -42,21 +42,21 @@ class Rates(NamedTuple):
     spin: float
 
 
-class Hit(NamedTuple):
+class ImpactResult(NamedTuple):
     """After an impact: slip, normal velocity, spin, the last phase, and the relative change of kinetic energy."""
 
     slip: float
     lift: float
     spin: float
-    phase: Phase
+    phase: ContactPhase
     energy: float
 
 
-class Jammed(Exception):
+class ImpactWithoutSolution(Exception):
     """An impact that no normal impulse ends: Coulomb's law has no consistent one here."""
 
 
-def hit(scene: Scene, effect: Impact, q: Place, slip: float, lift: float, spin: float) -> Hit:
+def hit(scene: ContactScene, effect: Impact, q: Place, slip: float, lift: float, spin: float) -> ImpactResult:
     """The impact at a place with contact velocity (slip, lift < 0) and spin; raises Jammed if it has no end."""
     if effect.law == "moreau":
         return _whole(scene, q, slip, lift, spin, effect.restitution)
@@ -70,42 +70,44 @@ def hit(scene: Scene, effect: Impact, q: Place, slip: float, lift: float, spin: 
     elif effect.restitution > 0.0:
         impulse.push(amount=effect.restitution * compression)
     if impulse.lift < 0.0:
-        raise Jammed
+        raise ImpactWithoutSolution
     change = (impulse.energy() - before) / before if before > 0.0 else 0.0  # speeds whose squares underflow
-    return Hit(impulse.slip, impulse.lift, impulse.spin, impulse.phase, change)
+    return ImpactResult(impulse.slip, impulse.lift, impulse.spin, impulse.phase, change)
 
 
-def creates_energy(result: Hit) -> bool:
+def creates_energy(result: ImpactResult) -> bool:
     return result.energy > ENERGY_ROUNDING
 
 
-def _whole(scene: Scene, q: Place, slip: float, lift: float, spin: float, restitution: float) -> Hit:
+def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float, restitution: float) -> ImpactResult:
     """Moreau's law; raises Jammed if no phase agrees."""
     m, J, at, an = scene.m, scene.J, q.arm_t, q.arm_n
     goal = -restitution * lift
     about = J + m * an * an  # inertia about the contact, for what turns without slip
 
-    def needed(phase: Phase) -> Held:
+    def needed(phase: ContactPhase) -> ContactForces:
         """The sums P, T, C in a phase, from the one condition v_n⁺ = goal."""
         by_slip, by_turn = ratios(scene.laws, phase)
         if phase.turn == 0:
             normal = m * (goal - lift + at * spin)
             friction = -m * (an * spin + slip) if phase.slip == 0 else by_slip * normal
-            return Held(normal, friction, an * friction - at * normal - J * spin)
+            return ContactForces(normal, friction, an * friction - at * normal - J * spin)
         if phase.slip == 0:
             lever = at + by_turn
             normal = (goal - lift - at * an * m * slip / about) / (1 / m + at * lever / about)
             turned = (lever * normal + an * m * slip) / about
-            return Held(normal, m * (an * turned - slip), by_turn * normal)
+            return ContactForces(normal, m * (an * turned - slip), by_turn * normal)
         lever = at - an * by_slip + by_turn
         per_impulse = 1 / m + at * lever / J
         normal = (goal - lift) / per_impulse if per_impulse > 0.0 else inf  # friction that wedges
-        return Held(normal, by_slip * normal, by_turn * normal)
+        return ContactForces(normal, by_slip * normal, by_turn * normal)
 
-    def ended(slip_after: float, lift_after: float, spin_after: float, phase: Phase) -> Hit:
+    def ended(slip_after: float, lift_after: float, spin_after: float, phase: ContactPhase) -> ImpactResult:
         before = _Impulse(scene, q, slip, lift, spin).energy()
         after = _Impulse(scene, q, slip_after, lift_after, spin_after).energy()
-        return Hit(slip_after, lift_after, spin_after, phase, (after - before) / before if before > 0.0 else 0.0)
+        return ImpactResult(
+            slip_after, lift_after, spin_after, phase, (after - before) / before if before > 0.0 else 0.0
+        )
 
     slips: tuple[int | None, ...] = (None,) if scene.laws.slip is None else (0, 1, -1)
     turns: tuple[int | None, ...] = (None,) if scene.laws.arm is None else (0, 1, -1)
@@ -113,8 +115,8 @@ def _whole(scene: Scene, q: Place, slip: float, lift: float, spin: float, restit
         slips, stopped = (0,), _Impulse(scene, q, slip, lift, spin)
         stopped.stop_slip_at_once()
         if stopped.lift >= goal:  # there is no normal impulse to give
-            return ended(0.0, stopped.lift, stopped.spin, Phase(0, None))
-    for phase in (Phase(along, turn) for along in slips for turn in turns):
+            return ended(0.0, stopped.lift, stopped.spin, ContactPhase(0, None))
+    for phase in (ContactPhase(along, turn) for along in slips for turn in turns):
         held = needed(phase)
         if not 0.0 < held.normal < inf:
             continue
@@ -125,7 +127,7 @@ def _whole(scene: Scene, q: Place, slip: float, lift: float, spin: float, restit
             phase.turn, spin + turned, abs(spin), held.couple, (scene.laws.arm or 0.0) * held.normal
         ):
             return ended(along, goal, spin + turned, phase)
-    raise Jammed
+    raise ImpactWithoutSolution
 
 
 def _agrees(way: int | None, after: float, size: float, holds: float, bound: float) -> bool:
@@ -138,7 +140,7 @@ def _agrees(way: int | None, after: float, size: float, holds: float, bound: flo
 class _Impulse:
     """The velocities at a contact as they change with the normal impulse."""
 
-    def __init__(self, scene: Scene, q: Place, slip: float, lift: float, spin: float):
+    def __init__(self, scene: ContactScene, q: Place, slip: float, lift: float, spin: float):
         self.laws, self.m, self.J = scene.laws, scene.m, scene.J
         self.at, self.an = q.arm_t, q.arm_n
         self.slip, self.lift, self.spin = slip, lift, spin
@@ -166,7 +168,7 @@ class _Impulse:
             first = min(pieces, key=pieces.__getitem__)
             piece = pieces[first]
             if piece == inf:
-                raise Jammed
+                raise ImpactWithoutSolution
             total += piece
             self.slip += piece * rates.slip
             self.lift += piece * rates.lift
@@ -177,7 +179,7 @@ class _Impulse:
                 self.lift = until_lift
                 return total
             setattr(self, first, 0.0)
-        raise Jammed
+        raise ImpactWithoutSolution
 
     def stop_slip_at_once(self) -> None:
         """A perfectly rough contact: a tangential impulse takes the slip away before any normal impulse acts."""
@@ -187,14 +189,14 @@ class _Impulse:
         self.lift += impulse * by_friction.lift
         self.spin += impulse * by_friction.spin
 
-    def _phase(self) -> Phase:
+    def _phase(self) -> ContactPhase:
         """The phase in which the next bit of impulse acts: Coulomb's inequalities for impulses."""
         found = next(admissible(self.laws, self.slip, self.spin, self._needed), None)
         if found is None:
-            raise Jammed
+            raise ImpactWithoutSolution
         return found
 
-    def _needed(self, phase: Phase) -> Held:
+    def _needed(self, phase: ContactPhase) -> ContactForces:
         """Friction and couple per normal impulse."""
         friction, couple = ratios(self.laws, phase)
         at, an, inertia = self.at, self.an, self.J / self.m
@@ -204,9 +206,9 @@ class _Impulse:
             couple = an * friction - at
         elif phase.slip == 0:
             friction = an * (at + couple) / (inertia + an * an)
-        return Held(1.0, friction, couple)
+        return ContactForces(1.0, friction, couple)
 
-    def _rates(self, phase: Phase) -> Rates:
+    def _rates(self, phase: ContactPhase) -> Rates:
         _, friction, couple = self._needed(phase)
         spin = 0.0 if phase.turn == 0 else (self.at - self.an * friction + couple) / self.J
         slip = 0.0 if phase.slip == 0 else friction / self.m - self.an * spin

@@ -10,7 +10,7 @@ from cases import Case
 
 from .moving import Motion, limits
 from .pairs import Touch, refined
-from .record import bodies_in_contact
+from .sampling import bodies_in_contact
 from .stretches import Stretches
 from .surroundings import Surroundings
 

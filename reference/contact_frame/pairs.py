@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .equations import Scene
+from .equations import ContactScene
 from .moving import Motion
 
 # Steps of Newton's method; the farthest it may go from where it begins, in plate's sizes; in how many
@@ -25,7 +25,7 @@ class Pair(NamedTuple):
     lift: float
 
 
-class Frame(NamedTuple):
+class PairFrame(NamedTuple):
     """Outline's point seen from the track's, in the track's frame: offsets, angle, speeds, curvatures, velocities."""
 
     along: float
@@ -50,7 +50,7 @@ class Touch(NamedTuple):
     blur: float
 
 
-def frame(scene: Scene, body, xi1: float, xi2: float) -> Frame:
+def frame(scene: ContactScene, body, xi1: float, xi2: float) -> PairFrame:
     """Where the outline's point xi2 is and how it moves, seen from the track's point xi1."""
     x, y, theta, vx, vy, w = body
     X, Y, Xp, Yp, Xs, Ys, _, _ = scene.track.jet(xi1)
@@ -60,13 +60,13 @@ def frame(scene: Scene, body, xi1: float, xi2: float) -> Frame:
     rx, ry = c * a - s * b, s * a + c * b
     ox, oy = (c * ap - s * bp) / p, (s * ap + c * bp) / p
     dx, dy, ux, uy = x + rx - X, y + ry - Y, vx - w * ry, vy + w * rx
-    return Frame(
+    return PairFrame(
         dx * tx + dy * ty, dy * tx - dx * ty, atan2(tx * oy - ty * ox, tx * ox + ty * oy), P, p,
         (Xp * Ys - Yp * Xs) / P**3, (ap * bs - bp * as_) / p**3, ux * tx + uy * ty, uy * tx - ux * ty,
     )  # fmt: skip
 
 
-def refined(scene: Scene, body, xi1: float, xi2: float, size: float) -> Pair | None:
+def refined(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> Pair | None:
     """The pair next to parameters whose tangents are parallel and whose points are straight above each other, by
     Newton's method in arc lengths; None if it finds none."""
     features = scene.track.features
@@ -90,7 +90,7 @@ def refined(scene: Scene, body, xi1: float, xi2: float, size: float) -> Pair | N
     return None
 
 
-def meeting(scene: Scene, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:
+def meeting(scene: ContactScene, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:
     """Newton's method for a time and both parameters: the points coincide, the tangents are parallel, and the gap
     closes. None if it ends elsewhere."""
     best: Touch | None = None
@@ -113,7 +113,7 @@ def meeting(scene: Scene, size: float, motion: Motion, time: float, xi1: float, 
     return best if smallest <= ENDS * EPS * (size + abs(x0) + abs(y0)) else None
 
 
-def _step(f: Frame, spin: float) -> list[float] | None:
+def _step(f: PairFrame, spin: float) -> list[float] | None:
     matrix = [
         [f.slip, f.bend_track * f.gap - 1.0, cos(f.angle)],
         [f.lift, -f.bend_track * f.along, sin(f.angle)],
@@ -126,7 +126,7 @@ def _step(f: Frame, spin: float) -> list[float] | None:
     return step.tolist() if np.isfinite(step).all() else None
 
 
-def polished(scene: Scene, exactly, touch: Touch, size: float) -> Touch:
+def polished(scene: ContactScene, exactly, touch: Touch, size: float) -> Touch:
     """The same touch with states that are integrated up to it: dense output is one order less accurate than a step."""
     time, xi1, xi2, smallest, best = touch.time, touch.xi1, touch.xi2, inf, touch
     for _ in range(8):

@@ -32,7 +32,7 @@ QUARTER = 4.0
 MOST_TURNS = 1e9
 
 
-class Work:
+class WorkBudget:
     """Steps, hops and looks for a landing that a motion has taken so far."""
 
     def __init__(self) -> None:
@@ -44,18 +44,18 @@ class Work:
         return self.done >= MOST_WORK
 
 
-class Lost(FloatingPointError):
+class StepFailure(FloatingPointError):
     """The second formulation cannot go on; one sentence says where and why."""
 
 
-class UsedUp(Exception):
+class WorkLimit(Exception):
     """The motion's work is used up."""
 
 
 Allows = Callable[[np.ndarray, np.ndarray], bool]
 
 
-class Paced(DOP853):
+class FrequencyLimitedDOP853(DOP853):
     """DOP853 whose steps are at most a part of a turn: `looks` of them while the motion's frequency turns by 2π.
 
     `pace` maps (t, y) to that frequency (rad/s, zero where nothing sets one); `features` are what no step passes, each
@@ -71,7 +71,7 @@ class Paced(DOP853):
     max_step: float
 
     def __init__(
-        self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int, work: Work,
+        self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int, work: WorkBudget,
         features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None,
         after_step: Callable | None = None, **options,
     ):  # fmt: skip
@@ -95,13 +95,13 @@ class Paced(DOP853):
         if self.t >= self.counted_until:
             self.steps, self.counted_until = 0, self.t + turn
         if turn * MOST_TURNS < self.t_bound - self.t:
-            raise Lost(
+            raise StepFailure(
                 f"the motion at t = {self.t:.9g} s turns once in {turn:.3g} s, too often to be followed to its end at "
                 f"{self.t_bound:.3g} s; give a shorter duration"
             )
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise Lost(f"the second formulation hardly moves on at t = {self.t:.9g} s")
+            raise StepFailure(f"the second formulation hardly moves on at t = {self.t:.9g} s")
         self.max_step = turn / self.looks
         t, y, f = self.t, self.y, self.f
         while True:

@@ -12,10 +12,10 @@ from scipy.spatial import cKDTree
 from cases import Curve
 
 from .advancement import Search
-from .distance import Distance
-from .equations import Scene
+from .distance import TrackDistance
+from .equations import ContactScene
 from .pairs import meeting
-from .steps import Lost
+from .steps import StepFailure
 from .stretches import Stretches, between, cut, evenly
 
 # Stretches are this part of the plate's size long at first, or as short as the track's features ask for.
@@ -34,8 +34,8 @@ STRAIGHT, PLACES, BETWEEN = 0.5, 9, 0.25
 class Surroundings:
     """Track and plate of a scene, and the searches for where they touch."""
 
-    def __init__(self, scene: Scene, xi1: float):
-        self.scene, self.distance = scene, Distance(scene)
+    def __init__(self, scene: ContactScene, xi1: float):
+        self.scene, self.distance = scene, TrackDistance(scene)
         self.reach, self.size = self.distance.reach, self.distance.size
         self.search = Search(scene.track, self.distance, partial(meeting, scene, self.size))
         track = scene.track
@@ -50,7 +50,7 @@ class Surroundings:
         track = self.scene.track
         _, length = evenly(track, low, high, 3)
         if not length <= LONGEST_TRACK * self.size:
-            raise Lost(
+            raise StepFailure(
                 f"landings are searched on {length:.3g} m of track by a plate of {self.size:.3g} m; "
                 "give a larger plate or a shorter track"
             )
@@ -59,7 +59,7 @@ class Surroundings:
         if track.features:
             edges = np.union1d(edges, track.features.places(low, high))
         if len(edges) > MOST_STRETCHES:
-            raise Lost("landings are searched on a track with too many features; give a shorter one")
+            raise StepFailure("landings are searched on a track with too many features; give a shorter one")
         self.low, self.high = low, high
         self.stretches = between(track, edges[:-1], edges[1:])
         # Closed and convex: it turns to its left all the way round, once.
@@ -73,7 +73,7 @@ class Surroundings:
             far, i = self.tree.query([x, y])
             if not self.endless or not self._widened(int(i)):
                 return float(far) - self.longest - self.reach
-        raise Lost(f"the plate at ({x:.9g}, {y:.9g}) m is too far from its endless track; end the case before")
+        raise StepFailure(f"the plate at ({x:.9g}, {y:.9g}) m is too far from its endless track; end the case before")
 
     def _widened(self, i: int) -> bool:
         """Whether the window of an endless track had to grow, because what is nearest is close to one of its ends."""

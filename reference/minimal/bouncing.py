@@ -20,7 +20,7 @@ import numpy as np
 from cases import Case
 from cases.contact import pose
 
-from .impact import Touch
+from .impact import ContactVelocity
 from .integrators.segment import Event, Segment
 from .landing import Landing
 from .modes import Phase, in_flight
@@ -40,19 +40,19 @@ SMALL = 2e-2
 LISTED = 7e-4
 
 
-class Limit(NamedTuple):
+class Accumulation(NamedTuple):
     """Where bouncing comes to rest: when, the contact parameters and θ, slip and spin (without lift)."""
 
     time: float
     xi1: float
     xi2: float
     theta: float
-    touch: Touch
+    touch: ContactVelocity
 
 
 class _Bounce(NamedTuple):
     landing: Landing
-    after: Touch
+    after: ContactVelocity
     pull: float  # what brings it back, m/s²
     natural: float  # s
     left: float  # estimated time until the limit, s
@@ -78,7 +78,7 @@ class Bounces:
         self.struck, self.greatest = landing.time, max(self.greatest, closing)
         return closing >= LISTED * self.greatest
 
-    def rebound(self, landing: Landing, after: Touch, pull: float) -> None:
+    def rebound(self, landing: Landing, after: ContactVelocity, pull: float) -> None:
         """The velocities after the last impact, with lift > 0, and how fast gravity and load bring the plate back, m/s²
         (not if it is not positive)."""
         closing = -landing.touch.lift
@@ -96,7 +96,7 @@ class Bounces:
         """The last impact left no lift: what follows it belongs to no sequence of rebounds before it."""
         self.last, self.some, self.ratio = None, [], inf
 
-    def _natural(self, landing: Landing, after: Touch, pull: float) -> float:
+    def _natural(self, landing: Landing, after: ContactVelocity, pull: float) -> float:
         """The shortest of the times in which the plate falls through its size, turns by a radian, and the pull changes
         (after a lift-off it grows from nothing)."""
         if not pull > 0.0:
@@ -107,14 +107,14 @@ class Bounces:
             times.append(pull * (landing.time - self.last.landing.time) / change if change else inf)
         return min(times)
 
-    def limit(self) -> Limit | None:
+    def limit(self) -> Accumulation | None:
         """The limit, once enough impacts are known to find it to rounding."""
         if len(self.some) < 3 or self.some[-1] is not self.last:
             return None
         landing, after, _, natural, _ = self.last
         speeds = [b.after.lift for b in self.some]
         rows = [(b.landing.time + b.left, b.landing.xi1, b.landing.xi2, b.after.slip, b.after.omega) for b in self.some]
-        found = [extrapolated(speeds, column) for column in zip(*rows, strict=True)]
+        found = [extrapolate(speeds, column) for column in zip(*rows, strict=True)]
         time, xi1, xi2, slip, omega = (value for value, _ in found)
         # A length that the motion covers in the natural time is as small as that.
         lengths = [self.size / float(c.speed(s)) for c, s in ((self.case.track, xi1), (self.case.plate.outline, xi2))]
@@ -126,10 +126,10 @@ class Bounces:
         if not agree and np.prod([b.left / b.natural for b in self.some]) > NEGLIGIBLE:
             return None
         # A slip or a rotation that the impacts themselves end is none at the limit either.
-        touch = Touch(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)
-        return Limit(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
+        touch = ContactVelocity(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)
+        return Accumulation(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
 
-    def settling(self, flight: Phase, limit: Limit) -> Segment:
+    def settling(self, flight: Phase, limit: Accumulation) -> Segment:
         """The time between the last impact that was stepped through and the limit: too short for a flight to show."""
         assert self.last is not None
         landing, after = self.last.landing, self.last.after
@@ -155,7 +155,7 @@ class _Straight:
         return first[:, None] + np.outer(np.array(self.last) - first, part)
 
 
-def extrapolated(at: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
+def extrapolate(at: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
     """The value at 0 of the polynomials through the last one, two, … of the values (Neville), and how far apart the two
     are that agree best: with more of them the polynomial is nearer, until it blows up their rounding."""
     column, (best, spread) = list(values), (values[-1], inf)

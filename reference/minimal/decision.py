@@ -12,7 +12,7 @@ from math import isfinite
 
 from cases import Case
 
-from . import compiled_series, series
+from . import series, series_code
 from .modes import Phase, Regime, candidates, phase, state_in
 from .series import Series
 
@@ -57,7 +57,7 @@ def _by_value(candidate: Phase, t, y, error) -> bool | None:
         rates = system.condition_rates_of_numbers(t, y, candidate.parameters)
         fastest = max(abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False))
         for name, rate in zip(system.condition_rates, rates, strict=True):
-            if abs(values[name]) <= vanished(error) * candidate.size * fastest:
+            if abs(values[name]) <= vanishes(error) * candidate.size * fastest:
                 values[name] = rate
     if not all(isfinite(v) for v in values.values()):
         raise Undecidable
@@ -67,7 +67,7 @@ def _by_value(candidate: Phase, t, y, error) -> bool | None:
     return all(v > 0 for v in values.values())
 
 
-def vanished(error: float) -> float:
+def vanishes(error: float) -> float:
     """The part of the plate's speed below which a slip or a spin counts as none in a state of that relative error: at
     an event a thousand times its error; at a start the rounding of a difference of two speeds."""
     return 1e3 * error if error > series.EPS else 8 * series.EPS
@@ -102,7 +102,7 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
 
 def _values(candidate: Phase, t, y, bounds, order: int) -> Sequence[Series | float]:
     """The conditions' series in numbers, compiled or not; Undecidable where there are none."""
-    compiled = compiled_series.compiled(candidate.system, order) if order == QUICK else None
+    compiled = series_code.compile_series(candidate.system, order) if order == QUICK else None
     if compiled:
         told = compiled(t, y, bounds, candidate.parameters)
         if all(isfinite(sum(value.c)) for value in told):

@@ -15,9 +15,9 @@ import sympy as sp
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
-from cases.expressions import constants, lifted
+from cases.expressions import constants, lift_constants
 
-from .eliminated import GYRATION, ONE, ZERO, Motion
+from .elimination import GYRATION, ONE, ZERO, Elimination
 
 GX, GY = sp.symbols("gx gy", real=True)
 MASS = sp.Symbol("m", positive=True)
@@ -49,7 +49,7 @@ class Weight:
 
 
 @dataclass(frozen=True)
-class Applied:
+class AppliedLoad:
     """A load: its formulas with their constants lifted, so that loads that differ in numbers share one system."""
 
     formulas: tuple[sp.Expr, ...]
@@ -85,7 +85,7 @@ class Frictionless:
     ratio = ZERO
     by_magnitude = False  # whether the law needs the sign of the normal force
 
-    def conditions(self, slips: bool, motion: Motion, side) -> Conditions:
+    def conditions(self, slips: bool, motion: Elimination, side) -> Conditions:
         return {}
 
     def values(self, case: Case, mode: Mode, side: int) -> dict[str, float]:
@@ -107,7 +107,7 @@ class Coulomb(Frictionless):
     ratio = RATIO
     by_magnitude = True
 
-    def conditions(self, slips: bool, motion: Motion, side) -> Conditions:
+    def conditions(self, slips: bool, motion: Elimination, side) -> Conditions:
         if slips:
             return {"slip": SIGMA * motion.slip}
         bound = side * STICK * motion.normal
@@ -131,7 +131,7 @@ class NoResistance:
     couple = ZERO
     by_magnitude = False
 
-    def conditions(self, held: bool, motion: Motion, side) -> Conditions:
+    def conditions(self, held: bool, motion: Elimination, side) -> Conditions:
         return {}
 
     def values(self, case: Case, turn: int | None, side: int) -> dict[str, float]:
@@ -149,7 +149,7 @@ class LeverArm(NoResistance):
     couple = RESISTANCE
     by_magnitude = True
 
-    def conditions(self, held: bool, motion: Motion, side) -> Conditions:
+    def conditions(self, held: bool, motion: Elimination, side) -> Conditions:
         size = sp.sqrt(GYRATION)
         if not held:
             return {"turn": TURN * motion.omega * size}
@@ -166,7 +166,7 @@ class LeverArm(NoResistance):
 class Laws(NamedTuple):
     """All that a case's effects bring; hashable, the same for cases that differ in numbers alone."""
 
-    loads: tuple[Weight | Applied, ...]
+    loads: tuple[Weight | AppliedLoad, ...]
     friction: Frictionless
     resistance: NoResistance
     unilateral: bool
@@ -208,9 +208,9 @@ def laws(case: Case) -> Laws:
 @lru_cache(maxsize=256)
 @in_one_thread
 def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
-    loads: list[Weight | Applied] = [Weight()] if Gravity in kinds else []
+    loads: list[Weight | AppliedLoad] = [Weight()] if Gravity in kinds else []
     if load is not None:
-        loads.append(Applied(*lifted(load)))
+        loads.append(AppliedLoad(*lift_constants(load)))
     friction = Coulomb() if CoulombFriction in kinds else Rough() if PerfectlyRough in kinds else Frictionless()
     resistance = LeverArm() if RollingResistance in kinds else NoResistance()
     return Laws(tuple(loads), friction, resistance, Unilateral in kinds)

@@ -66,7 +66,7 @@ def _tidy(expression: sp.Expr) -> sp.Expr:
     # Simplification pays for lines, circles and ellipses; beyond forty operations it takes seconds and gains little.
     if sp.count_ops(expression) > 40:
         return expression
-    flat, inside = _multiplied_out(expression)
+    flat, inside = _expand_products(expression)
     return min((expression, flat.xreplace(inside), sp.trigsimp(flat).xreplace(inside)), key=sp.count_ops)
 
 
@@ -75,14 +75,14 @@ def short(expression: sp.Expr) -> sp.Expr:
     # With a root among the generators, or with more terms than circles and lines bring, factoring takes seconds.
     if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
         return expression
-    flat, inside = _multiplied_out(expression)
+    flat, inside = _expand_products(expression)
     if sp.count_ops(flat) > FACTORED:
         return expression
     shapes = (expression, flat.xreplace(inside), sp.factor(flat).xreplace(inside))
     return min((_sign_inside(e) for e in shapes), key=sp.count_ops)
 
 
-def _multiplied_out(expression: sp.Expr) -> tuple[sp.Expr, dict]:
+def _expand_products(expression: sp.Expr) -> tuple[sp.Expr, dict]:
     """The expression multiplied out, with symbols for functions of sums (but sine and cosine), and what they stand for.
 
     What is inside a function stays as its author wrote it: exp(-(s - c)²) as exp(-s²) exp(2 c s) exp(-c²) overflows

@@ -11,7 +11,7 @@ import numpy as np
 from cases import Case, Curve, DoesNotFit
 from cases.contact import Contact, find
 
-from .impact import Touch
+from .impact import ContactVelocity
 from .integrators.segment import Segment
 from .pieces import TooMuch
 
@@ -98,7 +98,7 @@ def state(segment: Segment, t: float) -> list[float]:
     return segment.states(np.array([t]))[:, 0].tolist()
 
 
-def touch(case: Case, now: list[float], contact: Contact) -> tuple[Touch, float, float]:
+def touch(case: Case, now: list[float], contact: Contact) -> tuple[ContactVelocity, float, float]:
     """Velocity of the plate's point of a pair along tangent and normal of the track's, the spin, and the arm."""
     x, y, _, vx, vy, omega = now
     X, Y, Xp, Yp = case.track.jet(contact.xi1)[:4]
@@ -107,4 +107,4 @@ def touch(case: Case, now: list[float], contact: Contact) -> tuple[Touch, float,
     # The outline's point lies off the track's by the gap along the normal.
     rx, ry = X - contact.gap * ty - x, Y + contact.gap * tx - y
     px, py = vx - omega * ry, vy + omega * rx
-    return Touch(px * tx + py * ty, py * tx - px * ty, omega), rx * tx + ry * ty, ry * tx - rx * ty
+    return ContactVelocity(px * tx + py * ty, py * tx - px * ty, omega), rx * tx + ry * ty, ry * tx - rx * ty

@@ -13,8 +13,9 @@ from cases.contact import pose, start_motion
 
 from .bouncing import Bounces
 from .decision import Undecidable, decide
-from .eliminated import Motion
-from .impact import Touch, collide, energy, law_of
+from .elimination import Elimination
+from .grazing import over_touch
+from .impact import ContactVelocity, collide, energy, law_of
 from .integrators.segment import BREAKDOWN, EXHAUSTED, LOST_SIGHT, Segment
 from .landing import Landing, Landings
 from .modes import (
@@ -36,7 +37,6 @@ from .modes import (
 from .pieces import TooMuch
 from .scales import frequency
 from .series import EPS
-from .touch import over_touch
 
 # Changes of regime accumulate where this many follow each other in this part of the motion's own time.
 MANY, NO_TIME = 1000, 1e-9
@@ -139,7 +139,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
                 step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
             idle = idle + 1 if step.time == t else 0
             if idle > IDLE and step.regime not in (None, FLIGHT):
-                step = _moved_on(case, regime, step)
+                step = _advance(case, regime, step)
         except Undecidable:
             return segments, transitions, undecidable(t)
         except DoesNotFit as problem:  # no nearest point of the track, or no speed of the contact where it lands
@@ -153,7 +153,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, step.ending
         t, y, regime, place = step.time, step.state, step.regime, step.place
         if steps >= MOST_STEPS:
-            return segments, transitions, exhausted(t, steps)
+            return segments, transitions, work_limit_ending(t, steps)
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
     return segments, transitions, ("unfinished", sentence)
 
@@ -164,7 +164,7 @@ def undecidable(t: float) -> Ending:
     return BREAKDOWN, f"After t = {t:.9g} s {why}."
 
 
-def exhausted(t: float, steps: int) -> Ending:
+def work_limit_ending(t: float, steps: int) -> Ending:
     """What is said where the steps of a motion are used up."""
     return "unfinished", (
         f"The motion took {steps} steps until t = {t:.9g} s, as much work as a run takes; end it there, or look at "
@@ -172,7 +172,7 @@ def exhausted(t: float, steps: int) -> Ending:
     )
 
 
-def _lost_sight(t: float) -> Ending:
+def _search_limit_ending(t: float) -> Ending:
     """What is said where looking for landings took all the work that it may."""
     return "unfinished", (
         f"Looking for landings took as much work as a run takes until t = {t:.9g} s; end it there, or look at slower "
@@ -196,7 +196,7 @@ class _Progress:
         return not took
 
 
-def _moved_on(case: Case, regime: Regime, step: Step) -> Step:
+def _advance(case: Case, regime: Regime, step: Step) -> Step:
     """The same step where phases of no length follow each other: what began is too small to be told from rounding.
 
     What lies within `ROUGH` of its bound counts as being there, and its rate decides.
@@ -221,7 +221,7 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
     if guard == EXHAUSTED:
-        return Step((segment,), t, ending=exhausted(t, segment.steps))
+        return Step((segment,), t, ending=work_limit_ending(t, segment.steps))
     if guard == BREAKDOWN:
         return Step((segment,), t, ending=_breakdown(now, segment))
     if guard == "slip":
@@ -322,10 +322,10 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 
 
-def _free(case: Case, t: float, y: Sequence[float]) -> Motion:
+def _free(case: Case, t: float, y: Sequence[float]) -> Elimination:
     """What the equations of the contact say of a full state; its `free_approach` needs no contact to be there."""
     now = phase(case, candidates(case)[-1])
-    return Motion(*now.system.observed_of_numbers(t, state_in(now, y), now.parameters))
+    return Elimination(*now.system.observed_of_numbers(t, state_in(now, y), now.parameters))
 
 
 # --- after flight -----------------------------------------------------------------------------------------------------
@@ -383,9 +383,9 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     last = segments[-1]
     if landing is None and last.event.guard == EXHAUSTED:
         steps = sum(segment.steps for segment in segments)
-        return Step(tuple(segments), last.event.time, ending=exhausted(last.event.time, steps))
+        return Step(tuple(segments), last.event.time, ending=work_limit_ending(last.event.time, steps))
     if landing is None and last.event.guard == LOST_SIGHT:
-        return Step(tuple(segments), last.event.time, ending=_lost_sight(last.event.time))
+        return Step(tuple(segments), last.event.time, ending=_search_limit_ending(last.event.time))
     if landing is None:
         return Step(
             tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETED
@@ -426,7 +426,9 @@ def _drowns(case: Case, lift: float, pull: float, place: tuple[float, float]) ->
     return lift * lift <= 2.0 * pull * known
 
 
-def _rest(case: Case, segments, t: float, place, theta: float, touch: Touch, cause: str, listed: bool) -> Step:
+def _rest(
+    case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str, listed: bool
+) -> Step:
     """Contact that neither opens nor closes: the mode that follows, or flight, `listed` or not, where none does."""
     y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
     moves = senses(case, y, touch.slip, touch.omega, LOCATED)

@@ -33,7 +33,7 @@ MOST_PIECES = 100
 ROUNDING = 1e-9
 
 
-class Touch(NamedTuple):
+class ContactVelocity(NamedTuple):
     """Velocity of the plate's contact point along the track's tangent and normal (m/s), and spin (rad/s)."""
 
     slip: float
@@ -66,7 +66,7 @@ class _Rates(NamedTuple):
     omega: float
 
 
-def collide(law: Law, before: Touch) -> Touch:
+def collide(law: Law, before: ContactVelocity) -> ContactVelocity:
     """The velocities after the impact of a contact that closes; slip or spin that ends at 0 is exactly 0.
 
     A contact that neither opens nor closes has an impact only where friction without bound ends its slip.
@@ -75,7 +75,7 @@ def collide(law: Law, before: Touch) -> Touch:
         return before
     if law.name == "moreau":
         return _at_once(law, before)
-    now = _stopped(law, before) if law.mu == inf else before
+    now = _stops(law, before) if law.mu == inf else before
     goal = 0.0 if law.name == "poisson" else -law.restitution * before.lift
     if now.lift >= goal:
         return now  # what ended the slip has lifted the contact
@@ -90,13 +90,15 @@ def collide(law: Law, before: Touch) -> Touch:
     return _advance(law, now, lambda spent, now, rates: _until(now.lift, rates.lift, goal))[0]._replace(lift=goal)
 
 
-def energy(law: Law, touch: Touch) -> float:
+def energy(law: Law, touch: ContactVelocity) -> float:
     """Kinetic energy per mass (J/kg) of a plate whose contact point moves like that."""
     along, across = touch.slip + touch.omega * law.arm_n, touch.lift - touch.omega * law.arm_t
     return 0.5 * (along**2 + across**2 + law.gyration * touch.omega**2)
 
 
-def _advance(law: Law, now: Touch, left: Callable[[float, Touch, _Rates], float]) -> tuple[Touch, float]:
+def _advance(
+    law: Law, now: ContactVelocity, left: Callable[[float, ContactVelocity, _Rates], float]
+) -> tuple[ContactVelocity, float]:
     """Piece after piece until `left(spent, velocities, rates)`, the impulse still to come, is used up.
 
     Raises Undecidable where the velocities are not finite numbers, so that no piece ends it.
@@ -108,7 +110,7 @@ def _advance(law: Law, now: Touch, left: Callable[[float, Touch, _Rates], float]
         slip_ends = _until(now.slip, rates.slip, 0.0)
         spin_ends = _until(now.omega, rates.omega, 0.0) if law.arm else inf  # otherwise nothing changes there
         step = min(rest, slip_ends, spin_ends)
-        now = Touch(
+        now = ContactVelocity(
             0.0 if step == slip_ends else now.slip + step * rates.slip,
             now.lift + step * rates.lift,
             0.0 if step == spin_ends else now.omega + step * rates.omega,
@@ -124,7 +126,7 @@ def _until(value: float, rate: float, goal: float) -> float:
     return (goal - value) / rate if (goal - value) * rate > 0.0 else inf
 
 
-def _rates(law: Law, now: Touch) -> _Rates:
+def _rates(law: Law, now: ContactVelocity) -> _Rates:
     """The one way on that agrees with Coulomb's law and with the bound of the couple."""
     slips = (copysign(1.0, now.slip),) if now.slip else (0.0, 1.0, -1.0)
     turns = (0.0,) if not law.arm else (copysign(1.0, now.omega),) if now.omega else (0.0, 1.0, -1.0)
@@ -153,10 +155,10 @@ def _piece(law: Law, slip: float, turn: float) -> _Rates:
     return _Rates(friction, couple, along, 1.0 + law.arm_t * omega, omega)
 
 
-def _at_once(law: Law, before: Touch) -> Touch:
+def _at_once(law: Law, before: ContactVelocity) -> ContactVelocity:
     """Moreau's law: of the ways to end, those that hold most first, the one that agrees with its impulse."""
     goal = -law.restitution * before.lift
-    if law.mu == inf and (stopped := _stopped(law, before)).lift >= goal:
+    if law.mu == inf and (stopped := _stops(law, before)).lift >= goal:
         return stopped  # what ends the slip lifts the contact fast enough without a normal impulse
     slips, turns = (0.0,) if law.mu == inf else (0.0, 1.0, -1.0), (0.0, 1.0, -1.0) if law.arm else (0.0,)
     ends = [_ending(law, before, slip, turn) for slip, turn in product(slips, turns)]
@@ -166,7 +168,7 @@ def _at_once(law: Law, before: Touch) -> Touch:
     return after._replace(lift=goal)
 
 
-def _ending(law: Law, before: Touch, slip: float, turn: float) -> tuple[float, Touch]:
+def _ending(law: Law, before: ContactVelocity, slip: float, turn: float) -> tuple[float, ContactVelocity]:
     """By how much, relatively, the impulse is beyond its laws that ends slipping and turning in those senses (0: not at
     all), and the velocities after it.
 
@@ -194,14 +196,14 @@ def _ending(law: Law, before: Touch, slip: float, turn: float) -> tuple[float, T
         abs(friction) / normal - law.stick if not slip else 0.0,
         (abs(couple) / normal - law.arm) / law.arm if held else 0.0,
     )
-    return max(excess, 0.0), Touch(along if slip else 0.0, before.lift, 0.0 if held else omega)
+    return max(excess, 0.0), ContactVelocity(along if slip else 0.0, before.lift, 0.0 if held else omega)
 
 
-def _stopped(law: Law, now: Touch) -> Touch:
+def _stops(law: Law, now: ContactVelocity) -> ContactVelocity:
     """Friction without bound ends the slip before there is any normal impulse."""
     impulse = -now.slip / (1.0 + law.arm_n**2 / law.gyration)
     turned = -law.arm_n * impulse / law.gyration
-    return Touch(0.0, now.lift + law.arm_t * turned, now.omega + turned)
+    return ContactVelocity(0.0, now.lift + law.arm_t * turned, now.omega + turned)
 
 
 def law_of(case: Case, arm_t: float, arm_n: float) -> Law:

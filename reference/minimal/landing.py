@@ -22,9 +22,9 @@ from cases.overlap import span
 from .boxes import Cores
 from .cores import cores
 from .gap import Look, Looks, facing, state, touch
-from .impact import Touch
+from .impact import ContactVelocity
 from .integrators.segment import Segment
-from .meetings import Meeting, Search
+from .meetings import Meeting, MeetingSearch
 from .room import Room, room
 from .series import EPS
 from .short_flights import first_look
@@ -47,7 +47,7 @@ class Landing(NamedTuple):
     xi1: float
     xi2: float
     theta: float
-    touch: Touch
+    touch: ContactVelocity
     arm_t: float
     arm_n: float
 
@@ -62,9 +62,9 @@ class Landings:
         self.pair: tuple[float, float] | None = None  # the pair that is followed, between segments
 
     @cached_property
-    def search(self) -> Search:
+    def search(self) -> MeetingSearch:
         """The search by boxes, and its work."""
-        return Search(self.case)
+        return MeetingSearch(self.case)
 
     def start_impact(self, segment: Segment) -> Landing:
         """The impact that a start with a gap that closes is, also where the plate is pulled off its track; its
@@ -72,7 +72,7 @@ class Landings:
         start = self.case.start
         xi1, xi2 = start.xi1, start.motion(self.case.track, self.case.plate.outline).xi2
         landing = self._landing(segment, Look(0.0, Contact(xi1, xi2, 0.0), nan, nan, nan, True), xi1)
-        return landing._replace(touch=Touch(start.slip, start.gap_rate, start.omega))
+        return landing._replace(touch=ContactVelocity(start.slip, start.gap_rate, start.omega))
 
     def first(self, segment: Segment, place: tuple[float, float], under_way: bool = False) -> Landing | None:
         """The first landing of a flight's segment; None if it flies on. Raises TooMuch once the work is used up.
@@ -274,14 +274,14 @@ class Landings:
             rates = segment.phase.system.rates_of_numbers(look.time, now, segment.phase.parameters)
             now = [value + look.beyond * rate for value, rate in zip(now, rates, strict=True)]
         at, arm_t, arm_n = touch(self.case, now, look.contact)
-        return Landing(look.time, *_counted_on(self.case, look.contact, now[2], near), now[2], at, arm_t, arm_n)
+        return Landing(look.time, *_with_turns(self.case, look.contact, now[2], near), now[2], at, arm_t, arm_n)
 
 
 def _poses(segment: Segment, times: np.ndarray) -> np.ndarray:
     return segment.states(times)[:3]
 
 
-def _counted_on(case: Case, contact: Contact, theta: float, near: float) -> tuple[float, float]:
+def _with_turns(case: Case, contact: Contact, theta: float, near: float) -> tuple[float, float]:
     """The contact's parameters with the whole turns that bring the track's next to `near` and give θ itself by (6)."""
     period, again = case.track.period or 0.0, case.plate.outline.period or 0.0
     xi1 = contact.xi1 + period * round((near - contact.xi1) / period) if period and again else contact.xi1

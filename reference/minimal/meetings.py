@@ -38,7 +38,7 @@ class Meeting(NamedTuple):
     xi2: float
 
 
-class Search:
+class MeetingSearch:
     """Searches for first meetings in the motion of one case, and the work that they took."""
 
     def __init__(self, case: Case):

@@ -19,7 +19,7 @@ from cases.contact import pose, start_motion, velocity
 from cases.features import Features
 
 from .effects import SLIP_SIGN, Laws, laws
-from .eliminated import U1, U2, X1, X2
+from .elimination import U1, U2, X1, X2
 from .system import THETA, Kind, System, contact_system, flight_system, parameter_values
 
 _PLACES = {X1: 0, X2: 1, U1: 2, U2: 3, THETA: 4}
@@ -75,11 +75,11 @@ class Phase(NamedTuple):
 
 def candidates(case: Case) -> tuple[Regime, ...]:
     """The contacts the case's effects allow; where two are possible (static friction) the earlier one is taken."""
-    return _allowed(laws(case))
+    return _regimes(laws(case))
 
 
 @lru_cache(maxsize=256)
-def _allowed(law: Laws) -> tuple[Regime, ...]:
+def _regimes(law: Laws) -> tuple[Regime, ...]:
     sides = (1, -1) if law.sided else (1,)
     return tuple(
         Regime(Mode.REST if mode is Mode.ROLL and turn == 0 else mode, side, turn)
@@ -96,7 +96,7 @@ def kinds(case: Case) -> tuple[Regime, ...]:
 
 @lru_cache(maxsize=256)
 def _kinds(law: Laws) -> tuple[Regime, ...]:
-    return tuple({regime.kind: regime for regime in reversed(_allowed(law))}.values())
+    return tuple({regime.kind: regime for regime in reversed(_regimes(law))}.values())
 
 
 def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
@@ -108,7 +108,7 @@ def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
 def _able(law: Laws, slip: float, turn: float) -> tuple[Regime, ...]:
     return tuple(
         r
-        for r in _allowed(law)
+        for r in _regimes(law)
         if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.REST))
         and (not turn or r.turn is None or r.turn == turn)
     )

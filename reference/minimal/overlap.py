@@ -19,7 +19,7 @@ from .boxes import Cores
 from .cores import cores
 from .gap import facing
 from .integrators.segment import Segment
-from .meetings import Meeting, Search
+from .meetings import Meeting, MeetingSearch
 from .modes import FLIGHT
 from .pieces import TooMuch
 from .room import fits_everywhere
@@ -44,7 +44,7 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
     touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # in flight landings are looked for
     if not touching or fits_everywhere(case, touching):
         return solution
-    search = Search(case)
+    search = MeetingSearch(case)
     for lot, motion, around in _lots(case, touching):
         try:
             meeting = search.first(motion, around)

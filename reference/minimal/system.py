@@ -15,13 +15,28 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from cases import Case, Curve, Plate
+from cases.compile_cache import cached
 from cases.derivation import derived
 from cases.effects import MOTION
-from cases.kept import kept
 
 from . import series
 from .effects import SIGMA, TURN, Laws, laws
-from .eliminated import GYRATION, U1, U2, X1, X2, ZERO, Motion, T, Torsor, resting, rolling, sliding, spin, translating
+from .elimination import (
+    GYRATION,
+    U1,
+    U2,
+    X1,
+    X2,
+    ZERO,
+    Elimination,
+    T,
+    Torsor,
+    resting,
+    rolling,
+    sliding,
+    spin,
+    translating,
+)
 from .frames import Frame, frame
 
 THETA = MOTION[3]
@@ -44,7 +59,7 @@ class Equations:
     variables: tuple[sp.Symbol, ...]
     positions: int
     rates: tuple[sp.Expr, ...]
-    observed: Motion
+    observed: Elimination
     conditions: dict[str, sp.Expr] = field(default_factory=dict)
     condition_rates: dict[str, sp.Expr] = field(default_factory=dict)
     guards: dict[str, sp.Expr] = field(default_factory=dict)
@@ -58,7 +73,7 @@ class Equations:
         return tuple(sorted(found - {*self.variables, T}, key=lambda symbol: symbol.name))
 
 
-class Named(Mapping[str, sp.Expr]):
+class CompiledExpressions(Mapping[str, sp.Expr]):
     """Expressions by name. Their names are known at once; the expressions are derived when one is asked for."""
 
     def __init__(self, names: Sequence[str], derived: Callable[[], Mapping[str, sp.Expr]]):
@@ -83,15 +98,15 @@ class System:
     `decided_by` is all that decides the equations. Functions that an earlier process compiled serve without deriving.
     """
 
-    record = Motion  # what `observed_of_arrays` returns the columns of
+    record = Elimination  # what `observed_of_arrays` returns the columns of
 
     def __init__(self, decided_by: tuple, derive: Callable[[], Equations]):
         self._decided_by, self._derive = decided_by, derive
         names = self.kept("outline", (), lambda: _outline(self.equations))
         self.variables, self.positions, self.parameters, conditions, condition_rates, guards = names
-        self.conditions = Named(conditions, lambda: self.equations.conditions)
-        self.condition_rates = Named(condition_rates, lambda: self.equations.condition_rates)
-        self.guards = Named(guards, lambda: self.equations.guards)
+        self.conditions = CompiledExpressions(conditions, lambda: self.equations.conditions)
+        self.condition_rates = CompiledExpressions(condition_rates, lambda: self.equations.condition_rates)
+        self.guards = CompiledExpressions(guards, lambda: self.equations.guards)
 
     @derived
     def equations(self) -> Equations:
@@ -102,12 +117,12 @@ class System:
         return self.equations.rates
 
     @property
-    def observed(self) -> Motion:
+    def observed(self) -> Elimination:
         return self.equations.observed
 
     def kept(self, kind: str, further: tuple, make: Callable[[], Any]) -> Any:
         """What `make` makes of these equations and what else decides it, from disk where it is there."""
-        return kept(kind, (self._decided_by, further), Path(__file__).parent, make)
+        return cached(kind, (self._decided_by, further), Path(__file__).parent, make)
 
     def _compile(self, what: str, library: str):
         def make():
@@ -120,7 +135,7 @@ class System:
         return _without_raising(compiled, self._count(what)) if library == "math" else compiled
 
     def _count(self, what: str) -> int:
-        known = {"rates": self.variables, "observed": Motion._fields}
+        known = {"rates": self.variables, "observed": Elimination._fields}
         return len(known[what] if what in known else getattr(self, what))
 
     @derived
@@ -188,7 +203,7 @@ class System:
 
     @derived
     def observed_of_arrays(self):
-        """(t, y, parameters) -> list in the order of `Motion`, on arrays."""
+        """(t, y, parameters) -> list in the order of `Elimination`, on arrays."""
         return self._compile("observed", "numpy")
 
     @derived
@@ -316,7 +331,7 @@ def _in_flight(law: Laws) -> System:
 def _flight_equations(law: Laws) -> Equations:
     _, x, y, theta, vx, vy, omega = MOTION
     fx, fy, moment = law.torsor
-    nothing = Motion(*(ZERO for _ in Motion._fields))
+    nothing = Elimination(*(ZERO for _ in Elimination._fields))
     rates = (vx, vy, omega, fx, fy, moment / GYRATION)
     return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 

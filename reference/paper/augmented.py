@@ -12,7 +12,7 @@ this suite adds are columns and rows of the same kind:
     rolling resistance       a couple arm·|N| against the rotation: it goes with λ, so it stands in λ's column
     free flight              no multiplier: (16) and (19) alone (3×3)
 
-Literal and slow: what the fast form is tested against, and what `reference.literal` integrates.
+Literal and slow: what the fast form is tested against, and what `reference.augmented_integrator` integrates.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Solution(NamedTuple):
     couple: float
 
 
-class Filled(NamedTuple):
+class AugmentedSystem(NamedTuple):
     """(27) at one instant: its matrix and right-hand side, and what was filled in.
 
     `ratio` is the μ of (30) with its sign, `arm` the resisting couple per normal force with its sign (m), `rolls` and
@@ -140,7 +140,7 @@ def rolling_row(k: Kinematics) -> tuple[np.ndarray, float]:
 
 def fill(
     case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
-) -> Filled:
+) -> AugmentedSystem:
     """(27) for a contact in that mode.
 
     `state` is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), with θ (rad) behind it where a load counts whole turns; `side` is the sign of the
@@ -153,7 +153,7 @@ def fill(
 
 def assemble(
     case: Case, mode: Mode, k: Kinematics, motion: Sequence[float], side: int = 1, turn: int | None = None
-) -> Filled:
+) -> AugmentedSystem:
     """(27) from kinematics that are known, whether or not they fit the contact; `motion` as of `applied_torsor`."""
     ratio = _friction_ratio(case, mode, side)
     arm, held = _resistance(case, mode, side, turn, k)
@@ -168,7 +168,7 @@ def assemble(
         matrix[6, 3:5], right[6] = rolling_row(k)
     if held:
         matrix[2, -1], matrix[-1, 2] = -1.0, 1.0
-    return Filled(matrix, right, k, ratio, arm, rolls, held)
+    return AugmentedSystem(matrix, right, k, ratio, arm, rolls, held)
 
 
 def _friction_ratio(case: Case, mode: Mode, side: int) -> float:
@@ -210,7 +210,7 @@ def solve_augmented(
     return solution(fill(case, mode, state, side, turn, time))
 
 
-def solution(filled: Filled) -> Solution:
+def solution(filled: AugmentedSystem) -> Solution:
     """A filled system solved; raises numpy.linalg.LinAlgError where it is singular."""
     answer = np.linalg.solve(filled.matrix, filled.right)
     multipliers = answer[5:]
@@ -229,7 +229,7 @@ def flight_acceleration(case: Case, time: float, y: Sequence[float]) -> np.ndarr
 # --- how near to singular ---------------------------------------------------------------------------------------------
 
 
-def uniqueness(filled: Filled) -> float:
+def uniqueness(filled: AugmentedSystem) -> float:
     """The determinant of (27) over what it is without friction and resistance: 1 there, 0 at Painlevé's paradox.
 
     Where it vanishes, the normal force is no longer a unique answer of (27). NaN where the curvatures are equal, which
@@ -241,7 +241,7 @@ def uniqueness(filled: Filled) -> float:
     return float(np.linalg.det(filled.matrix)) / without if without else nan
 
 
-def condition(case: Case, filled: Filled) -> float:
+def condition(case: Case, filled: AugmentedSystem) -> float:
     """The 2-norm condition number of (27) in the plate's own units, in which mass, radius of gyration and arc length
     are one; infinite where the matrix is singular."""
     m, rho = case.plate.mass, case.plate.gyration

@@ -49,5 +49,5 @@ def _frames(asked: Plan) -> Iterator[pd.DataFrame]:
     from . import table
 
     for start in range(0, len(asked), CHUNK):
-        rows = table.solved(asked, start, min(start + CHUNK, len(asked)), len(asked) >= MANY)
+        rows = table.is_solved(asked, start, min(start + CHUNK, len(asked)), len(asked) >= MANY)
         yield rows.to_pandas(types_mapper=pd.ArrowDtype)

@@ -12,7 +12,7 @@ import numpy as np
 from cases import Curve
 
 
-class Places(NamedTuple):
+class CurvePoints(NamedTuple):
     """Points of curves with speed |R_p|, unit tangent and curvature there."""
 
     x: np.ndarray
@@ -23,26 +23,26 @@ class Places(NamedTuple):
     curvature: np.ndarray
 
 
-def places(curve: Curve, constants: tuple[np.ndarray, ...], s: np.ndarray) -> Places:
+def places(curve: Curve, constants: tuple[np.ndarray, ...], s: np.ndarray) -> CurvePoints:
     """Where curves of that structure are at parameters `s`; `constants` are their sizes, each of shape (n,)."""
     x, y, xp, yp, xs, ys = (np.broadcast_to(row, s.shape) for row in curve.jets_of(s, constants)[:6])
     speed = np.hypot(xp, yp)
-    return Places(x, y, speed, xp / speed, yp / speed, (xp * ys - yp * xs) / speed**3)
+    return CurvePoints(x, y, speed, xp / speed, yp / speed, (xp * ys - yp * xs) / speed**3)
 
 
-def rates(track: Places, outline: Places, slip, omega) -> tuple[np.ndarray, np.ndarray]:
+def rates(track: CurvePoints, outline: CurvePoints, slip, omega) -> tuple[np.ndarray, np.ndarray]:
     """(ξ̇₁, ξ̇₂) of contacts with that slip velocity and spin: (9) and (12) solved for them."""
     along = (omega - outline.curvature * slip) / (track.curvature - outline.curvature)
     return along / track.speed, (along - slip) / outline.speed
 
 
-def slip_and_spin(track: Places, outline: Places, u1, u2) -> tuple[np.ndarray, np.ndarray]:
+def slip_and_spin(track: CurvePoints, outline: CurvePoints, u1, u2) -> tuple[np.ndarray, np.ndarray]:
     """Slip velocity (12) and spin (9)."""
     along, turned = u1 * track.speed, u2 * outline.speed
     return along - turned, track.curvature * along - outline.curvature * turned
 
 
-def energy(track: Places, outline: Places, slip, omega, pull: tuple, mass, inertia) -> np.ndarray:
+def energy(track: CurvePoints, outline: CurvePoints, slip, omega, pull: tuple, mass, inertia) -> np.ndarray:
     """Kinetic energy and potential of gravity `pull` (m/s², by component), J, as `cases.mechanics.energy` counts it."""
     # The tangents agree (6), so that their angle is the plate's; the centre lies off the contact by (5).
     c, s = track.tx * outline.tx + track.ty * outline.ty, track.ty * outline.tx - track.tx * outline.ty

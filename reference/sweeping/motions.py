@@ -14,8 +14,8 @@ from cases.mechanics import energy
 from ..minimal.decision import Undecidable
 from ..minimal.hybrid import CAUSES, slip_and_spin, undecidable
 from ..minimal.modes import FLIGHT, Phase, full_state, start_state
-from ..solve import INTEGRATORS, METHODS, at_once, first_regime, prepare, solved
-from .scenes import Scenes
+from ..solve import INTEGRATORS, METHODS, at_once, first_regime, prepare, solve_motion
+from .scenario_values import ScenarioGroup
 
 MODES = tuple(Mode)
 PHRASES = tuple(dict.fromkeys(CAUSES.values()))
@@ -73,14 +73,14 @@ class Motions:
         return cls(np.full(n, -1), words(), words(), numbers(), numbers(), numbers(), steps, alone, events)
 
 
-def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> None:
+def simulate_rows(scenes: ScenarioGroup, who: np.ndarray, rtol: float, moved: Motions) -> None:
     """Scenarios as `simulate` does them, one after the other, in the place of what is noted of them."""
     keep, everybody = (np.ones(len(moved.first), dtype=bool) for _ in range(2))
     keep[who] = False
     noted = [Events.joined([moved.events], keep)]
     for i in who.tolist():
         with np.errstate(all="ignore"):  # as in `simulate`
-            transitions = _simulated(scenes.alone(i), rtol, moved, i)
+            transitions = _simulate(scenes.alone(i), rtol, moved, i)
         numbers = [
             (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions
         ]
@@ -88,12 +88,14 @@ def simulated(scenes: Scenes, who: np.ndarray, rtol: float, moved: Motions) -> N
     moved.events = Events.joined(noted, everybody)
 
 
-def _simulated(case: Case, rtol: float, moved: Motions, i: int) -> list[Transition]:
+def _simulate(case: Case, rtol: float, moved: Motions, i: int) -> list[Transition]:
     """What `simulate` finds, without samples, into row i; returns the transitions."""
     prepare(case, None, rtol)
     start = start_state(case)
     try:
-        segments, transitions, ending = solved(case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1])
+        segments, transitions, ending = solve_motion(
+            case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1]
+        )
     except Undecidable:
         segments, transitions, ending = [], [], undecidable(0.0)
     moved.status[i], moved.reason[i] = ending
@@ -111,7 +113,7 @@ def _simulated(case: Case, rtol: float, moved: Motions, i: int) -> list[Transiti
     return transitions
 
 
-def _motion_in(case: Case, now: Phase, own) -> geometry.Motion | State:
+def _motion_in(case: Case, now: Phase, own) -> geometry.MotionPoint | State:
     """A phase's own state as pose and velocities."""
     if now.regime == FLIGHT:
         nan = float("nan")

@@ -16,7 +16,7 @@ import numpy as np
 
 import cases
 from cases import BadValue, Case
-from cases.errors import between, finite, real, unknown, whole
+from cases.errors import between, finite, real, unknown_name, whole
 from cases.registry import parse
 
 from ..solve import TOLERANCES
@@ -146,12 +146,12 @@ class Plan:
 
     def __post_init__(self):
         if self.sample not in SAMPLES:
-            raise unknown("sampling", str(self.sample), SAMPLES)
+            raise unknown_name("sampling", str(self.sample), SAMPLES)
         known = self.parameters
         names = [axis.name for axis in self.axes]
         for name in (*names, *self.fixed):
             if name not in known:
-                raise unknown(f"parameter of {self.name}", name, known)
+                raise unknown_name(f"parameter of {self.name}", name, known)
         for name in names:
             if names.count(name) > 1 or name in self.fixed:
                 raise BadValue(f"{name} is given twice; give each parameter once")
@@ -248,7 +248,7 @@ def plan(
     files: Sequence[str] = (),
 ) -> Plan:
     """The plan of what a user says; a single number fixes a parameter. Raises CaseError."""
-    name, fixed = _named(case)
+    name, fixed = _axis_of(case)
     axes = [Axis.of(key, value) for key, value in vary.items()]
     single = {axis.name: axis.values[0] for axis in axes if len(axis.values) == 1}
     varying = tuple(axis for axis in axes if axis.name not in single)
@@ -256,7 +256,7 @@ def plan(
     return Plan(name, varying, fixed, sample, number, seed, rtol, tuple(files))
 
 
-def _named(case) -> tuple[str | Callable[..., Case], dict[str, Any]]:
+def _axis_of(case) -> tuple[str | Callable[..., Case], dict[str, Any]]:
     if isinstance(case, str):
         bare, fixed = parse(case)
         cases.entry(bare)  # raises UnknownName

@@ -11,10 +11,10 @@ import pyarrow as pa
 
 from cases import BadValue, CaseError, Mode
 
-from .motions import MODES, Motions, simulated
+from .batches import move
+from .motions import MODES, Motions, simulate_rows
 from .plan import Plan
-from .scenes import Bad, Scenes, scenes, straight
-from .waves import move
+from .scenario_values import RejectedScenario, ScenarioGroup, scenes, straight
 
 # What stands between the modes of a sequence.
 ARROW = ">"
@@ -51,7 +51,7 @@ def check_names(plan: Plan) -> None:
             raise BadValue(f"the parameter {axis.name} is called like a column of the table; give it another name")
 
 
-def solved(plan: Plan, start: int, stop: int, optimised: bool = False, certified: bool = False) -> pa.Table:
+def is_solved(plan: Plan, start: int, stop: int, optimised: bool = False, certified: bool = False) -> pa.Table:
     """The rows of scenarios start … stop − 1."""
     return rows(plan, plan.columns(start, stop), start, optimised, certified)
 
@@ -62,7 +62,7 @@ def rows(
     """The rows of scenarios of the plan's case with any parameters, numbered from `start`."""
     began, n = time.thread_time(), len(next(iter(parameters.values())))
     groups, bad = scenes(plan.make, parameters, straight(plan.function))
-    moved = [(group, _moved(group, plan.rtol, optimised)) for group in groups]
+    moved = [(group, _distance(group, plan.rtol, optimised)) for group in groups]
     columns = _columns(n, moved, bad)
     columns["error_bars"] = _bars(plan, parameters, columns) if certified else pa.nulls(n, COLUMNS["error_bars"][0])
     columns["cpu_s"] = np.full(n, (time.thread_time() - began) / n)
@@ -86,7 +86,7 @@ def _arrow(column, kind: pa.DataType) -> pa.Array:
     return pa.array(column, kind, from_pandas=True)  # what is not known is null, not NaN
 
 
-def _moved(group: Scenes, rtol: float, optimised: bool) -> Motions:
+def _distance(group: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
     """The motions of a group; where the solver fails, of each that it can do."""
     try:
         return move(group, rtol, optimised)
@@ -95,13 +95,13 @@ def _moved(group: Scenes, rtol: float, optimised: bool) -> Motions:
     moved = Motions.none(len(group.rows))
     for i in range(len(group.rows)):
         try:
-            simulated(group, np.array([i]), rtol, moved)
+            simulate_rows(group, np.array([i]), rtol, moved)
         except Exception as problem:
             moved.status[i], moved.reason[i] = FAILED, f"{type(problem).__name__}: {problem}"
     return moved
 
 
-def _columns(n: int, moved: list[tuple[Scenes, Motions]], bad: list[Bad]) -> dict:
+def _columns(n: int, moved: list[tuple[ScenarioGroup, Motions]], bad: list[RejectedScenario]) -> dict:
     """What came of n scenarios, from their groups."""
     nan, nothing = np.full(n, np.nan), np.full(n, "", dtype=object)
     columns: dict = {name: nothing.copy() for name in ("outcome", "reason", "sequence", "first_after")}

@@ -37,7 +37,7 @@ def measure(cases: Sequence[Case], calls: Calls) -> dict[str, Baseline]:
     """The baseline of each case, by its label."""
     answers = calls.all("null scores", baseline, [(case,) for case in cases])
     return {
-        case.label: a.value if a.outcome == "done" else Baseline((_scored(case.label, "any", {}, a.failure[1]),), {})
+        case.label: a.value if a.outcome == "done" else Baseline((_score(case.label, "any", {}, a.failure[1]),), {})
         for case, a in zip(cases, answers, strict=True)
     }
 
@@ -46,14 +46,14 @@ def baseline(case: Case) -> Baseline:
     """Both for a case; the null motions' rows hold an error for each quantity of `quantities.UNITS`."""
     truth = reference.simulate(case, rtol=TRUTH_RTOL)
     rows = [_row(case, truth, name, motion) for name, motion in NULL_MOTIONS.items()]
-    return Baseline(tuple(rows), _witnessed(case, truth))
+    return Baseline(tuple(rows), _witness(case, truth))
 
 
 def _row(case: Case, truth: Trajectory, name: str, motion: Callable[[Case], Trajectory]) -> dict[str, Any]:
     try:
         other = motion(case)
     except CaseError as problem:
-        return _scored(case.label, name, {}, str(problem))
+        return _score(case.label, name, {}, str(problem))
     # A null motion that ends early is compared while it lasts.
     end = min(float(truth.t[-1]), float(other.t[-1]))
     note = "" if end == truth.t[-1] else f"until {end:.4g} s, where it ends: {other.status}"
@@ -61,7 +61,7 @@ def _row(case: Case, truth: Trajectory, name: str, motion: Callable[[Case], Traj
     errors = {q: quantities.from_distance(found, q) for q in quantities.UNITS if q not in quantities.TIMES}
     if motion is null_motions.rolling:
         errors |= _as_if_at_once(truth.transitions)
-    return _scored(case.label, name, errors, note)
+    return _score(case.label, name, errors, note)
 
 
 def _as_if_at_once(transitions: tuple[Transition, ...]) -> dict[str, float]:
@@ -81,12 +81,12 @@ def distance(case: Case, motion: Trajectory, truth: Trajectory, end: float = inf
     return distances.distance(distances.differences(sampled, truth, case))
 
 
-def _witnessed(case: Case, truth: Trajectory) -> dict[str, float]:
+def _witness(case: Case, truth: Trajectory) -> dict[str, float]:
     # Without a second method the same at a looser tolerance has to do; the certificate has more witnesses.
     method, rtol = ("dop853", TRUTH_RTOL) if len(reference.METHODS) > 1 else (reference.METHODS[0], 10 * TRUTH_RTOL)
     found = distance(case, reference.simulate(case, rtol=rtol, method=method), truth)
     return {q: quantities.from_distance(found, q) for q in quantities.UNITS if q not in quantities.TIMES}
 
 
-def _scored(label: str, motion: str, errors: dict[str, float], note: str) -> dict[str, Any]:
+def _score(label: str, motion: str, errors: dict[str, float], note: str) -> dict[str, Any]:
     return {"case": label, "motion": motion, **{q: errors.get(q, nan) for q in quantities.UNITS}, "note": note}

@@ -184,25 +184,25 @@ def with_version(frame: pd.DataFrame, versions: Mapping[str, str]) -> pd.DataFra
     """A table with a column `version` beside that of the solver, if it has one; empty for what told none."""
     if "solver" not in frame.columns or "version" in frame.columns:
         return frame
-    told = frame.copy()
+    description = frame.copy()
     column = ["" if is_missing(said := versions.get(name, "")) else said for name in frame["solver"]]
-    told.insert(list(frame.columns).index("solver") + 1, "version", column)
-    return told
+    description.insert(list(frame.columns).index("solver") + 1, "version", column)
+    return description
 
 
 def with_version_words(table: Table, frame: pd.DataFrame) -> Table:
     """What is said of a table, and of the column that `with_version` gave it."""
     if "version" not in frame.columns or "version" in table.columns:
         return table
-    return table._replace(columns={**table.columns, "version": told("version")})
+    return table._replace(columns={**table.columns, "version": description("version")})
 
 
-def described(holds: str, names: Iterable[str]) -> Table:
+def describe_column(holds: str, names: Iterable[str]) -> Table:
     """A table with the dictionary's words for its columns; raises KeyError for a column that has none."""
-    return Table(holds, {name: told(name) for name in names})
+    return Table(holds, {name: description(name) for name in names})
 
 
-def told(name: str) -> str:
+def description(name: str) -> str:
     """Meaning and unit of a column in one phrase."""
     meaning, unit = COLUMNS[name]
     if not unit or unit == "1":

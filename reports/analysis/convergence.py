@@ -26,7 +26,7 @@ _ULPS = 16
 TRUTH, READING, ROUNDING, MODEL = "truth", "reading", "rounding", "model"
 
 
-class Point(NamedTuple):
+class ConvergencePoint(NamedTuple):
     """A rung: what it spent (steps, or seconds), its error, and how sure truth, reading and arithmetic are of it."""
 
     setting: str
@@ -62,7 +62,7 @@ class Order(NamedTuple):
     note: str
 
 
-def saturation(ladder: Sequence[Point]) -> Saturation:
+def saturation(ladder: Sequence[ConvergencePoint]) -> Saturation:
     """Of a ladder from coarse to fine; rungs without an error are left out.
 
     First what the finest rung's error is within (truth's bar, reading, rounding), else whether the last three rungs or
@@ -84,7 +84,7 @@ def saturation(ladder: Sequence[Point]) -> Saturation:
     return Saturation()
 
 
-def order(ladder: Sequence[Point]) -> Order:
+def order(ladder: Sequence[ConvergencePoint]) -> Order:
     """Least-squares slope of log error against log spent over the convergent rungs, with Student's interval.
 
     Convergent: clear above truth, reading and rounding, and not beyond the rung where the ladder saturates.
@@ -158,9 +158,9 @@ def _floor(truth: Truth) -> float:
     return max(truth.error_bars[0], _ULPS * float(np.spacing(truth.transitions[0].time)))
 
 
-def _points(ladder: Sequence[Run], errors: Sequence[float], floor: float) -> list[Point]:
+def _points(ladder: Sequence[Run], errors: Sequence[float], floor: float) -> list[ConvergencePoint]:
     return [
-        Point(str(run.setting), run.cost.steps, abs(size), floor, _doubt(run), rounding(run))
+        ConvergencePoint(str(run.setting), run.cost.steps, abs(size), floor, _doubt(run), rounding(run))
         for run, size in zip(ladder, errors, strict=True)
     ]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..running.records import Experiment
 from . import time_to_accuracy, which_engine
-from .work_precision import Measured, fit_rows, work_precision_rows
+from .work_precision import CostMeasurements, fit_rows, work_precision_rows
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +20,7 @@ HOLDS = {
 }
 
 
-def frames(experiment: Experiment, measured: Measured) -> dict[str, pd.DataFrame]:
+def frames(experiment: Experiment, measured: CostMeasurements) -> dict[str, pd.DataFrame]:
     """The tables of this section; none if nothing was timed."""
     import pandas as pd
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import reference
-from cases.kept import kept
+from cases.compile_cache import cached
 
-from ..running.fingerprint import installed
 from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
-from . import quantities, reached
+from ..running.storage.fingerprint import installed_packages
+from . import accuracy_levels, quantities
 from .convergence import convergence_rows
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
             for erratum in errata()
         ]
 
-    return kept("errata", (installed("scipy"),), Path(reference.__file__).parent, make)
+    return cached("errata", (installed_packages("scipy"),), Path(reference.__file__).parent, make)
 
 
 def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
@@ -132,7 +132,7 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
         lead = quantities.lead(truth)
         row: dict[str, Any] = {"case": case, "solver": solver, "route": route}
         row |= {"lead_quantity": lead, "unit": quantities.UNITS[lead]}
-        row["reached"] = reached.finest_level(group, lead, truth)
+        row["reached"] = accuracy_levels.finest_level(group, lead, truth)
         row["lead_error_bar"] = quantities.bar(truth, lead, {})
         for name, run in (("default", own), ("finest", fine)):
             row |= {

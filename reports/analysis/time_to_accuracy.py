@@ -7,11 +7,11 @@ from math import floor, isfinite, nan
 from typing import Any
 
 from ..running.records import REFERENCE
-from .reached import ACCURACIES
+from .accuracy_levels import ACCURACIES
 from .work_precision import groups
 
 # What came of asking for an accuracy: only the first has a time.
-REACHED, BY_CHANCE, NEVER = "reached", "by chance", "never"
+YES, BY_CHANCE, NEVER = "reached", "by chance", "never"
 NOT_TIMED, NOT_KNOWN, DISTURBED = "not timed", "not known", "disturbed"
 # What is told of the setting that reaches it.
 _OF_SETTING = (
@@ -49,9 +49,9 @@ def _at(points: Sequence[dict[str, Any]], accuracy: float) -> list[dict[str, Any
     for (solver, route), (word, point) in best.items():
         row: dict[str, Any] = {name: points[0][name] for name in ("case", "quantity", "unit", "lead")}
         row |= {"accuracy": accuracy, "solver": solver, "route": route, "award": word}
-        row |= {name: point[name] if point and word == REACHED else _nothing(name) for name in _OF_SETTING}
+        row |= {name: point[name] if point and word == YES else _nothing(name) for name in _OF_SETTING}
         row |= dict.fromkeys(_RELATIVE, nan)
-        if point and word == REACHED:
+        if point and word == YES:
             if isfinite(point["cpu_low_s"]):
                 row["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
             # Who is the fastest is not known if it may be one that was disturbed.
@@ -75,7 +75,7 @@ def award(group: Sequence[dict[str, Any]], accuracy: float) -> tuple[str, dict[s
     timed = [row for row in able if isfinite(row["cpu_s"])]
     if timed:
         cheapest = min(timed, key=lambda row: row["cpu_s"])
-        return DISTURBED if cheapest["disturbed"] else REACHED, cheapest
+        return DISTURBED if cheapest["disturbed"] else YES, cheapest
     if able:
         return NOT_TIMED, None
     return BY_CHANCE if any(row["absolute_error"] <= accuracy for row in group) else NEVER, None

@@ -7,7 +7,7 @@ from math import isfinite, nan
 from typing import Any
 
 from ..running.records import REFERENCE
-from .time_to_accuracy import REACHED, break_even, cost
+from .time_to_accuracy import YES, break_even, cost
 from .work_precision import groups
 
 # For once, as a user tries an engine; for a sweep or a training.
@@ -20,9 +20,9 @@ ALIKE = "alike"
 NOBODY = "no engine reaches it"
 
 
-def wanted(told: Sequence[dict[str, Any]]) -> set[tuple]:
+def cold_start_keys(told: Sequence[dict[str, Any]]) -> set[tuple]:
     """Case, solver, route and setting of all that the answers need from cold and in parts."""
-    rows = [r for r in told if r["lead"] and r["accuracy"] in LEVELS and r["award"] == REACHED]
+    rows = [r for r in told if r["lead"] and r["accuracy"] in LEVELS and r["award"] == YES]
     return {(r["case"], r["solver"], r["route"], r["setting"]) for r in rows}
 
 
@@ -46,7 +46,11 @@ def _answer(case: str, accuracy: float, runs: int, level: Sequence[dict[str, Any
     engines, own = ([r for r in timed if (r["solver"] == REFERENCE) == ours] for ours in (False, True))
     engine, method = (min(group, key=lambda r: cost(r, runs), default=None) for group in (engines, own))
     row: dict[str, Any] = {"case": case, "quantity": level[0]["quantity"], "unit": level[0]["unit"]}
-    row |= {"accuracy": accuracy, "runs": runs} | _told("engine", engine, runs) | _told("reference", method, runs)
+    row |= (
+        {"accuracy": accuracy, "runs": runs}
+        | _cell_text("engine", engine, runs)
+        | _cell_text("reference", method, runs)
+    )
     row["engine_alone_s"] = runs * engine["engine_s"] if engine else nan
     row |= {"cheaper": "", "factor": nan, "break_even_runs": nan, "reason": ""}
     if not engine or not method:
@@ -62,7 +66,7 @@ def _answer(case: str, accuracy: float, runs: int, level: Sequence[dict[str, Any
     return row
 
 
-def _told(who: str, row: dict[str, Any] | None, runs: int) -> dict[str, Any]:
+def _cell_text(who: str, row: dict[str, Any] | None, runs: int) -> dict[str, Any]:
     """Name, setting and seconds of the cheapest of a side."""
     if row is None:
         return {who: "", f"{who}_setting": "", f"{who}_total_s": nan}
@@ -72,7 +76,7 @@ def _told(who: str, row: dict[str, Any] | None, runs: int) -> dict[str, Any]:
 def _reason(level: Sequence[dict[str, Any]], engines: bool) -> str:
     """Why one side has no time."""
     side = [r for r in level if (r["solver"] != REFERENCE) == engines]
-    if not any(r["award"] == REACHED for r in side):
+    if not any(r["award"] == YES for r in side):
         words = dict.fromkeys(r["award"] for r in side)
         if engines and set(words) <= {"never", "by chance"}:
             return NOBODY

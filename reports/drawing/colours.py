@@ -25,7 +25,7 @@ class Colour(NamedTuple):
 # Backgrounds of the page: figures are drawn on the light one.
 GROUND = Colour("#ffffff", "#14181d")
 TRUTH = Colour("#000000", "#ffffff")
-OWN = {
+FIXED_COLOURS = {
     REFERENCE: Colour("#33475b", "#ddeeff"),
     "box2d": Colour("#009e73", "#2ef29a"),
     "exudyn": Colour("#0072b2", "#2080ff"),
@@ -39,5 +39,5 @@ OTHERS = (Colour("#3a1fd0", "#c9a6ff"), Colour("#552200", "#b87a4a"), Colour("#4
 def colours(solvers: Iterable[str]) -> dict[str, Colour]:
     """The colour of each solver. More than three unknown solvers share colours; their markers differ."""
     names = set(solvers)
-    others = zip(sorted(names - OWN.keys()), cycle(OTHERS), strict=False)
-    return {name: OWN[name] for name in OWN if name in names} | dict(others)
+    others = zip(sorted(names - FIXED_COLOURS.keys()), cycle(OTHERS), strict=False)
+    return {name: FIXED_COLOURS[name] for name in FIXED_COLOURS if name in names} | dict(others)

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases.errors import unknown
+from cases.errors import unknown_name
 from cases.pictures.plots import LABELS, mark_transitions
-from cases.pictures.style import Picture, styled
+from cases.pictures.style import Picture, apply_style
 
 from ..running.records import Run, Truth
 from .colours import TRUTH
-from .looks import Looks, logarithmic
+from .palette import LineStyles, logarithmic
 
 # Names of quantities in the samples, and names of their differences.
 _OFF = {
@@ -29,10 +29,10 @@ _OFF = {
 def plot(label: str, truth: Truth, runs: Sequence[Run], quantity: str) -> Picture:
     """Plot one quantity of the runs and the truth; raises UnknownName for a quantity that is not compared."""
     if quantity not in _OFF:
-        raise unknown("quantity that is compared", quantity, _OFF)
-    looks = Looks((run.solver, run.route) for run in runs)
+        raise unknown_name("quantity that is compared", quantity, _OFF)
+    looks = LineStyles((run.solver, run.route) for run in runs)
     times = truth.samples["t"]
-    with styled():
+    with apply_style():
         figure = Picture(figsize=(7.2, 4.8), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True)
         above.plot(times, truth.samples[quantity], color=TRUTH.light, linewidth=2.6, alpha=0.25, label="truth")

@@ -22,8 +22,8 @@ from cases.pictures.layout import Instant, instants
 
 from ..running import per_solver
 from ..running.records import REFERENCE, Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
-from .files import Picture, file_name, picture
-from .style import FAINT, POINTS, STYLE, TRUTH, Looks, logarithmic
+from .figure_files import FigureContent, file_name, picture
+from .style import FAINT, POINTS, STYLE, TRUTH, LineStyles, logarithmic
 
 # Smallest error on a logarithmic axis: below the rounding of doubles of order one.
 _SMALLEST = 1e-17
@@ -46,7 +46,7 @@ _QUANTITIES = (
 )
 
 
-def draw_case(case: Case, part: Experiment, looks: Looks, main: bool) -> list[Picture]:
+def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> list[FigureContent]:
     """Draw the figures of one case: scene, motion, error, and the headline if it is the `main` case.
 
     A figure that fails with the results of a solver is drawn without them.
@@ -64,14 +64,14 @@ def draw_case(case: Case, part: Experiment, looks: Looks, main: bool) -> list[Pi
     with matplotlib.rc_context(STYLE):
         for figure, file, words in figures:
 
-            def draw(part: Experiment, figure=figure, file=file, words=words) -> Picture:
+            def draw(part: Experiment, figure=figure, file=file, words=words) -> FigureContent:
                 try:
                     title, caption = words
                     return picture(figure(part), file, case.label, title, caption, png=file == "headline")
                 finally:
                     plt.close("all")  # also after a failure
 
-            picture_, omitted = per_solver.made(draw, (part,), solvers, f"figure {file}")
+            picture_, omitted = per_solver.make_per_solver(draw, (part,), solvers, f"figure {file}")
             pictures.append(replace(picture_, drawn=replace(picture_.drawn, left_out=tuple(omitted))))
     return pictures
 
@@ -125,7 +125,7 @@ def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return t[top], np.where(size[top] > _SMALLEST, size[top], np.nan)
 
 
-def _log_error(ax: Axes, runs: list[Run], name: str, looks: Looks) -> list[tuple[float, Run]]:
+def _log_error(ax: Axes, runs: list[Run], name: str, looks: LineStyles) -> list[tuple[float, Run]]:
     """Draw |difference| of each run; returns the last value of each line, for labels."""
     ends = []
     for run in runs:
@@ -140,7 +140,7 @@ def _log_error(ax: Axes, runs: list[Run], name: str, looks: Looks) -> list[tuple
     return ends
 
 
-def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: Looks) -> None:
+def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: LineStyles) -> None:
     """Write names at the right ends of the lines, moved apart if they would overlap."""
     low, high = np.log10(ax.get_ylim())
     places: list[float] = []
@@ -168,7 +168,7 @@ def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: Looks) -> None:
 # --- the figures ------------------------------------------------------------------------------------------------------
 
 
-def headline(experiment: Experiment, case: Case, looks: Looks) -> Figure:
+def headline(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     """Slip velocity of every route, and its distance from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
     figure, (above, below) = plt.subplots(
@@ -188,7 +188,7 @@ def headline(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     return figure
 
 
-def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: Looks) -> None:
+def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: LineStyles) -> None:
     ax.plot(truth.samples["t"], truth.samples[name], color=TRUTH, linewidth=2.6, alpha=0.25, label="truth")
     top, bottom = np.nanmax(truth.samples[name]), np.nanmin(truth.samples[name])
     # The truth sets the axis range: a noisy force of one engine must not flatten or hide the other curves.
@@ -222,7 +222,7 @@ def _dots(ax: Axes, t: np.ndarray, y: np.ndarray, colour: str, label: str) -> No
     ax.plot([], [], linestyle="", marker=".", markersize=2 * _DOT, color=colour, label=label)
 
 
-def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
+def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     """The paper's diagrams with every route, each with the difference from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
     # Fixed margins with room for all labels except the outer left ones, for which the file's bounding box has room.
@@ -248,7 +248,7 @@ def motion(experiment: Experiment, case: Case, looks: Looks) -> Figure:
     return figure
 
 
-def errors(experiment: Experiment, case: Case, looks: Looks) -> Figure:
+def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     """Error of the first transition (without transitions, of the centre) of every rung against its steps."""
     truth = experiment.truths[case.label]
     has_transitions = bool(truth.transitions)

@@ -9,9 +9,9 @@ from matplotlib.colors import to_hex
 from cases.pictures.style import FAINT, STYLE
 
 from .colours import TRUTH as _TRUTH
-from .looks import Looks, logarithmic, looks_of
+from .palette import LineStyles, logarithmic, looks_of
 
-__all__ = ["AREAS", "FAINT", "POINTS", "STYLE", "TRUTH", "Looks", "logarithmic", "looks_of", "ordinal"]
+__all__ = ["AREAS", "FAINT", "POINTS", "STYLE", "TRUTH", "LineStyles", "logarithmic", "looks_of", "ordinal"]
 
 matplotlib.use("Agg")  # pictures are written to files without opening windows
 

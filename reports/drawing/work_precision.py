@@ -13,12 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..analysis import time_to_accuracy, work_precision
+from ..analysis.number_format import level
 from ..analysis.quantities import UNITS
-from ..analysis.words import level
-from ..analysis.work_precision import Measured
+from ..analysis.work_precision import CostMeasurements
 from ..running.records import REFERENCE, Experiment
-from .files import Drawn, file_name, save
-from .style import STYLE, Looks, logarithmic, looks_of
+from .figure_files import FigureEntry, file_name, save
+from .style import STYLE, LineStyles, logarithmic, looks_of
 
 _WORDS = (
     "Work and precision",
@@ -49,7 +49,7 @@ _TITLES = {
 }
 
 
-def draw(experiment: Experiment, measurements: Measured, folder: Path) -> Iterator[Drawn]:
+def draw(experiment: Experiment, measurements: CostMeasurements, folder: Path) -> Iterator[FigureEntry]:
     """Write a figure for each timed case and one for all; yields the entries of the figures."""
     looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measurements)
     rows = [row for row in time_to_accuracy.rows(points) if row["lead"]]
@@ -63,7 +63,7 @@ def draw(experiment: Experiment, measurements: Measured, folder: Path) -> Iterat
                 yield save(figure, folder, f"work_precision_{file_name(label)}", label, *_WORDS)
 
 
-def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: Looks) -> Figure:
+def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
     """A figure with a panel for each quantity; "all transitions" only if there is more than one."""
     several = len(experiment.truths[label].transitions) > 1
     of_quantity = work_precision.groups(points, "quantity")
@@ -91,7 +91,7 @@ def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, A
     return figure
 
 
-def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: Looks) -> None:
+def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: LineStyles) -> None:
     logarithmic(ax, "xy")
     band, null = points[0]["floor_error"], points[0]["null_error"]
     for (solver, route), group in work_precision.groups(points, "solver", "route").items():
@@ -126,7 +126,7 @@ def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
     )  # fmt: skip
 
 
-def summary(rows: Sequence[dict[str, Any]], looks: Looks) -> Figure:
+def summary(rows: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
     """Performance profiles at several accuracies, from rows of the main quantities of the cases."""
     count = len({row["case"] for row in rows})
     accuracies = [a for a in _PANELS if any(isfinite(row["ratio"]) for row in rows if row["accuracy"] == a)]

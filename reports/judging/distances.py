@@ -31,7 +31,7 @@ class Distance(NamedTuple):
 
 
 # A force that is told for less than this part of the samples is not told.
-_TOLD = 0.5
+_REPORTED = 0.5
 # Even times at which a motion that is known between its steps is compared.
 _EVEN = 1001
 
@@ -100,7 +100,7 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
         size = size if len(size) else np.array([nan])
         values += [float(size.max()), _rms(size)]
     force = np.abs(off["force_share"][np.isfinite(off["force_share"])])
-    told = len(force) >= _TOLD * len(off["t"])
+    told = len(force) >= _REPORTED * len(off["t"])
     values += [float(off["pose"][-1]), float(force.mean()) if told else nan, float(np.abs(off["energy_share"]).mean())]
     return Distance(*values)
 

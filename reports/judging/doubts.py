@@ -12,7 +12,7 @@ import numpy as np
 
 from cases import Mode, Trajectory
 
-from .phases import Phase
+from .phases import ModePhase
 from .slip_phases import RESOLVABLE_GAPS, Reading
 
 # Three quarters of the samples are no rougher than the roughness: kinks and impacts are fewer than the rest.
@@ -95,7 +95,7 @@ def _hidden(t: np.ndarray, size: np.ndarray, noise: float, event: float, begins:
     return abs(float(t[i]) - event) * (np.sqrt(share) if begins else share)
 
 
-def unresolved(motion: Trajectory, phases: Sequence[Phase], slips: Sequence[float]) -> float:
+def unresolved(motion: Trajectory, phases: Sequence[ModePhase], slips: Sequence[float]) -> float:
     """Seconds of the truth's phases that the samples of a motion cannot show: those shorter than a few gaps, and those
     whose largest slip (`slips`, m/s) is below their noise."""
     least, noise = RESOLVABLE_GAPS * gap(motion), _CERTAIN * roughness(motion.t, motion.slip)

@@ -11,7 +11,7 @@ import numpy as np
 from cases import Mode, Transition
 
 
-class Phase(NamedTuple):
+class ModePhase(NamedTuple):
     """A mode and the times between which it lasts, s."""
 
     mode: Mode
@@ -24,7 +24,7 @@ class Phase(NamedTuple):
         return self.end - self.begin
 
 
-def phases_of(first: Mode | None, transitions: Sequence[Transition], end: float) -> tuple[Phase, ...]:
+def phases_of(first: Mode | None, transitions: Sequence[Transition], end: float) -> tuple[ModePhase, ...]:
     """The phases of a motion up to the time `end`; flights between impacts are one phase.
 
     Phases without duration are left out, unless there is no other. Where the first mode is not known, it is the one
@@ -36,13 +36,13 @@ def phases_of(first: Mode | None, transitions: Sequence[Transition], end: float)
         first = transitions[0].before
     times = np.maximum.accumulate([0.0, *(min(t.time, end) for t in transitions), end]).tolist()
     modes = [first, *(t.after for t in transitions)]
-    whole = [Phase(mode, a, b) for mode, a, b in zip(modes, times[:-1], times[1:], strict=True)]
+    whole = [ModePhase(mode, a, b) for mode, a, b in zip(modes, times[:-1], times[1:], strict=True)]
     return _joined(phase for phase in whole if phase.duration > 0.0) or tuple(whole[-1:])
 
 
-def _joined(phases: Iterable[Phase]) -> tuple[Phase, ...]:
+def _joined(phases: Iterable[ModePhase]) -> tuple[ModePhase, ...]:
     """The phases with neighbours of one mode joined."""
-    joined: list[Phase] = []
+    joined: list[ModePhase] = []
     for phase in phases:
         if joined and joined[-1].mode == phase.mode:
             joined[-1] = joined[-1]._replace(end=phase.end)
@@ -51,12 +51,12 @@ def _joined(phases: Iterable[Phase]) -> tuple[Phase, ...]:
     return tuple(joined)
 
 
-def flights(phases: Sequence[Phase]) -> tuple[Phase, ...]:
+def flights(phases: Sequence[ModePhase]) -> tuple[ModePhase, ...]:
     """The phases without their modes in contact: flights, and rolls in place of everything else."""
     return _joined(p if p.mode is Mode.FLIGHT else p._replace(mode=Mode.ROLL) for p in phases)
 
 
-def rolling_within(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]) -> tuple[Phase, ...]:
+def rolling_within(phases: Sequence[ModePhase], spans: Sequence[tuple[float, float]]) -> tuple[ModePhase, ...]:
     """The phases with rolls in place of slips within the time spans."""
     slips = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
     for span in spans:
@@ -67,7 +67,7 @@ def rolling_within(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]
     return _joined(phases)
 
 
-def outside(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]) -> tuple[Phase, ...]:
+def outside(phases: Sequence[ModePhase], spans: Sequence[tuple[float, float]]) -> tuple[ModePhase, ...]:
     """The parts of the phases that are in none of the time spans."""
     left = list(phases)
     for begin, end in spans:
@@ -77,7 +77,7 @@ def outside(phases: Sequence[Phase], spans: Sequence[tuple[float, float]]) -> tu
     return tuple(left)
 
 
-def time_by_mode(phases: Sequence[Phase]) -> dict[Mode, float]:
+def time_by_mode(phases: Sequence[ModePhase]) -> dict[Mode, float]:
     """Seconds in each mode."""
     times: dict[Mode, float] = {}
     for phase in phases:
@@ -85,7 +85,7 @@ def time_by_mode(phases: Sequence[Phase]) -> dict[Mode, float]:
     return times
 
 
-def time_in_another_mode(phases: Sequence[Phase], truth: Sequence[Phase], end: float) -> float:
+def time_in_another_mode(phases: Sequence[ModePhase], truth: Sequence[ModePhase], end: float) -> float:
     """Seconds up to `end` in which the two sequences are not in the same mode; time without a phase counts."""
     edges = np.unique([0.0, end, *(t for p in (*phases, *truth) for t in (p.begin, p.end))])
     edges = edges[(edges >= 0.0) & (edges <= end)]
@@ -93,7 +93,7 @@ def time_in_another_mode(phases: Sequence[Phase], truth: Sequence[Phase], end: f
     return float(np.sum(np.diff(edges)[_modes_at(phases, middle) != _modes_at(truth, middle)]))
 
 
-def _modes_at(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
+def _modes_at(phases: Sequence[ModePhase], times: np.ndarray) -> np.ndarray:
     """The modes at the times; "" where there is no phase."""
     if not phases:
         return np.full(times.shape, "", dtype=object)
@@ -107,7 +107,7 @@ def _modes_at(phases: Sequence[Phase], times: np.ndarray) -> np.ndarray:
 class _Merging:
     """A sequence of phases from which the shortest are removed one by one, and their neighbours joined."""
 
-    def __init__(self, phases: Sequence[Phase]):
+    def __init__(self, phases: Sequence[ModePhase]):
         self.phases = list(phases)
         self.durations = np.array([p.duration for p in phases])
 
@@ -139,7 +139,7 @@ class _Merging:
         return [p.mode for p in self.phases]
 
 
-def agreement(phases: Sequence[Phase], truth: Sequence[Phase]) -> tuple[float, bool]:
+def agreement(phases: Sequence[ModePhase], truth: Sequence[ModePhase]) -> tuple[float, bool]:
     """The least duration x, s, such that both sequences of modes agree once phases of no more than x are removed, and
     whether phases of the truth are among those removed. Infinite where they agree for no x."""
     if not phases or not truth:

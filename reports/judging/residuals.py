@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.ndimage import median_filter
 
-from adapters.common.exported import LOOSE, slowest
+from adapters.common.motion_file import LOOSE, slowest
 from cases import (
     Case,
     CoulombFriction,
@@ -147,7 +147,7 @@ def motion_extent(case: Case, motion: Trajectory) -> float:
 # --- laws -------------------------------------------------------------------------------------------------------------
 
 
-def laws_broken(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
+def broken_laws(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
     """Facts of mechanics the motion contradicts, one sentence each."""
     broken, far = [], LOOSE * case.plate.reach
     if np.nanmin(gap) < -far:
@@ -160,11 +160,11 @@ def laws_broken(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
     if not case.effect(Load) and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + known:
         broken.append(f"the energy grows by {growth:.3g} J without a load")
     if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
-        broken += _forces_broken(case, motion)
+        broken += _broken_force_laws(case, motion)
     return broken
 
 
-def _forces_broken(case: Case, motion: Trajectory) -> list[str]:
+def _broken_force_laws(case: Case, motion: Trajectory) -> list[str]:
     """What the forces contradict: the cone, the slip they should oppose, and the motion they should cause."""
     broken, friction = [], case.effect(CoulombFriction)
     t, normal, tangential = motion.t, motion.normal_force, motion.friction_force

@@ -21,9 +21,18 @@ from cases import Case, Mode, Trajectory, Transition
 from . import doubts, transitions
 from .distances import differences
 from .friction_factor import Losses, losses_of_truth
-from .phases import Phase, agreement, flights, outside, phases_of, rolling_within, time_by_mode, time_in_another_mode
+from .phases import (
+    ModePhase,
+    agreement,
+    flights,
+    outside,
+    phases_of,
+    rolling_within,
+    time_by_mode,
+    time_in_another_mode,
+)
 from .slip_phases import RESOLVABLE_GAPS, SURELY, Reading
-from .soundness import LAST_STEPS, LONG_STEPS, SHORT_PART
+from .validation import LAST_STEPS, LONG_STEPS, SHORT_PART
 
 # What differs from the truth by less than this part of its path is the truth, and slip below this part of its speed is
 # none: single precision resolves no more.
@@ -60,7 +69,7 @@ class Scale:
     slip: float
     time: float
     end: float
-    phases: tuple[Phase, ...]
+    phases: tuple[ModePhase, ...]
     slips: tuple[float, ...]
     either: tuple[tuple[float, float], ...]
     fastest_slip: float
@@ -127,7 +136,7 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
 _SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
 
 
-def _largest_slip(truth: Trajectory, phase: Phase) -> float:
+def _largest_slip(truth: Trajectory, phase: ModePhase) -> float:
     """The largest slip of the truth in a phase, m/s."""
     slip = np.abs(np.asarray(truth(np.linspace(phase.begin, phase.end, 33)[1:-1]).slip))
     return float(np.max(slip, initial=0.0, where=np.isfinite(slip)))

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import cases as catalogue
 from cases import Case
 
-from ..drawing.files import Drawn, short_digest
+from ..drawing.figure_files import FigureEntry, short_digest
 from ..running.records import REFERENCE, Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import motions
-from .pieces import as_written, command_of, picture, records, switch, table
-from .text import error_text, lead_text, reached_text
+from .fragments import command_of, picture, records, switch, table, verbatim
+from .text import error_text, lead_text, level_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,7 +38,7 @@ def anchor(label: str) -> str:
     return f"case-{readable}" if readable == label else f"case-{readable.strip('-')}-{short_digest(label)}"
 
 
-def said_of(case: Case | None) -> str:
+def case_summary(case: Case | None) -> str:
     """The first line of a case function's docstring; empty for a case that is not in the catalogue."""
     return catalogue.entry(case.name).summary if case and case.name in catalogue.names() else ""
 
@@ -46,7 +46,7 @@ def said_of(case: Case | None) -> str:
 def cases(
     experiment: Experiment,
     frames: Mapping[str, pd.DataFrame],
-    figure_entries: Sequence[Drawn],
+    figure_entries: Sequence[FigureEntry],
     figures: Path,
     manifest: dict[str, Any],
     moving: set[str],
@@ -62,8 +62,8 @@ def cases(
         entry = {
             "label": label,
             "anchor": anchor(label),
-            "said": said_of(case),
-            "words": f"{label} {family} {said_of(case)}".lower(),
+            "said": case_summary(case),
+            "words": f"{label} {family} {case_summary(case)}".lower(),
             "failure": experiment.truths[label].failure,
             "moving": label in moving,
             "static": [picture(d, figures, inside=False) for d in motion_figures],
@@ -102,7 +102,7 @@ def _table(title: str, frame: pd.DataFrame, without: Sequence[str], is_open: boo
     return {"title": title, "open": is_open, **table(frame, columns)}
 
 
-def headline(frame: pd.DataFrame, figure_entries: Sequence[Drawn], figures: Path) -> dict[str, Any]:
+def headline(frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:
     """All cases against all routes: the main error at the finest setting, and the error of the first transition."""
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
     solver_routes = [route_key for route_key in dict.fromkeys(key[1:] for key in rows) if route_key[1]]
@@ -128,15 +128,15 @@ def _cell(row: dict[str, Any] | None, solver: str, route: str) -> dict[str, Any]
     if row is None:
         return cell
     finest, default = (error_text(row, which) for which in ("finest", "default"))
-    lead, level = lead_text(row, "finest"), reached_text(row)
-    cell["text"] = as_written(lead)
+    lead, level = lead_text(row, "finest"), level_text(row)
+    cell["text"] = verbatim(lead)
     if isfinite(row["finest_lead_error"]):
         cell["order"] = repr(float(row["finest_lead_error"]))
     if lead != finest:  # otherwise both are the same word
         first = f"first: {finest}" if row["transitions_true"] else finest
         small = [f"reaches {level}" if level else "reaches none", first, *([f"default: {default}"] if default else [])]
         # Single words, so that no line break splits a number.
-        cell["small"] = [as_written(text).split(" ") for text in small]
+        cell["small"] = [verbatim(text).split(" ") for text in small]
     return cell
 
 
@@ -159,7 +159,7 @@ def left_out(frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
     return [] if rows is None else [{"title": title, **table(rows, {c: c for c in ("item", "solver", "reason")})}]
 
 
-def made(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
+def provenance(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
     """The provenance of the report as rows of key and text."""
     rows = [
         ("command", manifest["command"]),

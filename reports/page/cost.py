@@ -7,13 +7,13 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import conclusions, cost_tables, which_engine
-from ..analysis.reached import ACCURACIES
-from ..analysis.time_to_accuracy import REACHED
-from ..analysis.words import level, quantity, seconds, times, unit
-from ..analysis.work_precision import Measured, groups
-from ..drawing.files import Drawn
-from .pieces import picture, records, switch, table
+from ..analysis import cost_conclusions, cost_tables, which_engine
+from ..analysis.accuracy_levels import ACCURACIES
+from ..analysis.number_format import level, quantity, seconds, times, unit
+from ..analysis.time_to_accuracy import YES
+from ..analysis.work_precision import CostMeasurements, groups
+from ..drawing.figure_files import FigureEntry
+from .fragments import picture, records, switch, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,11 +24,14 @@ _PARTS = {
     "cpu_s": "run, warm", "call_s": "whole call, warm", "first_call_s": "whole call, cold start",
 }  # fmt: skip
 # Columns of the fits that the page leaves out.
-_HIDDEN = ("settings_used", "settings")
+_OMITTED_COLUMNS = ("settings_used", "settings")
 
 
 def section(
-    measurements: Measured, frames: Mapping[str, pd.DataFrame], figure_entries: Sequence[Drawn], figures: Path
+    measurements: CostMeasurements,
+    frames: Mapping[str, pd.DataFrame],
+    figure_entries: Sequence[FigureEntry],
+    figures: Path,
 ) -> dict[str, Any] | None:
     """Data for the chapter's template; None if nothing was timed."""
     if not measurements.cases:
@@ -36,34 +39,34 @@ def section(
     answers, accuracy_rows, points = (
         records(frames[name]) for name in ("which_engine", "time_to_accuracy", "work_precision")
     )
-    headline = conclusions.headline(answers, accuracy_rows)
+    headline = cost_conclusions.headline(answers, accuracy_rows)
     lead = [row for row in accuracy_rows if row["lead"]]
     fits, main = frames["work_precision_fits"], {row["case"]: row["quantity"] for row in lead}
     fits = fits[[main.get(row["case"]) == row["quantity"] for row in records(fits)]] if len(fits) else fits
     return {
         "first": headline.first,
-        "rest": f"{headline.rest} {conclusions.set_up(points)}",
-        "accuracy": level(conclusions.ASKED),
+        "rest": f"{headline.rest} {cost_conclusions.set_up(points)}",
+        "accuracy": level(cost_conclusions.LEVEL),
         "runs": ["first run (cold start)" if runs == 1 else f"{runs:,} runs" for runs in which_engine.RUNS],
         "answers": _answers(answers),
         "failed": list(measurements.failures.items()),
         "shares": _shares(lead),
         "levels": _levels(lead),
         "pictures": [picture(d, figures) for d in figure_entries if d.name == "work_precision"],
-        "fits": table(fits, _named(fits)),
-        "nulls": table(frames["null_scores"], _named(frames["null_scores"])),
+        "fits": table(fits, _name(fits)),
+        "nulls": table(frames["null_scores"], _name(frames["null_scores"])),
         "tables": list(cost_tables.HOLDS),
     }
 
 
-def _named(frame: pd.DataFrame) -> dict[str, str]:
-    return {c: c.replace("_", " ") for c in map(str, frame.columns) if c not in _HIDDEN}
+def _name(frame: pd.DataFrame) -> dict[str, str]:
+    return {c: c.replace("_", " ") for c in map(str, frame.columns) if c not in _OMITTED_COLUMNS}
 
 
 def _answers(answers: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """A row for each case at the requested accuracy: first run and 1,000 runs, engine and reference."""
     table_rows = []
-    for (case,), rows in groups([r for r in answers if r["accuracy"] == conclusions.ASKED], "case").items():
+    for (case,), rows in groups([r for r in answers if r["accuracy"] == cost_conclusions.LEVEL], "case").items():
         runs = rows[0]["break_even_runs"]
         even = f"{runs:,.0f} runs" if isfinite(runs) else ("never" if rows[0]["cheaper"] else "")
         sides = [
@@ -88,7 +91,7 @@ def _side(row: dict[str, Any], party: str) -> dict[str, Any]:
 def _shares(lead: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Settings that reach the requested accuracy: the parts of a warm run, the whole call, the cold start."""
     rows = []
-    reaching = [r for r in lead if r["award"] == REACHED and r["accuracy"] == conclusions.ASKED]
+    reaching = [r for r in lead if r["award"] == YES and r["accuracy"] == cost_conclusions.LEVEL]
     for (case,), group in groups(reaching, "case").items():
         for row in sorted(group, key=lambda r: r["call_s"]):
             cells = [_text(f"{case}, {level(row['accuracy'])}{unit(row['unit'])}"), _text(_who(row))]
@@ -107,13 +110,13 @@ def _levels(lead: Sequence[dict[str, Any]]) -> dict[str, Any]:
         by_level = {row["accuracy"]: row for row in group}
         name = f"{first['case']}: {quantity(first['quantity'])} / {first['unit']}"
         cells = [_text(name), _text(_who(first))]
-        cells += [_reached(by_level[a]) if a in by_level else _text("") for a in ACCURACIES]
+        cells += [_level_cells(by_level[a]) if a in by_level else _text("") for a in ACCURACIES]
         rows.append(_row(first, cells))
     return {"heads": _heads("case", "route", *map(level, ACCURACIES)), "rows": rows}
 
 
-def _reached(row: dict[str, Any]) -> dict[str, Any]:
-    if row["award"] != REACHED:
+def _level_cells(row: dict[str, Any]) -> dict[str, Any]:
+    if row["award"] != YES:
         return _number(row["award"], float("inf"))
     ratio = f" ({times(row['ratio'])})" if isfinite(row["ratio"]) else ""
     marks = ("*" if row["null_reaches"] else "") + ("°" if row["finer_rungs"] == 0 else "")

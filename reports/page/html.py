@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from ..analysis.work_precision import Measured
+from ..analysis.work_precision import CostMeasurements
 from ..drawing.colours import colours
-from ..drawing.files import Drawn
+from ..drawing.figure_files import FigureEntry
 from ..running.records import REFERENCE, TRUTH_RTOL, Experiment
-from . import chapters, cost, first, vendor
-from .pieces import command_of as command_of
-from .pieces import environment, picture, records, table
+from . import chapters, cost, front_page, vendor
+from .fragments import command_of as command_of
+from .fragments import environment, picture, records, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,12 +39,12 @@ _SHORT = {
 
 def render(
     experiment: Experiment,
-    measurements: Measured,
+    measurements: CostMeasurements,
     frames: Mapping[str, pd.DataFrame],
     words: Mapping[str, Table],
-    figure_entries: Sequence[Drawn],
+    figure_entries: Sequence[FigureEntry],
     results: Sequence[Result],
-    of_studies: Mapping[str, Sequence[Drawn]],
+    of_studies: Mapping[str, Sequence[FigureEntry]],
     moving: Sequence[dict[str, Any]],
     figures: Path,
     manifest: dict[str, Any],
@@ -64,7 +64,7 @@ def render(
         "chapters": _chapters(results),
         "solvers": solvers,
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
-        **first.screen(experiment, frames, moving, bool(measurements.cases), manifest),
+        **front_page.screen(experiment, frames, moving, bool(measurements.cases), manifest),
         **chapters.cases(experiment, frames, figure_entries, figures, manifest, {motion["label"] for motion in moving}),
         "headline": chapters.headline(frames["headline"], figure_entries, figures),
         "cost": cost.section(measurements, frames, figure_entries, figures),
@@ -73,11 +73,11 @@ def render(
         "failures": chapters.failures(frames["trajectories"]) + chapters.left_out(frames),
         "tables": [
             {"name": n, "holds": words[n].holds, "count": len(f)}
-            | ({"rows": []} if n in study_tables else table(f.head(_SHOWN_ROWS), _named(f), words[n].columns))
+            | ({"rows": []} if n in study_tables else table(f.head(_SHOWN_ROWS), _name(f), words[n].columns))
             for n, f in frames.items()
         ],
-        "made": chapters.made(manifest),
-        "vendored": [entry | {"text": _licence(entry)} for entry in vendor.vendored()],
+        "made": chapters.provenance(manifest),
+        "vendored": [entry | {"text": _licence(entry)} for entry in vendor.libraries()],
         "motions": [{"label": motion["label"], "data": Markup(_json(motion))} for motion in moving],
         "truth_rtol": f"{TRUTH_RTOL:g}",
         "limit": f"{manifest['limit_seconds']:g}",
@@ -96,7 +96,9 @@ def _chapters(results: Sequence[Result]) -> list[dict[str, str]]:
 def _solvers(experiment: Experiment) -> list[dict[str, str]]:
     """Solvers of the experiment with their colours; the reference last."""
     by_solver = colours(dict.fromkeys(run.solver for run in experiment.runs if run.route))
-    entries = [{"name": n, "id": first.identifier(n), "light": c.light, "dark": c.dark} for n, c in by_solver.items()]
+    entries = [
+        {"name": n, "id": front_page.identifier(n), "light": c.light, "dark": c.dark} for n, c in by_solver.items()
+    ]
     return sorted(entries, key=lambda entry: entry["name"] == REFERENCE)
 
 
@@ -124,16 +126,16 @@ def _json(data: Any) -> str:
     return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _named(frame: pd.DataFrame) -> dict[str, str]:
+def _name(frame: pd.DataFrame) -> dict[str, str]:
     """Headings by column; versions are left out, because the last chapter and the files have them."""
     return {str(column): str(column).replace("_", " ") for column in frame.columns if column != "version"}
 
 
-def _study(result: Result, figure_entries: Sequence[Drawn], figures: Path) -> dict[str, Any]:
+def _study(result: Result, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:
     """Data of a study for its template: question, pictures and tables, or the reason why it failed."""
     tables = [
         {"name": name, "holds": result.words[name].holds, "count": len(frame)}
-        | table(frame.head(_STUDY_ROWS), _named(frame), result.words[name].columns)
+        | table(frame.head(_STUDY_ROWS), _name(frame), result.words[name].columns)
         for name, frame in result.frames.items()
     ]  # fmt: skip
     return {

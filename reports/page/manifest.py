@@ -14,8 +14,8 @@ from typing import Any
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from ..running.fingerprint import installed, processor
-from ..running.store import now
+from ..running.storage.fingerprint import installed_packages, processor
+from ..running.storage.result_store import now
 
 _ROOT = Path(__file__).resolve().parents[2]
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "pandas", "matplotlib", "exudyn", "pymunk", "heyoka")
@@ -28,15 +28,15 @@ def manifest(versions: Mapping[str, str]) -> dict[str, Any]:
     return {
         "made_at": now(),
         "python": sys.version.split()[0],
-        "packages": {name: installed(name) for name in _PACKAGES},
-        "installed": needed(),
+        "packages": {name: installed_packages(name) for name in _PACKAGES},
+        "installed": required_versions(),
         "solvers": {name: version or "unknown" for name, version in versions.items()},
         "machine": f"{platform.platform()}, {processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }
 
 
-def needed(suite: str = "slip-to-roll", extras: Iterable[str] = _EXTRAS) -> dict[str, str]:
+def required_versions(suite: str = "slip-to-roll", extras: Iterable[str] = _EXTRAS) -> dict[str, str]:
     """Versions of all installed direct and indirect dependencies of the suite; empty if the suite itself is not
     installed."""
     package_versions: dict[str, str] = {}

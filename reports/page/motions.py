@@ -38,7 +38,7 @@ def motions(experiment: Experiment) -> tuple[list[dict[str, Any]], list[LeftOut]
     for case in experiment.cases:
         solvers = [run.solver for run in experiment.runs if run.case == case.label]
         make = partial(lambda case, reduced: motion(reduced, case), case)
-        motion_data, omitted = per_solver.made(make, (experiment,), solvers, f"player of {case.label}")
+        motion_data, omitted = per_solver.make_per_solver(make, (experiment,), solvers, f"player of {case.label}")
         data += [motion_data] if motion_data else []
         omissions += omitted
     return data, omissions
@@ -55,7 +55,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
     return {
         "label": case.label,
         "down": case.scene.down,
-        "t": packed(times, whole=True),
+        "t": pack(times, whole=True),
         "start": float(times[0]),
         "end": float(times[-1]),
         "modes": _modes(truth),
@@ -63,15 +63,15 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
             "low": float(track_parameters[0]),
             "high": float(track_parameters[-1]),
             "period": bool(case.track.period),
-            "points": packed(case.track.point(track_parameters)),
+            "points": pack(case.track.point(track_parameters)),
         },
-        "outline": packed(case.scene.corners()),
-        "truth": packed(np.array([_at(times, truth.samples, name) for name in TRUE])),
-        "runs": [_run(run, times) for run in shown(experiment, case.label)],
+        "outline": pack(case.scene.corners()),
+        "truth": pack(np.array([_at(times, truth.samples, name) for name in TRUE])),
+        "runs": [_run(run, times) for run in finest_motions(experiment, case.label)],
     }
 
 
-def shown(experiment: Experiment, label: str) -> list[Run]:
+def finest_motions(experiment: Experiment, label: str) -> list[Run]:
     """The finest motion of every route except the reference's, which coincides with the truth."""
     runs = map(finest, routes(run for run in experiment.runs if run.case == label).values())
     return [run for run in runs if run and run.solver != REFERENCE and len(run.samples.get("t", ())) > 1]
@@ -91,7 +91,7 @@ def _run(run: Run, times: np.ndarray) -> dict[str, Any]:
     columns = [_at(times, off, name) for name in OFF] + [_at(times, run.samples, "friction_force")]
     events = [row.time for row in run.ledger if isfinite(row.time)]
     facts = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "outcome": run.outcome}
-    return facts | {"events": events[:_EXACT], "data": packed(np.array(columns))}
+    return facts | {"events": events[:_EXACT], "data": pack(np.array(columns))}
 
 
 def _times(truth: Truth) -> np.ndarray:
@@ -116,7 +116,7 @@ def _modes(truth: Truth) -> list[tuple[float, str, str]]:
     return [first, *((event.time, str(event.after), event.cause) for event in truth.transitions)]
 
 
-def packed(values: np.ndarray, whole: bool = False) -> str:
+def pack(values: np.ndarray, whole: bool = False) -> str:
     """Numbers as base64 text of compressed 32-bit floats, grouped by byte position.
 
     The mantissa is rounded to 16 bits unless `whole`, which is for times: users zoom in on transitions.

@@ -6,20 +6,20 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import advice, cost_tables, tables
-from ..analysis.columns import Table, described, with_version
-from ..analysis.work_precision import Measured
+from ..analysis import cost_tables, recommendation, tables
+from ..analysis.columns import Table, describe_column, with_version
+from ..analysis.work_precision import CostMeasurements
 from ..running import per_solver
 from ..running.per_solver import LeftOut
 from ..running.records import Experiment
-from . import dictionary, first, text
+from . import dictionary, front_page, text
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from ..studies import Result
 
-LEFT_OUT = "left_out"
+OMISSIONS = "left_out"
 HOLDS = "Tables and figures that were made without the results of a solver, because they fail with them"
 
 
@@ -49,12 +49,14 @@ class Tables:
         def written(*args: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
             frames = {name: with_version(frame, self.versions) for name, frame in make(*args).items()}
             descriptions = words or {
-                name: described(holds[name], map(str, frame.columns)) for name, frame in frames.items()
+                name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()
             }
             text.write(frames, descriptions, self.folder, command or self.command, self.paper)
             return frames, descriptions
 
-        (frames, descriptions), omitted = per_solver.made(written, records, per_solver.solvers_of(records), item)
+        (frames, descriptions), omitted = per_solver.make_per_solver(
+            written, records, per_solver.solvers_of(records), item
+        )
         self.frames |= frames
         self.words |= descriptions
         self.left_out += omitted
@@ -66,11 +68,11 @@ class Tables:
         self.left_out = list(dict.fromkeys([*self.left_out, *left_out]))
         if self.left_out:
             frame = pd.DataFrame(self.left_out, columns=list(LeftOut._fields))
-            self.add(lambda: {LEFT_OUT: frame}, (), {LEFT_OUT: HOLDS}, LEFT_OUT)
+            self.add(lambda: {OMISSIONS: frame}, (), {OMISSIONS: HOLDS}, OMISSIONS)
 
 
 def write(
-    output: Tables, shown: Experiment, ran: Experiment, measurements: Measured, results: Sequence[Result]
+    output: Tables, shown: Experiment, ran: Experiment, measurements: CostMeasurements, results: Sequence[Result]
 ) -> list[dict]:
     """Write all tables of a report except that of omitted results; returns the rows of the answer table.
 
@@ -89,12 +91,12 @@ def write(
     answers: list[dict[str, Any]] = []
 
     def make_answers(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
-        answers[:] = advice.rows(experiment, frames)
+        answers[:] = recommendation.rows(experiment, frames)
         # The terminal's text is made here as well, so that a row that fails there is omitted from both.
-        first.in_terminal(answers), first.notes(answers), advice.sentences(answers)
+        front_page.in_terminal(answers), front_page.notes(answers), recommendation.sentences(answers)
         return {"answers": pd.DataFrame(answers)}
 
-    output.add(make_answers, (shown, output.frames), {"answers": advice.HOLDS}, "table answers")
+    output.add(make_answers, (shown, output.frames), {"answers": recommendation.HOLDS}, "table answers")
     output.frames = {"answers": output.frames.pop("answers")} | output.frames
     return answers
 

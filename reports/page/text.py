@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..analysis.columns import Table, infinite
-from ..analysis.words import level, number
+from ..analysis.number_format import level, number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt", "accuracy")
 
 
-def lost_words(lost_calls: Sequence[str]) -> str:
+def lost_text(lost_calls: Sequence[str]) -> str:
     """A sentence about calls whose processes were ended from outside; "" if there are none."""
     if not lost_calls:
         return ""
@@ -69,7 +69,7 @@ def _unsure(row: Mapping[str, Any], which: str) -> str:
     return "" if outcome == "right" else f" ({outcome})"
 
 
-def reached_text(row: Mapping[str, Any]) -> str:
+def level_text(row: Mapping[str, Any]) -> str:
     """The best accuracy that a route reaches; "" if it reaches none."""
     return level(row["reached"]) if isfinite(row["reached"]) else ""
 
@@ -143,7 +143,7 @@ def markdown(frame: pd.DataFrame) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in (columns, ["---"] * len(columns), *rows))
 
 
-def _clipped(text: str) -> str:
+def _clip(text: str) -> str:
     return text if len(text) <= _CELL else f"{text[: _CELL - 1].rstrip()}…"
 
 
@@ -157,7 +157,7 @@ def latex(frame: pd.DataFrame) -> str:
 
 
 def _cell(value: Any, column: str) -> str:
-    return _TAG.sub("&lt;", _clipped(shorten(value, column)).replace("|", "\\|"))
+    return _TAG.sub("&lt;", _clip(shorten(value, column)).replace("|", "\\|"))
 
 
 def plain(frame: pd.DataFrame) -> str:

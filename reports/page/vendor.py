@@ -18,7 +18,7 @@ from typing import Any
 from cases.owned_folder import write
 
 FOLDER = Path(__file__).parent / "vendor"
-ASKED, TOLD = FOLDER / "packages.json", FOLDER / "vendored.json"
+PACKAGES, TOLD = FOLDER / "packages.json", FOLDER / "vendored.json"
 
 
 def update(latest: bool = False) -> list[dict[str, Any]]:
@@ -26,23 +26,23 @@ def update(latest: bool = False) -> list[dict[str, Any]]:
 
     Raises OSError if npm is missing, CalledProcessError if npm fails, KeyError if a package no longer has a file.
     """
-    request = json.loads(ASKED.read_text(encoding="utf-8"))
+    request = json.loads(PACKAGES.read_text(encoding="utf-8"))
     packages = [
-        _fetched(name, "latest" if latest else entry["version"], entry["files"]) for name, entry in request.items()
+        _fetch(name, "latest" if latest else entry["version"], entry["files"]) for name, entry in request.items()
     ]
     for package in packages:
         request[package["package"]]["version"] = package["version"]
-    for file, content in ((ASKED, request), (TOLD, packages)):
+    for file, content in ((PACKAGES, request), (TOLD, packages)):
         write(file, json.dumps(content, indent=1) + "\n")
     return packages
 
 
-def vendored() -> list[dict[str, Any]]:
+def libraries() -> list[dict[str, Any]]:
     """The packages in the folder: package, version, licence, homepage, files with their digests."""
     return json.loads(TOLD.read_text(encoding="utf-8"))
 
 
-def _fetched(name: str, version: str, files: dict[str, str]) -> dict[str, Any]:
+def _fetch(name: str, version: str, files: dict[str, str]) -> dict[str, Any]:
     """Fetch one package; `files`: local file names by path in the package."""
     with tempfile.TemporaryDirectory() as place:
         packed = subprocess.run(

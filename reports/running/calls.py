@@ -15,16 +15,16 @@ from typing import Any, NamedTuple, get_type_hints
 
 from cases import Case
 
-from . import workers
-from .cluster import Cluster
-from .fingerprint import Key, adapter_sources, made_with, of_argument, sources
-from .progress import Progress, silent
+from .processes import workers
+from .processes.cluster import Cluster
+from .processes.progress import Progress, silent
+from .processes.worker_process import CallResult
 from .records import now
-from .serving import Answer
 from .solvers import groups_of, is_missing, named_in, version
-from .spent import Spent
-from .store import Store
-from .versions import parted
+from .storage.fingerprint import Key, adapter_sources, environment_key, of_argument, sources
+from .storage.result_store import Store
+from .timing.phase_times import PhaseTimes
+from .versions import split_version
 
 # Wall time (s) a call may take. A whole default report takes minutes, so one run that takes longer has lost its way.
 LIMIT_SECONDS = 60.0
@@ -38,10 +38,10 @@ ELSEWHERE = {"truth", "run", "trial"}
 _NAMED_CHARACTERS = 120
 
 # Given a call and the calls that ran out of time so far: the answer that stands for it, or None if it is to be made.
-Skip = Callable[[tuple, Sequence[tuple]], Answer | None]
+Skip = Callable[[tuple, Sequence[tuple]], CallResult | None]
 
 
-class Keep(NamedTuple):
+class StorePolicy(NamedTuple):
     """How answers are kept: the store's word for them; what of the arguments they depend on; modules whose code they
     do not depend on, because what it found out is an argument; which answers are worth keeping; whether failures are
     kept as well."""
@@ -79,12 +79,12 @@ class Calls:
     progress: Progress = silent
     versions: dict[str, str] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
-    spent: Spent = field(default_factory=Spent)
+    spent: PhaseTimes = field(default_factory=PhaseTimes)
     cluster: Cluster | None = None
     timed: bool = False
 
     def __enter__(self) -> Calls:
-        self._pool = workers.Pool(self.jobs, known_run=not self.timed)
+        self._pool = workers.WorkerPool(self.jobs, known_run=not self.timed)
         return self
 
     def __exit__(self, *_) -> None:
@@ -93,7 +93,9 @@ class Calls:
     def begin(self, solvers: Iterable[str]) -> None:
         """Have workers start, and meanwhile read the code that decides the solvers' results."""
         solvers = tuple(solvers)
-        self._pool.begin(sorted({group for group in groups_of((name,) for name in solvers) if not parted(group)[1]}))
+        self._pool.begin(
+            sorted({group for group in groups_of((name,) for name in solvers) if not split_version(group)[1]})
+        )
         for name in solvers:
             with suppress(SyntaxError, ValueError, LookupError, OSError):  # its solver fails when it is asked, in a row
                 adapter_sources(name)
@@ -115,7 +117,7 @@ class Calls:
         self.ask_versions(solvers)
         return tuple(name for name in solvers if not is_missing(self.versions[name]))
 
-    def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[Answer]:
+    def all(self, step: str, function: Callable, arguments: Sequence[tuple], **how) -> list[CallResult]:
         """The answers of `each`, in the order of the arguments."""
         return [answer for _, answer in sorted(self.each(step, function, arguments, **how), key=lambda pair: pair[0])]
 
@@ -125,11 +127,11 @@ class Calls:
         function: Callable,
         arguments: Sequence[tuple],
         limit: float | None = None,
-        keep: Keep | None = None,
+        keep: StorePolicy | None = None,
         skip: Skip = lambda call, slow: None,
         brief: bool = False,
         group: str | None = None,
-    ) -> Iterator[tuple[int, Answer]]:
+    ) -> Iterator[tuple[int, CallResult]]:
         """Index and answer of `function(*arguments[i])` for every i as they come: what is kept first, then the rest.
 
         `limit` stands in the place of the usual one; `brief` calls take milliseconds each.
@@ -162,37 +164,37 @@ class Calls:
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])
                 if answer.outcome == "died" and not answer.lasting:
-                    self.lost.append(f"{step}, {_named(calls[k])}: {answer.reason}")
+                    self.lost.append(f"{step}, {_call_text(calls[k])}: {answer.reason}")
                 if keep:
                     answer = replace(answer, when=now())
                     self._keep(function, keys[left[k]], keep, limit, answer)
                 yield left[k], answer
         self.spent.book(step)
 
-    def _kept(self, function: Callable, key: Key | None, keep: Keep | None, limit: float) -> Answer | None:
+    def _kept(self, function: Callable, key: Key | None, keep: StorePolicy | None, limit: float) -> CallResult | None:
         if keep is None or key is None:
             return None
-        value = self.store.get(keep.kind, key, _returned(function))
+        value = self.store.get(keep.kind, key, _result(function))
         if value is not None:
-            return Answer("done", value=value)
+            return CallResult("done", value=value)
         # A finished call stands whatever the limit is now; one that failed, under the limit it had.
         failure = self.store.get(keep.kind, {**key, "limit": limit}, _Failure)
-        return failure and Answer(**failure._asdict())
+        return failure and CallResult(**failure._asdict())
 
-    def _keep(self, function: Callable, key: Key | None, keep: Keep, limit: float, answer: Answer) -> None:
+    def _keep(self, function: Callable, key: Key | None, keep: StorePolicy, limit: float, answer: CallResult) -> None:
         if answer.outcome == "done":
             if keep.worth(answer.value):
-                self.store.put(keep.kind, key, answer.value, _returned(function))
+                self.store.put(keep.kind, key, answer.value, _result(function))
         elif keep.failures and answer.lasting and answer.outcome != "raised":
             failure = _Failure(answer.outcome, answer.reason, answer.output, answer.when)
             self.store.put(keep.kind, key and {**key, "limit": limit}, failure, _Failure)
 
-    def key(self, function: Callable, call: tuple, keep: Keep) -> Key | None:
+    def key(self, function: Callable, call: tuple, keep: StorePolicy) -> Key | None:
         """What decides a call's answer; None, and so nothing is kept, where a solver could not tell its version or an
         argument has something that cannot be compared."""
         said = keep.of(*call)
         cases = [each for each in said if isinstance(each, Case)]
-        engines = made_with(self.versions, sorted(named_in(said, self.versions.__contains__)))
+        engines = environment_key(self.versions, sorted(named_in(said, self.versions.__contains__)))
         arguments = [of_argument(each) for each in said]
         if engines is None or None in arguments:
             return None
@@ -205,12 +207,12 @@ class Calls:
         }
 
 
-def _returned(function: Callable) -> Any:
+def _result(function: Callable) -> Any:
     """The type that a function says it returns."""
     return get_type_hints(function)["return"]
 
 
-def _named(call: tuple) -> str:
+def _call_text(call: tuple) -> str:
     """A call's cases, solvers and settings, for people."""
     told = [argument.label if isinstance(argument, Case) else str(argument) for argument in call[:4]]
     return " ".join(text for text in told if text and len(text) <= _NAMED_CHARACTERS)

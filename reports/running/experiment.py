@@ -18,12 +18,12 @@ from adapters import Setting
 from cases import Case
 
 from . import reference_adapter
-from .calls import ASKING_SECONDS, Calls, Keep
-from .fingerprint import kept_truth
+from .calls import ASKING_SECONDS, Calls, StorePolicy
+from .processes.worker_process import CallResult
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
-from .serving import Answer
+from .storage.fingerprint import truth_key
 from .tasks import find_truth, perform, survey
-from .versions import parted
+from .versions import split_version
 
 # A solver that did not answer for so many cases is not asked about the others: each would take as long.
 _MOST_SILENCES = 3
@@ -34,8 +34,8 @@ Thin = Callable[[str, str, str, tuple[Setting, ...]], tuple[Setting, ...]]
 # What says how the truth was found does not decide what a run is worth beside it, and the reference as a contestant is
 # told by its adapter's code.
 TRUTHS_OWN = (reference, reference_adapter)
-_KEEP_TRUTH = Keep("truth", of=lambda case: (case, kept_truth()))
-_KEEP_RUN = Keep(
+_KEEP_TRUTH = StorePolicy("truth", of=lambda case: (case, truth_key()))
+_KEEP_RUN = StorePolicy(
     "run", of=lambda case, solver, route, setting, rung, truth: (case, solver, route, setting, truth), apart=TRUTHS_OWN
 )
 
@@ -51,10 +51,10 @@ def run(
     a version has a row for each case that says why."""
     began = time.perf_counter()
     present = calls.present(solvers)
-    solvers = [name for name in solvers if name in present or parted(name)[1]]
+    solvers = [name for name in solvers if name in present or split_version(name)[1]]
     truths = find_truths(cases, calls)
-    runs, tasks = _planned(cases, offers(cases, solvers, calls), truths, thin)
-    _fill(runs, _made(tasks, calls))
+    runs, tasks = _plan(cases, offers(cases, solvers, calls), truths, thin)
+    _fill(runs, _make(tasks, calls))
     return Experiment(tuple(cases), truths, tuple(runs), time.perf_counter() - began, dict(calls.versions))
 
 
@@ -73,10 +73,10 @@ def offers(
     """What each solver offers for each case (a ladder, or a grid), by label and name. Asked anew each time: it is
     quick, and an engine that was not installed may be now."""
 
-    def silent(call: tuple, slow: Sequence[tuple]) -> Answer | None:
+    def silent(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
         if Counter(other[1] for other in slow)[call[1]] < _MOST_SILENCES:
             return None
-        return Answer("timed_out", reason=f"not asked: {call[1]} had not answered for {_MOST_SILENCES} other cases")
+        return CallResult("timed_out", reason=f"not asked: {call[1]} had not answered for {_MOST_SILENCES} other cases")
 
     pairs = [(case, name) for case in cases for name in solvers]
     asked = [(case, name, knobs) for case, name in pairs]
@@ -85,7 +85,7 @@ def offers(
     return {(case.label, name): _offers(answer, knobs) for (case, name), answer in zip(pairs, answers, strict=True)}
 
 
-def _offers(answer: Answer, knobs: str) -> tuple[Offer, ...]:
+def _offers(answer: CallResult, knobs: str) -> tuple[Offer, ...]:
     if answer.outcome == "done":
         return answer.value
     outcome, reason = answer.failure
@@ -99,7 +99,7 @@ class _Task(NamedTuple):
     call: tuple
 
 
-def _planned(
+def _plan(
     cases: Sequence[Case], offered: Mapping[tuple[str, str], tuple[Offer, ...]], truths: Mapping[str, Truth], thin: Thin
 ) -> tuple[list[Run], list[_Task]]:
     """All runs in the tables' order, and the tasks that fill in those without an outcome yet."""
@@ -128,13 +128,13 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
     return None if offer.settings else ("refused", "it offers no setting for this case")
 
 
-def _made(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:
+def _make(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:
     """Place and run of every task as they come."""
     for i, answer in calls.each("runs", perform, [task.call for task in tasks], keep=_KEEP_RUN, skip=hopeless):
         yield tasks[i].place, _run(tasks[i].call, answer)
 
 
-def _run(call: tuple, answer: Answer) -> Run:
+def _run(call: tuple, answer: CallResult) -> Run:
     case, name, route, setting, rung, _ = call
     made = answer.value
     if answer.outcome == "done" and (made.case, made.solver, made.route, made.setting) == (case.label, *call[1:4]):
@@ -144,13 +144,13 @@ def _run(call: tuple, answer: Answer) -> Run:
     return Run(case.label, name, route, setting, rung, outcome, reason, when=answer.when or now())
 
 
-def hopeless(call: tuple, slow: Sequence[tuple]) -> Answer | None:
+def hopeless(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
     """A rung finer than one that ran out of time would run out of time as well: it is said so, not waited for.
 
     Calls are (case, solver, route, setting, rung, …); ladders go from coarse to fine."""
     for other in slow:
         if other[:3] == call[:3] and other[4] < call[4]:
-            return Answer("timed_out", reason=f"not tried: {other[3]} had run out of time", lasting=False)
+            return CallResult("timed_out", reason=f"not tried: {other[3]} had run out of time", lasting=False)
     return None
 
 

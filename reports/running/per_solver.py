@@ -19,7 +19,9 @@ class LeftOut(NamedTuple):
     reason: str
 
 
-def made(make: Callable[..., T], records: tuple, solvers: Iterable[str], item: str = "") -> tuple[T, list[LeftOut]]:
+def make_per_solver(
+    make: Callable[..., T], records: tuple, solvers: Iterable[str], item: str = ""
+) -> tuple[T, list[LeftOut]]:
     """What `make(*records)` makes, and the solvers without whose rows it was made.
 
     A solver is left out if `make` fails on its rows alone; if it fails on no solver's alone, each one without whose
@@ -72,7 +74,7 @@ def _sentence(problem: Exception) -> str:
 
 def solvers_of(records: Any) -> list[str]:
     """The solvers that rows of the records name, in their order."""
-    return list(dict.fromkeys(_named(records)))
+    return list(dict.fromkeys(_name(records)))
 
 
 def without(records: Any, solvers: Collection[str]) -> Any:
@@ -90,7 +92,7 @@ def without(records: Any, solvers: Collection[str]) -> Any:
     return type(records)(**fields) if fields else records
 
 
-def _named(records: Any) -> Iterator[str]:
+def _name(records: Any) -> Iterator[str]:
     solver = _solver(records)
     if isinstance(solver, str):
         yield solver
@@ -99,10 +101,10 @@ def _named(records: Any) -> Iterator[str]:
     elif isinstance(records, Mapping | list | tuple):
         values = records.values() if isinstance(records, Mapping) else records
         for value in values:
-            yield from _named(value)
+            yield from _name(value)
     else:
         for value in _fields(records).values():
-            yield from _named(value)
+            yield from _name(value)
 
 
 def _belongs(each: Any, solvers: Collection[str]) -> bool:

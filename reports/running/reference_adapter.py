@@ -50,7 +50,7 @@ def build(case: Case, route: str, setting: Setting) -> _Model:
     start = start_state(case)
     regime = solve.first_regime(case, start)
     _, integrator = solve.INTEGRATORS[route]
-    return _Model(case, lambda: solve.solved(case, regime, start, setting["rtol"], integrator))
+    return _Model(case, lambda: solve.solve_motion(case, regime, start, setting["rtol"], integrator))
 
 
 def run(model: _Model) -> None:
@@ -61,7 +61,7 @@ def run(model: _Model) -> None:
 def read(model: _Model) -> Trajectory:
     """The motion sampled, with the transitions the reference located itself."""
     assert model.result is not None, "read comes after run"
-    return solve.sampled(model.case, *model.result)
+    return solve.as_trajectory(model.case, *model.result)
 
 
 def version() -> str:

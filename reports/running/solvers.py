@@ -14,8 +14,10 @@ from packaging.requirements import Requirement
 import adapters
 from adapters.interface import ReturnsOnce, returns_once
 
-from . import code, serving, versions
+from . import versions
+from .processes import worker_process
 from .records import REFERENCE, legible
+from .storage import source_code
 
 _LONGEST_VERSION = 100
 # The worker groups of calls that name several engines, and of engines that are not installed.
@@ -34,10 +36,10 @@ def solver(name: str) -> Any:
         from . import reference_adapter
 
         return ReturnsOnce(reference_adapter)  # like an engine, for the clock's sake
-    if serving.group == "":
+    if worker_process.group == "":
         raise RuntimeError(f"{name} is asked for in a worker whose calls load no engine")
     versions.demand(name)
-    return ReturnsOnce(returns_once(adapters.engine)(versions.parted(name)[0]))
+    return ReturnsOnce(returns_once(adapters.engine)(versions.split_version(name)[0]))
 
 
 # The outcome of an engine that is not there: it refuses nothing, and is counted nowhere.
@@ -67,7 +69,7 @@ def groups_of(calls: Iterable[Iterable]) -> list[str]:
     engines = names()[1:]
 
     def group(call: Iterable) -> str:
-        named = sorted(named_in(call, lambda text: versions.parted(text)[0] in engines))
+        named = sorted(named_in(call, lambda text: versions.split_version(text)[0] in engines))
         if len(named) == 1:
             return named[0] if is_installed(named[0]) else _ABSENT
         return _SEVERAL if named else ""
@@ -89,9 +91,9 @@ def named_in(arguments: Iterable, known: Callable[[str], bool]) -> set[str]:
 @lru_cache(maxsize=256)
 def is_installed(name: str) -> bool:
     """Whether the package that an adapter names in `KNOWN` is installed here, or it names none; loads no engine."""
-    engine, version = versions.parted(name)
+    engine, version = versions.split_version(name)
     try:
-        package = code.literal_of(engine, "KNOWN")
+        package = source_code.literal_of(engine, "KNOWN")
         return bool(version) or not isinstance(package, str) or bool(distribution(Requirement(package).name))
     except PackageNotFoundError:
         return False
@@ -125,4 +127,8 @@ def routes(name: str) -> tuple[str, ...]:
 
     Raises ImportError if what the adapter imports is not installed, LookupError if it has no code to read.
     """
-    return tuple(map(str, solver(name).routes)) if name == REFERENCE else code.routes_of(versions.parted(name)[0])
+    return (
+        tuple(map(str, solver(name).routes))
+        if name == REFERENCE
+        else source_code.routes_of(versions.split_version(name)[0])
+    )

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cases
-from adapters.common import exported
+from adapters.common import motion_file
 from cases import BadValue, Case, CaseError, UnknownName
 
-from . import external
-from .external import External
+from . import external_motions
+from .external_motions import External
 
 ROUTE = "submission"
 HEAD = "submission.toml"
@@ -75,7 +75,7 @@ def read(folder: Path) -> Submission:
                 f"{head} says {name} = {words[name]!r}, and lies in a folder {place.name!r}; call both alike"
             )
     creep = given.get("creep", 0.0)
-    if isinstance(creep, bool) or not isinstance(creep, int | float) or abs(creep) > exported.LARGEST:
+    if isinstance(creep, bool) or not isinstance(creep, int | float) or abs(creep) > motion_file.LARGEST:
         raise BadValue(f"creep in {head} is {creep!r}; give a speed in m/s, without quotation marks")
     stray = sorted(set(given) - {*WORDS, "creep"})
     if stray:
@@ -112,12 +112,12 @@ def motion(submission: Submission, label: str) -> External:
     path = submission.files[label]
     _check_own(path)
     try:
-        return external.read(submission.name, cases.load(label), path, ROUTE, submission.creep)
+        return external_motions.read(submission.name, cases.load(label), path, ROUTE, submission.creep)
     except CaseError as problem:
         raise type(problem)(f"{path}: {problem}") from problem
 
 
-def found_in(folder: Path) -> list[Submission]:
+def submissions_in(folder: Path) -> list[Submission]:
     """All submissions below a folder, by engine and version; raises CaseError for one that is not in the form."""
     if not folder.is_dir():
         raise UnknownName(f"there is no folder {str(folder)!r}; give the one that holds ENGINE/VERSION")

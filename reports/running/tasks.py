@@ -18,13 +18,13 @@ import cases
 import reference
 from adapters import EngineFailure, Setting, gate, other_laws
 from cases import Case, CaseError, NotSupported, Trajectory
-from reference.certification import Certificate, NotCertified, contradiction, kept_or_new
+from reference.certification import Certificate, NotCertified, contradiction, stored_or_new
 
-from ..judging import distances, ledger, soundness, transitions
+from ..judging import distances, ledger, transitions, validation
 from ..judging.slip_phases import Reading
 from . import reference_adapter
+from .processes.worker_process import reap, settle
 from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
-from .serving import reap, settle
 from .solvers import NOT_INSTALLED, solver
 from .third_party import third_party
 
@@ -78,7 +78,7 @@ def find_truth(case: Case) -> Truth:
     where the certificate and the reference's motion contradict each other. Raises DamagedTruth."""
     known = in_catalogue(case)
     try:
-        certificate = kept_or_new(case, kept=known)
+        certificate = stored_or_new(case, kept=known)
     except NotCertified as problem:
         return Truth(failure=str(problem))
     method = reference.METHODS[0]
@@ -98,7 +98,7 @@ def find_truth(case: Case) -> Truth:
         first_mode=motion.first_mode,
         status=motion.status,
         reason=motion.reason,
-        samples=_shown(case, _evenly(motion)),
+        samples=_short_text(case, _evenly(motion)),
         witnesses=certificate.witnesses,
         centre_bar=_centre_bar(certificate, motion),
     )
@@ -153,7 +153,7 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     try:
         module = solver(row.solver)
         settle(row.solver)
-        motion = timed(module, case, row.route, row.setting)
+        motion = run_on_clock(module, case, row.route, row.setting)
     except NotSupported as refusal:
         return replace(row, outcome="refused", reason=legible(refusal))
     except EngineFailure as failure:
@@ -163,21 +163,21 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
     except (Exception, SystemExit) as problem:
         return replace(row, outcome="crashed", reason=sentence(problem))
     row = replace(row, status=legible(motion.status), cost=motion.cost)
-    if not soundness.sound(motion):
+    if not validation.sound(motion):
         return replace(
             row,
             outcome="crashed",
-            reason=f"it gave {soundness.UNSOUND}",
+            reason=f"it gave {validation.UNSOUND}",
         )
     return verdict(row, motion)
 
 
 def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:
     """The motion of one setting of one route, timed and not judged; raises what the solver raises."""
-    return timed(solver(name), case, route, setting)
+    return run_on_clock(solver(name), case, route, setting)
 
 
-def timed(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
+def run_on_clock(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
     """Build, run and read, with the clock around `run` alone; build and read count as set-up. What an engine returns
     passes the gate: raises EngineFailure for what does not."""
     with third_party():
@@ -220,7 +220,7 @@ def judge(
         ledger=matched,
         spreads=told.spreads,
         distance=away,
-        samples=_shown(case, trajectory),
+        samples=_short_text(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )
 
@@ -253,11 +253,11 @@ def _faults(
         if kinds:
             faults.append(f"{len(kinds)} {verdict} ({', '.join(kinds[:3])}{', …' if len(kinds) > 3 else ''})")
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
-    faults += soundness.untold(trajectory, begin, None if truth.status == "lift_off" else end)
-    return faults + soundness.jumps(case, trajectory, motion, off.centre_max)
+    faults += validation.untold(trajectory, begin, None if truth.status == "lift_off" else end)
+    return faults + validation.jumps(case, trajectory, motion, off.centre_max)
 
 
-def _shown(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
+def _short_text(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
     """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces; thinned."""
     names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
     shown = {name: _thin(getattr(trajectory, name)) for name in names}

@@ -22,11 +22,11 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.version import InvalidVersion, Version
 
-from cases import BadValue, kept, owned_folder
+from cases import BadValue, compile_cache, owned_folder
 from cases.errors import UnknownName
 
-from . import code
 from .records import REFERENCE, legible
+from .storage import source_code
 
 MARK = "@"
 # Wall seconds in which pip answers: it fetches some megabytes and compiles nothing.
@@ -35,7 +35,7 @@ _PATIENCE = 300.0
 _NAMED = 6
 
 
-def parted(name: str) -> tuple[str, str]:
+def split_version(name: str) -> tuple[str, str]:
     """A solver's engine and the version asked for, "" if none is."""
     engine, _, version = name.partition(MARK)
     return engine, version
@@ -47,10 +47,10 @@ def needs(name: str) -> Requirement:
 
     Raises BadValue, in one sentence, if it is no version, or none that its adapter knows.
     """
-    engine, asked = parted(name)
+    engine, asked = split_version(name)
     if engine == REFERENCE:
         raise BadValue(f"{name}: the reference has one version, this suite's; leave out {MARK}{asked}")
-    known = code.literal_of(engine, "KNOWN")
+    known = source_code.literal_of(engine, "KNOWN")
     if not isinstance(known, str):
         raise BadValue(f"{name}: the adapter of {engine} tells no versions that it knows; leave out {MARK}{asked}")
     try:
@@ -65,10 +65,10 @@ def needs(name: str) -> Requirement:
 def check(name: str) -> None:
     """Raise BadValue, in one sentence, if a solver with a version cannot be asked for. Installs nothing."""
     package = needs(name)
-    if not _is_here(package) and kept.place() is None:
+    if not _is_here(package) and compile_cache.place() is None:
         raise BadValue(
-            f"{name} needs an environment, and nothing is kept: without --no-cache, with {kept.VARIABLE} a folder of "
-            "your own, it has a place"
+            f"{name} needs an environment, and the cache is off; leave --no-cache out, and set "
+            f"{compile_cache.VARIABLE} to a folder of your own"
         )
 
 
@@ -85,10 +85,10 @@ def make(names: Iterable[str], say: Callable[[str], None]) -> None:
         say(f"{name}: its environment is made in {folder}, where it is kept; it may be deleted")
         problem = _make(needs(name), folder)
         if problem:
-            owned_folder.write(_failed(folder), problem)
+            owned_folder.write(_failure(folder), problem)
             say(f"{name} is not installed: {problem}")
         else:
-            _failed(folder).unlink(missing_ok=True)
+            _failure(folder).unlink(missing_ok=True)
 
 
 def paths(name: str) -> list[str]:
@@ -100,9 +100,9 @@ def paths(name: str) -> list[str]:
 @lru_cache(maxsize=64)
 def demand(name: str) -> None:
     """Raise ImportError unless this process finds the version that a solver's name asks for."""
-    if parted(name)[1] and not _is_here(needs(name)):
+    if split_version(name)[1] and not _is_here(needs(name)):
         folder = _folder(name)
-        told = _failed(folder).read_text(encoding="utf-8") if folder and _failed(folder).is_file() else ""
+        told = _failure(folder).read_text(encoding="utf-8") if folder and _failure(folder).is_file() else ""
         raise ImportError(f"{needs(name)}; {told or 'it has no environment'}")
 
 
@@ -122,9 +122,9 @@ def _folder(name: str) -> Path | None:
 
     It borrows from the place where the suite runs, so that another place has another.
     """
-    if not parted(name)[1]:
+    if not split_version(name)[1]:
         return None
-    cache = kept.place()
+    cache = compile_cache.place()
     if cache is None:
         return None
     package = str(needs(name)).replace("==", "-")
@@ -132,7 +132,7 @@ def _folder(name: str) -> Path | None:
     return cache / "versions" / f"{package}-{place}"
 
 
-def _failed(folder: Path) -> Path:
+def _failure(folder: Path) -> Path:
     """The file that says why an environment could not be made."""
     return folder.with_name(f"{folder.name}.failed")
 

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import cases
 from cases import Case
-from cases.errors import unknown
+from cases.errors import unknown_name
 
 from ..running import per_solver
 from ..running.per_solver import LeftOut
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ..analysis.columns import Table
-    from ..drawing.files import Drawn
+    from ..drawing.figure_files import FigureEntry
     from ..running.calls import Calls
 
 
@@ -74,9 +74,9 @@ class Result(NamedTuple):
 
         return {name: with_version_words(self.study.TABLES[name], frame) for name, frame in self.frames.items()}
 
-    def draw(self, folder: Path) -> list[Drawn]:
+    def draw(self, folder: Path) -> list[FigureEntry]:
         """Write its figures to the folder; returns their entries, or one entry with the reason of a failure."""
-        from ..drawing.files import Drawn
+        from ..drawing.figure_files import FigureEntry
 
         if self.failure:
             return []
@@ -84,13 +84,13 @@ class Result(NamedTuple):
         try:
             return draw(self.name, self.study.draw, (self.findings,), folder)
         except Exception as problem:  # a failed figure must not discard the numbers
-            return [Drawn("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
+            return [FigureEntry("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
 
 
-def draw(name: str, function: Callable[..., Iterable[Drawn]], records: tuple, folder: Path) -> list[Drawn]:
+def draw(name: str, function: Callable[..., Iterable[FigureEntry]], records: tuple, folder: Path) -> list[FigureEntry]:
     """Write the figures of `function(*records, folder)`; if they fail with a solver's results, without these."""
     solvers = per_solver.solvers_of(records)
-    figures, omitted = per_solver.made(
+    figures, omitted = per_solver.make_per_solver(
         lambda *args: list(function(*args, folder)), records, solvers, f"figures of {name}"
     )
     return [replace(figure, left_out=tuple(omitted)) for figure in figures]
@@ -104,7 +104,7 @@ def names() -> tuple[str, ...]:
 def study(name: str) -> ModuleType:
     """The study of that name; raises UnknownName."""
     if name not in names():
-        raise unknown("study", name, names())
+        raise unknown_name("study", name, names())
     module = importlib.import_module(f"{__name__}.{name}")
     return importlib.import_module(f"{module.__name__}.study") if hasattr(module, "__path__") else module
 
@@ -116,11 +116,11 @@ def run(name: str, request: Request, calls: Calls, command: str) -> Result:
         # Solvers that are not installed are skipped.
         present = calls.present(request.solvers) if request.solvers else ()
         # If it fails with a solver's results, it runs again without them, using the results in the store.
-        findings, run_omissions = per_solver.made(
+        findings, run_omissions = per_solver.make_per_solver(
             lambda args: module.run(request._replace(solvers=args), calls), (present,), present, f"study {name}"
         )
         solvers = per_solver.solvers_of(findings)
-        frames, row_omissions = per_solver.made(
+        frames, row_omissions = per_solver.make_per_solver(
             lambda args: _frames(module.rows(args), calls), (findings,), solvers, f"study {name}"
         )
         findings = per_solver.without(findings, {entry.solver for entry in row_omissions})

@@ -11,7 +11,7 @@ from reference.paper.application import rolls_beyond, slip_end
 from reference.sweeping import Plan
 
 
-class Line(NamedTuple):
+class BoundaryLine(NamedTuple):
     """A boundary in the plane of two parameters, and its name."""
 
     x: np.ndarray
@@ -23,13 +23,13 @@ class Line(NamedTuple):
 POINTS = 60
 
 
-def known(plan: Plan, x: str, y: str) -> list[Line]:
+def exact_boundaries(plan: Plan, x: str, y: str) -> list[BoundaryLine]:
     """The exact boundaries in the plane of parameters x and y; an empty list if there are none."""
     lines = _circle(plan) if plan.name == "disc_in_circle" and {x, y} == {"mu", "xi1"} else []
-    return lines if x == "mu" else [Line(line.y, line.x, line.label) for line in lines]
+    return lines if x == "mu" else [BoundaryLine(line.y, line.x, line.label) for line in lines]
 
 
-def _circle(plan: Plan) -> list[Line]:
+def _circle(plan: Plan) -> list[BoundaryLine]:
     """Boundaries of the paper's application by (35): rolling from the start, rolling or reversal at the first v = 0."""
     axis = next(axis for axis in plan.axes if axis.name == "mu")
     low, high = (axis.low, axis.high) if not axis.values else (min(axis.values), max(axis.values))
@@ -40,6 +40,6 @@ def _circle(plan: Plan) -> list[Line]:
     after = np.array([rolls_beyond(float(m)) for m in mu])
     there = after > 0.0
     return [
-        Line(mu, np.arctan(1.0 / (3.0 * mu)), "rolls from the start above: tan ξ₁ = 1/(3 μ)"),
-        Line(mu[there], after[there], "rolls after the first v = 0 above, by (35)"),
+        BoundaryLine(mu, np.arctan(1.0 / (3.0 * mu)), "rolls from the start above: tan ξ₁ = 1/(3 μ)"),
+        BoundaryLine(mu[there], after[there], "rolls after the first v = 0 above, by (35)"),
     ]

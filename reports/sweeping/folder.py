@@ -15,7 +15,7 @@ from pyarrow import parquet
 from cases import BadValue
 from cases.owned_folder import OwnedFolder
 
-TOLD = "sweep.json"
+RECORD = "sweep.json"
 _PART = re.compile(r"part-(\d{12})\.parquet")
 
 
@@ -24,7 +24,7 @@ class Folder(OwnedFolder):
 
     def __init__(self, path: Path, fresh: bool = False):
         """`fresh`: existing rows will be deleted."""
-        claims = (TOLD, "*/part-*.parquet", "map*.svg", "map*.png", "boundary.parquet")
+        claims = (RECORD, "*/part-*.parquet", "map*.svg", "map*.png", "boundary.parquet")
         super().__init__(path, "sweep", claims, unread="" if fresh else claims[1])
         self.fresh = fresh
 
@@ -47,7 +47,7 @@ class Folder(OwnedFolder):
             yield
 
     def _entries(self) -> dict[str, Any]:
-        file = self.path / TOLD
+        file = self.path / RECORD
         try:
             record = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
         except (OSError, ValueError, RecursionError):
@@ -61,7 +61,7 @@ class Folder(OwnedFolder):
     def record(self, entries: dict[str, Any]) -> None:
         """Add entries to the record of the sweep."""
         text = json.dumps(self._entries() | entries, indent=1, ensure_ascii=False)
-        self.write(TOLD, (text + "\n").encode())
+        self.write(RECORD, (text + "\n").encode())
 
     def file(self, kind: str, start: int) -> Path:
         """The file of the part whose first scenario is `start`."""
@@ -99,7 +99,7 @@ class Folder(OwnedFolder):
 def _different(there: Any, identity: dict[str, Any]) -> str:
     """The first thing in which two sweeps differ; "" if they are the same."""
     if not isinstance(there, dict):
-        return f"{TOLD} does not identify it"
+        return f"{RECORD} does not identify it"
     for name in identity:
         if there.get(name) != identity[name]:
             return f"{name} {_short(there.get(name))}, not {_short(identity[name])}"

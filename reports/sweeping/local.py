@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from ..running.cluster import Cluster
-from ..running.workers import Pool
+from ..running.processes.cluster import Cluster
+from ..running.processes.workers import WorkerPool
 from . import parts
-from .parts import Work
+from .parts import SweepWork
 
 # Wall-clock limit of a part in seconds: parts are sized to take seconds.
 PATIENCE = 900.0
@@ -31,7 +31,7 @@ class Part(NamedTuple):
 Progress = Callable[[str, int, Iterator], Iterator]
 
 
-def done(work: Work, pending: Sequence[Part], pool: Pool | Cluster) -> Iterator[tuple[Part, bytes]]:
+def run_parts(work: SweepWork, pending: Sequence[Part], pool: WorkerPool | Cluster) -> Iterator[tuple[Part, bytes]]:
     """Yield the bytes of each part as it is completed; closes the pool at the end."""
     try:
         failed_parts = []
@@ -48,7 +48,7 @@ def done(work: Work, pending: Sequence[Part], pool: Pool | Cluster) -> Iterator[
         pool.close()
 
 
-def _in_halves(pool: Pool | Cluster, work: Work, whole: Part) -> bytes:
+def _in_halves(pool: WorkerPool | Cluster, work: SweepWork, whole: Part) -> bytes:
     """Compute a failed part by repeated halving."""
     waiting, tables = [whole], []
     while waiting:
@@ -59,16 +59,16 @@ def _in_halves(pool: Pool | Cluster, work: Work, whole: Part) -> bytes:
                 tables.append(answer.value)
             elif stop - start == 1:
                 outcome, reason = answer.failure
-                tables.append(parts.failed(work, start, outcome, reason))
+                tables.append(parts.failure_text(work, start, outcome, reason))
             else:
                 middle = (start + stop) // 2
                 waiting += [Part(start, middle), Part(middle, stop)]
-    return joined(tables)
+    return join_parts(tables)
 
 
-def joined(contents: Sequence[bytes]) -> bytes:
+def join_parts(contents: Sequence[bytes]) -> bytes:
     """Join the pieces of a part to one file."""
     from pyarrow import parquet
 
     tables = [parquet.read_table(pa.BufferReader(content)) for content in contents]
-    return parts.packed(pa.concat_tables(tables).sort_by("scenario"))
+    return parts.pack(pa.concat_tables(tables).sort_by("scenario"))

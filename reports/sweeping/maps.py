@@ -22,7 +22,7 @@ from cases import Mode
 from reference.sweeping import Plan
 from reference.sweeping.table import ARROW, BAD, FAILED
 
-from ..drawing.files import Drawn, save
+from ..drawing.figure_files import FigureEntry, save
 from ..drawing.style import AREAS, STYLE, logarithmic
 from . import boundaries
 from .folder import Folder
@@ -55,7 +55,7 @@ class Mark(NamedTuple):
     label: str
 
 
-class _Shown(NamedTuple):
+class _MapData(NamedTuple):
     """The data of a map: parameters (n,) of its points, or the values on its grid's axes, and columns of values."""
 
     x: np.ndarray
@@ -82,7 +82,9 @@ def counts(folder: Folder) -> Counter[str]:
     return kinds
 
 
-def draw(plan: Plan, folder: Folder, place: Path, engines: Mapping[str, str], edges: Any = None) -> Iterator[Drawn]:
+def draw(
+    plan: Plan, folder: Folder, place: Path, engines: Mapping[str, str], edges: Any = None
+) -> Iterator[FigureEntry]:
     """Write the figures of a sweep to the folder `place`; `engines`: kinds of rows and their titles."""
     if len(plan.axes) == 1:
         yield save(_curve(plan, folder), place, "map", "", f"{plan.name} over {plan.axes[0].name}", "", png=True)
@@ -106,7 +108,7 @@ def of_reference(plan: Plan, folder: Folder, edges: Any = None, marks: Sequence[
 
 def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequence[Mark] = ()) -> None:
     """Draw the map of the reference's motions on the axes: first two phases, and time of the first transition."""
-    data = _shown(plan, folder, ROWS, ["sequence", "outcome", "first_time"])
+    data = _map_data(plan, folder, ROWS, ["sequence", "outcome", "first_time"])
     pairs = zip(data.columns["sequence"].ravel(), data.columns["outcome"].ravel(), strict=True)
     words: dict = {}
     kinds = np.array([words.setdefault(pair, kind(*(word or "" for word in pair))) for pair in pairs], dtype=object)
@@ -123,7 +125,7 @@ def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequ
         _contours(ax, data, numbers)
         handles.append(Line2D([], [], color="#404040", linewidth=0.7, label="time of the first transition / s"))
     x, y = plan.axes[0].name, plan.axes[1].name
-    for line, dashes in zip(boundaries.known(plan, x, y), ("-", "--"), strict=False):
+    for line, dashes in zip(boundaries.exact_boundaries(plan, x, y), ("-", "--"), strict=False):
         handles += ax.plot(line.x, line.y, color="black", linewidth=1.3, linestyle=dashes, label=line.label)
     if edges is not None and len(edges.x):
         handles += ax.plot(edges.x, edges.y, ".", color="black", markersize=1.5, label="boundary by --refine")
@@ -143,7 +145,7 @@ def of_engine(plan: Plan, folder: Folder, rows: str, title: str) -> Figure:
         figure, axes = plt.subplots(1, 2, figsize=(10.4, 4.2), layout="constrained", sharey=True)
         verdicts(axes[0], plan, folder, rows)
         axes[0].set_title(f"{title}: verdicts")
-        data = _shown(plan, folder, rows, ["error"])
+        data = _map_data(plan, folder, rows, ["error"])
         errors = np.abs(data.columns["error"].astype(float))
         positive = errors[np.isfinite(errors) & (errors > 0.0)]
         if positive.size:
@@ -158,7 +160,7 @@ def of_engine(plan: Plan, folder: Folder, rows: str, title: str) -> Figure:
 
 def verdicts(ax: Axes, plan: Plan, folder: Folder, rows: str) -> None:
     """Draw the map of an engine's verdicts on the axes."""
-    data = _shown(plan, folder, rows, ["verdict", "outcome"])
+    data = _map_data(plan, folder, rows, ["verdict", "outcome"])
     verdict, outcome = data.columns["verdict"], data.columns["outcome"]
     names = ("right", "wrong", "no motion")
     number = np.where(verdict == "right", 0, np.where(verdict == "wrong", 1, 2))
@@ -167,7 +169,7 @@ def verdicts(ax: Axes, plan: Plan, folder: Folder, rows: str) -> None:
     _fill(ax, data, np.where(number < 0, np.nan, number), cmap=ListedColormap(colours), vmin=-0.5, vmax=2.5)
     parts = [np.sum(number == i) / max(np.sum(number >= 0), 1) for i in range(3)]
     handles = [Patch(color=c, label=f"{n}, {p:.0%}") for c, n, p in zip(colours, names, parts, strict=True) if p > 0.0]
-    for line in boundaries.known(plan, plan.axes[0].name, plan.axes[1].name):
+    for line in boundaries.exact_boundaries(plan, plan.axes[0].name, plan.axes[1].name):
         ax.plot(line.x, line.y, color="black", linewidth=0.8)
     ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3)
     _frame(ax, plan, data)
@@ -183,15 +185,15 @@ def _colours(kinds: Sequence[str]) -> list[str]:
 # --- reading ----------------------------------------------------------------------------------------------------------
 
 
-def _shown(plan: Plan, folder: Folder, rows: str, names: list[str]) -> _Shown:
+def _map_data(plan: Plan, folder: Folder, rows: str, names: list[str]) -> _MapData:
     """Read the columns for a map."""
     x, y = plan.axes[0].name, plan.axes[1].name
     if plan.sample == "grid":
         scenarios, places = _cells(plan)
         columns = _read(folder, rows, names, scenarios)
-        return _Shown(plan.axes[0].all[places[0]], plan.axes[1].all[places[1]], columns, True)
+        return _MapData(plan.axes[0].all[places[0]], plan.axes[1].all[places[1]], columns, True)
     columns = _read(folder, rows, [x, y, *names], np.arange(min(len(plan), POINTS)))
-    return _Shown(columns[x].astype(float), columns[y].astype(float), columns, False)
+    return _MapData(columns[x].astype(float), columns[y].astype(float), columns, False)
 
 
 def _cells(plan: Plan) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -221,13 +223,13 @@ def _read(folder: Folder, rows: str, names: list[str], scenarios: np.ndarray) ->
 # --- drawing ----------------------------------------------------------------------------------------------------------
 
 
-def _fill(ax: Axes, data: _Shown, values: np.ndarray, **how: Any):
+def _fill(ax: Axes, data: _MapData, values: np.ndarray, **how: Any):
     if data.on_grid:
         return ax.pcolormesh(data.x, data.y, values.T, shading="nearest", rasterized=True, linewidth=0, **how)
     return ax.scatter(data.x, data.y, c=values, s=4.0, linewidths=0, rasterized=True, **how)
 
 
-def _contours(ax: Axes, data: _Shown, numbers: np.ndarray) -> None:
+def _contours(ax: Axes, data: _MapData, numbers: np.ndarray) -> None:
     """Draw contours of the first transition's time, separately for each kind: the time may jump between kinds."""
     times = data.columns["first_time"].astype(float)
     finite = times[np.isfinite(times)]
@@ -241,7 +243,7 @@ def _contours(ax: Axes, data: _Shown, numbers: np.ndarray) -> None:
             ax.clabel(lines, fontsize=7, fmt="%g")
 
 
-def _frame(ax: Axes, plan: Plan, data: _Shown) -> None:
+def _frame(ax: Axes, plan: Plan, data: _MapData) -> None:
     ax.grid(False)
     for axis, which in zip(plan.axes[:2], "xy", strict=True):
         if axis.log:

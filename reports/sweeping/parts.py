@@ -19,13 +19,14 @@ from adapters import EngineFailure
 from cases import BadValue, NotSupported
 from reference.sweeping import MANY, Plan, table
 
-from ..judging import soundness
-from ..running import fingerprint, tasks
+from ..judging import validation
+from ..running import tasks
 from ..running.records import REFERENCE
 from ..running.solvers import solver
+from ..running.storage import fingerprint
 
 
-class Work(NamedTuple):
+class SweepWork(NamedTuple):
     """The computation for a plan's scenarios: solver and route ("reference" and "" for the reference), and whether with
     certified error bars."""
 
@@ -35,29 +36,29 @@ class Work(NamedTuple):
     certified: bool = False
 
 
-def made_with() -> dict[str, str]:
+def environment() -> dict[str, str]:
     """Versions and code that determine the reference's rows on a machine."""
     packages = ("numpy", "scipy", "sympy", "heyoka")
     facts = {"python": platform.python_version(), "method of the reference": reference.METHODS[0]}
-    facts |= {package: fingerprint.installed(package) for package in packages}
+    facts |= {package: fingerprint.installed_packages(package) for package in packages}
     return dict(sorted((facts | {"code of the suite": fingerprint.sources(table)[:16]}).items()))
 
 
-def perform(work: Work, start: int, stop: int) -> bytes:
+def perform(work: SweepWork, start: int, stop: int) -> bytes:
     """The rows of some scenarios as the bytes of a Parquet file."""
     if work.solver == REFERENCE:
-        return packed(table.solved(work.plan, start, stop, len(work.plan) >= MANY, work.certified))
-    return packed(of_engine(work, start, stop))
+        return pack(table.is_solved(work.plan, start, stop, len(work.plan) >= MANY, work.certified))
+    return pack(of_engine(work, start, stop))
 
 
-def packed(rows: pa.Table) -> bytes:
+def pack(rows: pa.Table) -> bytes:
     """Rows as the bytes of a Parquet file."""
     stream = BytesIO()
     parquet.write_table(rows, stream, compression="zstd")
     return stream.getvalue()
 
 
-def rate(work: Work) -> float:
+def rate(work: SweepWork) -> float:
     """Scenarios per second of one core's CPU time, measured on a few ranges of the plan without compilation."""
     n, few = len(work.plan), 1 if work.solver != REFERENCE else 64
     starts = sorted({0, n // 3, 2 * n // 3, max(n - few, 0)})
@@ -71,13 +72,13 @@ def rate(work: Work) -> float:
     return completed / max(time.process_time() - began, 1e-6)
 
 
-def failed(work: Work, number: int, outcome: str, reason: str) -> bytes:
+def failure_text(work: SweepWork, number: int, outcome: str, reason: str) -> bytes:
     """The row of a scenario that ended its worker or exceeded its time limit, as the bytes of a Parquet file."""
     parameters = work.plan.columns(number, number + 1)
     schema = table.schema(work.plan) if work.solver == REFERENCE else engine_schema(work.plan)
     values = {"scenario": number, "outcome": outcome, "reason": reason}
     values |= {name: float(column[0]) for name, column in parameters.items()}
-    return packed(pa.Table.from_pylist([{field.name: values.get(field.name) for field in schema}], schema=schema))
+    return pack(pa.Table.from_pylist([{field.name: values.get(field.name) for field in schema}], schema=schema))
 
 
 # --- engines ----------------------------------------------------------------------------------------------------------
@@ -103,9 +104,9 @@ def engine_schema(plan: Plan) -> pa.Schema:
     return pa.schema([*fields, *((name, kind) for name, (kind, _) in ENGINE_COLUMNS.items())])
 
 
-def of_engine(work: Work, start: int, stop: int) -> pa.Table:
+def of_engine(work: SweepWork, start: int, stop: int) -> pa.Table:
     """The rows of an engine with default settings, compared with the reference, scenario by scenario."""
-    truth = table.solved(work.plan, start, stop).to_pylist()
+    truth = table.is_solved(work.plan, start, stop).to_pylist()
     names = [axis.name for axis in work.plan.axes]
     rows = []
     for reference_row in truth:
@@ -119,7 +120,7 @@ def of_engine(work: Work, start: int, stop: int) -> pa.Table:
     return pa.Table.from_pylist(rows, schema=engine_schema(work.plan))
 
 
-def _engine_run(work: Work, parameters: dict[str, float], reference_row: dict) -> dict:
+def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: dict) -> dict:
     """The columns of one run with the engine's default settings."""
     case, engine = work.plan.make(**parameters), solver(work.solver)
     refusal = engine.refuses(case, work.route)
@@ -130,15 +131,15 @@ def _engine_run(work: Work, parameters: dict[str, float], reference_row: dict) -
         raise BadValue(f"{work.solver} has no default setting by the route {work.route}")
     row: dict = {"setting": str(setting)}
     try:
-        motion = tasks.timed(engine, case, work.route, setting)
+        motion = tasks.run_on_clock(engine, case, work.route, setting)
     except NotSupported as problem:
         return row | {"outcome": "refused", "reason": str(problem)}
     except EngineFailure as problem:
         return row | {"outcome": "crashed", "reason": str(problem)}
     except Exception as problem:
         return row | {"outcome": "crashed", "reason": tasks.sentence(problem)}
-    if not soundness.sound(motion):
-        return row | {"outcome": "crashed", "reason": f"it gave {soundness.UNSOUND}"}
+    if not validation.sound(motion):
+        return row | {"outcome": "crashed", "reason": f"it gave {validation.UNSOUND}"}
     reading = tasks.reading_of(case, motion)
     first = reading.transitions[0] if reading.transitions else None
     row |= {"outcome": "done", "first_mode": str(reading.first_mode), "cpu_s": motion.cost.cpu_s}

@@ -11,14 +11,15 @@ from typing import Any
 from cases import BadValue
 from reference.sweeping import CHUNK, Plan
 
-from ..running import cluster, elsewhere, fingerprint
+from ..running.processes import cluster, cluster_worker
+from ..running.processes.workers import WorkerPool
 from ..running.records import REFERENCE
 from ..running.solvers import routes, version
-from ..running.workers import Pool
+from ..running.storage import fingerprint
 from . import local, parts
 from .folder import Folder
 from .local import Part
-from .parts import Work
+from .parts import SweepWork
 
 # Approximate duration of a task, s: long compared with its scheduling (1 ms), short compared with a user's patience.
 LASTS = 2.0
@@ -35,22 +36,22 @@ class Machines:
     dask: str | None
     progress: Callable[[str, int, Iterator], Iterator]
 
-    def compute(self, work: Work, pending: list[Part]) -> Iterator[tuple[Part, bytes]]:
+    def compute(self, work: SweepWork, pending: list[Part]) -> Iterator[tuple[Part, bytes]]:
         """Yield the bytes of each part as it is completed."""
-        return local.done(work, pending, Pool(self.jobs) if self.dask is None else self._cluster(work))
+        return local.run_parts(work, pending, WorkerPool(self.jobs) if self.dask is None else self._cluster(work))
 
-    def _cluster(self, work: Work) -> cluster.Cluster:
+    def _cluster(self, work: SweepWork) -> cluster.Cluster:
         engines = () if work.solver == REFERENCE else (work.solver,)
-        identity = dict(elsewhere.identity(versions_of(engines), work.plan.files))
+        identity = dict(cluster_worker.identity(versions_of(engines), work.plan.files))
         del identity[
-            elsewhere.PROCESSOR
+            cluster_worker.PROCESSOR
         ]  # it affects only last digits, and a mixed cluster would otherwise be partly idle
         return cluster.Cluster(self.dask or "", self.jobs, tuple(identity.items()), engines, work.plan.files)
 
 
-def asked(plan: Plan, certified: bool) -> dict[str, Any]:
+def sweep_identity(plan: Plan, certified: bool) -> dict[str, Any]:
     """Everything that determines the rows of a sweep."""
-    return {"plan": plan.as_text(), "scene": scene(plan), "certified": certified, "made with": parts.made_with()}
+    return {"plan": plan.as_text(), "scene": scene(plan), "certified": certified, "made with": parts.environment()}
 
 
 def scene(plan: Plan) -> str:
@@ -64,7 +65,7 @@ def scene(plan: Plan) -> str:
 
 def run(plan: Plan, folder: Folder, certified: bool, machines: Machines) -> int:
     """Compute the missing parts of the reference's rows; returns the number of scenarios computed now."""
-    return _made(Work(plan, certified=certified), folder, ROWS, machines)
+    return _provenance(SweepWork(plan, certified=certified), folder, ROWS, machines)
 
 
 def routes_of(solver: str) -> tuple[str, ...]:
@@ -93,13 +94,13 @@ def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], m
     kinds = {}
     for route in ways:
         kinds[f"{solver}.{route}"] = f"{solver}, {route}"
-        _made(Work(plan, solver, route), folder, f"{solver}.{route}", machines)
+        _provenance(SweepWork(plan, solver, route), folder, f"{solver}.{route}", machines)
     return kinds
 
 
 def _of_engine(function: Callable, name: str):
     """Call a function on an engine in a worker, so that the engine is not loaded in this process."""
-    pool = Pool(1)
+    pool = WorkerPool(1)
     try:
         ((_, answer),) = pool.run(function, [(name,)])
     finally:
@@ -109,7 +110,7 @@ def _of_engine(function: Callable, name: str):
     return answer.value
 
 
-def _made(work: Work, folder: Folder, kind: str, machines: Machines) -> int:
+def _provenance(work: SweepWork, folder: Folder, kind: str, machines: Machines) -> int:
     length = folder.value(f"chunk of {kind}")
     if not isinstance(length, int) or length < 1:
         length = _length(work)
@@ -125,11 +126,11 @@ def _made(work: Work, folder: Folder, kind: str, machines: Machines) -> int:
     return sum(part.stop - part.start for part in pending)
 
 
-def _length(work: Work) -> int:
+def _length(work: SweepWork) -> int:
     """Number of scenarios per part, from a pilot run; CHUNK divided by a power of two, so that noise rarely matters."""
     if len(work.plan) <= LEAST:
         return LEAST
-    pool = Pool(1)
+    pool = WorkerPool(1)
     try:
         ((_, answer),) = pool.run(parts.rate, [(work,)], local.PATIENCE)
     finally:

@@ -14,9 +14,9 @@ import reference
 from adapters import by_process, interface
 from adapters.by_process import engine as process
 from adapters.by_process.scene import SCHEMA_FILE
-from adapters.common import exported
+from adapters.common import motion_file
 from adapters.common.facets import shown
-from adapters.laws.apart import Apart
+from adapters.laws.law_process import AdapterProcess
 from cases import BadValue
 from cases.contact import start_motion
 from reports import build, export, options
@@ -129,7 +129,7 @@ def test_export_writes_the_same_scene_and_a_true_motion_that_is_judged_right(tmp
     told = strict(files["scene.json"].read_text(encoding="utf-8"))
     assert told.items() >= strict(by_process.as_json(by_process.scene(case))).items()
     assert told["transitions"][0]["time"]["value"] == pytest.approx(1 / (3 * 0.1 * 9.81))
-    motion = exported.trajectory_of(case, exported.read_table(files["motion.csv"]))
+    motion = motion_file.trajectory_of(case, motion_file.read_table(files["motion.csv"]))
     exact = reference.simulate(case)(motion.t)
     assert np.abs(motion.x - exact.x).max() < 1e-12
 
@@ -139,7 +139,7 @@ def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
     names, rows = export.motion(case)
     assert np.isfinite(rows).all()
     text = ",".join(names) + "\n" + "\n".join(",".join(map(repr, r)) for r in rows.tolist())
-    assert exported.trajectory_of(case, exported.parsed(text, "motion")).status == "completed"
+    assert motion_file.trajectory_of(case, motion_file.parse(text, "motion")).status == "completed"
 
 
 # --- an engine in another language ------------------------------------------------------------------------------------
@@ -162,7 +162,7 @@ def test_the_engine_on_the_page_refuses_what_it_does_not_know(registered):
 @node
 def test_the_laws_are_held_on_it(registered, tmp_path):
     registered("my_engine", example())
-    with Apart(str(tmp_path / "my_engine")) as apart:
+    with AdapterProcess(str(tmp_path / "my_engine")) as apart:
         assert apart.face == ("my_engine", ("process",))
         told = {law: outcome for law, outcome, _ in apart.tried("process", ["rolling_transition", "lift_off"])}
     assert told["lift_off"] == "refused"

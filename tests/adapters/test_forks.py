@@ -18,7 +18,7 @@ class Engine:
         return model
 
 adapter = ReturnsOnce(Engine())
-assert adapter.NAME == "forks" and not hasattr(adapter, "stripped")
+assert adapter.NAME == "forks" and not hasattr(adapter, "bare_run")
 for word in ("one", "two", "three"):
     os.write(1, f"{adapter.run(word)}\\n".encode())
 for call in (adapter.run, returns_once(Engine().run)):

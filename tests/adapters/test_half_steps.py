@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import cases
 from adapters import EngineFailure
-from adapters.common.half_steps import Noted, rates_at_poses, read
+from adapters.common.half_steps import StepRecord, rates_at_poses, read
 from adapters.interface import engine
 from cases import Case, Flight, Gravity, Impact, Start, Unilateral, disc, library
 from reports.judging.slip_phases import read_transitions
@@ -49,7 +49,7 @@ def test_no_second_difference_reaches_across_a_jump_of_the_acceleration():
 # --- an engine of six lines: semi-implicit Euler, a level floor, restitution ------------------------------------------
 
 
-def dropped(case: Case, h: float, restitution: float) -> Noted:
+def dropped(case: Case, h: float, restitution: float) -> StepRecord:
     """A disc that falls onto a level line, without friction; in the step in which it would sink in it rebounds, or
     closes what is left of the gap."""
     start, steps = cases.contact.start_motion(case), round(case.duration / h)
@@ -60,7 +60,7 @@ def dropped(case: Case, h: float, restitution: float) -> Noted:
             vy = -restitution * vy or (radius - y) / h
         rows.append((start.x + start.vx * k * h, y, 0.0, start.vx, vy, 0.0))
         y += h * vy
-    return Noted(case, h, steps, np.array(rows))
+    return StepRecord(case, h, steps, np.array(rows))
 
 
 def falling_onto_a_line(*effects, duration: float = 0.5) -> Case:
@@ -105,7 +105,7 @@ def test_rows_that_are_no_numbers_are_no_motion():
     noted.rows[7, 1] = np.nan
     with pytest.raises(EngineFailure, match="not finite from 0.07 s on"):
         read(noted)
-    short = Noted(noted.case, noted.h, noted.steps, noted.rows[:2])
+    short = StepRecord(noted.case, noted.h, noted.steps, noted.rows[:2])
     with pytest.raises(EngineFailure, match="fewer than three steps"):
         read(short)
 

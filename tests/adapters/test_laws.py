@@ -10,8 +10,8 @@ import pytest
 
 import adapters
 from adapters import Setting
-from adapters.laws import LAWS, SCENES, NotTold, Refused, Route, effects, judge, mechanics
-from adapters.laws.apart import Apart
+from adapters.laws import LAWS, SCENES, NotReported, Route, Unsupported, effects, judge, mechanics
+from adapters.laws.law_process import AdapterProcess
 from cases import (
     Case,
     CoulombFriction,
@@ -69,7 +69,7 @@ def test_adapter_obeys_law(name, route, law):
         pytest.skip(f"{name} is not installed: {problem}")
     try:
         LAWS[law](Route(adapter, route))
-    except (Refused, NotTold) as reason:
+    except (Unsupported, NotReported) as reason:
         pytest.skip(str(reason))
 
 
@@ -349,7 +349,7 @@ def test_textbook_formula_passes_its_law(law, right):
 
 
 def test_refusal_is_no_pass():
-    with pytest.raises(Refused, match="level lines alone"):
+    with pytest.raises(Unsupported, match="level lines alone"):
         mechanics.cone(Route(sliding_disc(), "closed form"), SCENES["disc in a circle"])
 
 
@@ -373,7 +373,7 @@ def test_an_adapter_that_ends_its_process_costs_one_verdict_and_no_other(fault, 
     )
     laws = ["friction_torque", "no_friction_no_spin", "cone[disc in a circle]"]
     # s: what ends its process does so at once. The one that sleeps costs the limit, which is room for a busy machine.
-    with Apart(str(file), limit=20.0) as adapter:
+    with AdapterProcess(str(file), limit=20.0) as adapter:
         tried = list(adapter.tried("native", laws))
     assert [result for _, result, _ in tried] == ["kept", outcome, "kept"], tried
 
@@ -382,4 +382,4 @@ def test_an_adapter_whose_import_ends_the_process_is_one_sentence(tmp_path):
     file = tmp_path / "dies.py"
     file.write_text("import os\nos._exit(3)\n")
     with pytest.raises(ImportError, match="crashed while it is imported: its process ended with exit code 3"):
-        Apart(str(file))
+        AdapterProcess(str(file))

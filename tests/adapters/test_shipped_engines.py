@@ -5,14 +5,14 @@ import pytest
 
 import cases
 from adapters import Setting, by_process, interface
-from adapters.by_process.shipped import told
+from adapters.by_process.bundle import version_of
 from cases.errors import UnknownName
+from reports.running.processes.workers import WorkerPool
 from reports.running.records import Run
 from reports.running.tasks import find_truth, perform
-from reports.running.workers import Pool
 
 PAPER = "disc_in_circle[mu=0.2]"
-NAMES = sorted(by_process.shipped())
+NAMES = sorted(by_process.bundled_engines())
 # The first transition of the paper's application with h = 1 ms, s: twice what was measured (see the README there).
 MOST_OFF = {"dartpy": 1e-2, "drake": 3e-3, "mujoco": 1e-2, "planck": 2e-4, "rapier": 1e-2}
 
@@ -34,12 +34,12 @@ def engine(request, monkeypatch):
 
 @pytest.fixture(scope="module")
 def pool():
-    workers = Pool(1)
+    workers = WorkerPool(1)
     yield workers
     workers.close()
 
 
-def row(pool: Pool, name: str, label: str, h: float = 1e-3) -> Run:
+def row(pool: WorkerPool, name: str, label: str, h: float = 1e-3) -> Run:
     """The row of a run with steps of at most h, made by a worker as in a build: in its limits and its environment."""
     case = cases.load(label)
     ladder = interface.engine(name).ladder(case, "process")
@@ -145,13 +145,13 @@ def test_its_version_is_the_engine_s_own_and_the_file_s(engine):
 def test_an_engine_that_is_not_there_says_what_to_install(monkeypatch, tmp_path):
     # Without node and python3 on the path, none of them starts.
     monkeypatch.setenv("PATH", str(tmp_path))
-    told.cache_clear()
+    version_of.cache_clear()
     try:
         for name in NAMES:
             with pytest.raises(ImportError):
                 interface.register(name)
     finally:
-        told.cache_clear()
+        version_of.cache_clear()
 
 
 def test_all_are_named_and_an_unknown_name_is_none():
@@ -170,7 +170,7 @@ def test_the_first_line_on_standard_error_of_an_engine_that_fails_in_a_worker_is
     engine.chmod(0o755)
     monkeypatch.setenv(interface.EXECUTABLES, "")
     interface.register(engine)
-    workers = Pool(1)  # a worker knows the engines of its start
+    workers = WorkerPool(1)  # a worker knows the engines of its start
     try:
         found = row(workers, "failing", "disc_on_line[mu=0.1]")
     finally:

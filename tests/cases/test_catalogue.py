@@ -29,12 +29,12 @@ FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FA
 SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 
 
-def second(case: Case, times) -> contact_frame.Answer:
+def second(case: Case, times) -> contact_frame.SecondMotion:
     """The second formulation, looking closely enough not to miss a short phase."""
     return contact_frame.solve(case, rtol=1e-12, times=times, looks=200)
 
 
-def compare(case: Case, answer: contact_frame.Answer, times, accuracy, sign=1.0, time=1.0, velocity=1.0) -> None:
+def compare(case: Case, answer: contact_frame.SecondMotion, times, accuracy, sign=1.0, time=1.0, velocity=1.0) -> None:
     """Asserts that an answer is the reference's motion of `case`, seen with that sign and in those units, and notes by
     `accuracy` how close it is."""
     motion = motion_of(case)

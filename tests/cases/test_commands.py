@@ -279,8 +279,8 @@ def fast_one(mu=0.2):
 )
 def test_a_case_is_found_by_name_variant_file_and_function(text, labels, desk, capsys):
     (desk / "two.py").write_text(TWO)
-    assert [case.label for case in lookup.named(text).every()] == labels
-    found, files = options.chosen_cases([text], "default")
+    assert [case.label for case in lookup.case_name(text).every()] == labels
+    found, files = options.choose_cases([text], "default")
     assert [case.label for case in found] == labels
     assert files == ((str(desk / "two.py"),) if "two" in text else ())
     out = run(capsys, "check", text)[1]

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from cases import Curve, kept
+from cases import Curve, compile_cache
 
 from ..full_disk import full_disk
 
@@ -22,11 +22,11 @@ FORMULA = X**2 + sp.sin(Y) / 3
 @pytest.fixture
 def folder(tmp_path, monkeypatch) -> Path:
     """An empty folder to keep things in, and code that decides them."""
-    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "kept"))
+    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "kept"))
     (tmp_path / "code").mkdir()
     (tmp_path / "code" / "module.py").write_text("1")
-    for cache in (kept._checked, kept._code, kept._surroundings):
-        monkeypatch.setattr(kept, cache.__name__, cache.__wrapped__)
+    for cache in (compile_cache._safe_folder, compile_cache._code, compile_cache._surroundings):
+        monkeypatch.setattr(compile_cache, cache.__name__, cache.__wrapped__)
     return tmp_path / "kept"
 
 
@@ -38,7 +38,7 @@ def asked(folder: Path, value="made", decided_by=(FORMULA, 1e-9), kind="number")
         calls.append(1)
         return value
 
-    return kept.kept(kind, decided_by, folder.parent / "code", make), bool(calls)
+    return compile_cache.cached(kind, decided_by, folder.parent / "code", make), bool(calls)
 
 
 def test_what_was_made_is_found_again(folder):
@@ -73,7 +73,7 @@ def test_another_code_or_version_or_processor_makes_anew(folder, monkeypatch):
         patch.setattr(sp, "__version__", "0.0")
         assert asked(folder)[1]
     with monkeypatch.context() as patch:
-        patch.setattr(kept.platform, "machine", lambda: "another")
+        patch.setattr(compile_cache.platform, "machine", lambda: "another")
         assert asked(folder)[1]
     assert not asked(folder)[1]
 
@@ -108,7 +108,7 @@ def test_a_folder_or_file_that_others_can_open_is_left_alone(folder, caplog):
 
 def test_a_folder_of_somebody_else_is_left_alone_and_said_once(folder, caplog, monkeypatch):
     asked(folder, "first")
-    monkeypatch.setattr(kept, "_checked", kept.lru_cache(kept._checked))
+    monkeypatch.setattr(compile_cache, "_checked", compile_cache.lru_cache(compile_cache._safe_folder))
     monkeypatch.setattr(os, "geteuid", lambda: 12345)
     with caplog.at_level(logging.WARNING):
         assert all(asked(folder, "second") == ("second", True) for _ in range(3))
@@ -132,26 +132,26 @@ def test_a_link_is_not_followed(folder, caplog):
 
 @pytest.mark.parametrize("word", ["off", ""])
 def test_the_environment_turns_it_off(folder, monkeypatch, word):
-    monkeypatch.setenv(kept.VARIABLE, word)
+    monkeypatch.setenv(compile_cache.VARIABLE, word)
     assert asked(folder)[1] and asked(folder)[1]
     assert not folder.exists()
 
 
 def test_without_the_variable_it_is_the_users_own_folder(folder, monkeypatch):
-    monkeypatch.delenv(kept.VARIABLE)
+    monkeypatch.delenv(compile_cache.VARIABLE)
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
-    assert kept.place() == folder / "slip-to-roll"
+    assert compile_cache.place() == folder / "slip-to-roll"
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")
     monkeypatch.setenv("HOME", str(folder))
-    assert kept.place() == folder / ".cache" / "slip-to-roll"
+    assert compile_cache.place() == folder / ".cache" / "slip-to-roll"
 
 
 @pytest.mark.parametrize("text", [None, "~/kept", "~nobody-of-that-name/kept"])
 def test_without_a_home_directory_nothing_is_kept_and_everything_is_made(folder, monkeypatch, caplog, text):
     if text is None:
-        monkeypatch.delenv(kept.VARIABLE)
+        monkeypatch.delenv(compile_cache.VARIABLE)
     else:
-        monkeypatch.setenv(kept.VARIABLE, text)
+        monkeypatch.setenv(compile_cache.VARIABLE, text)
     for name in ("HOME", "XDG_CACHE_HOME", "USERPROFILE"):
         monkeypatch.delenv(name, raising=False)
 
@@ -160,8 +160,8 @@ def test_without_a_home_directory_nothing_is_kept_and_everything_is_made(folder,
 
     monkeypatch.setattr("pwd.getpwuid", nobody)
     monkeypatch.setattr("pwd.getpwnam", nobody)
-    assert kept.place() is None
-    assert f"give {kept.VARIABLE} a folder of your own" in caplog.text
+    assert compile_cache.place() is None
+    assert f"give {compile_cache.VARIABLE} a folder of your own" in caplog.text
     assert asked(folder) == ("made", True)
     curve = Curve(lambda s: (s, 0.7123 * s**2), (-1, 1))  # of sizes that nothing else has: it is derived here
     assert curve.point(1.0)[1] == 0.7123
@@ -171,7 +171,7 @@ def test_modules_that_cannot_be_read_stop_nothing(folder, monkeypatch, caplog):
     def unreadable(_):
         raise PermissionError("no access")
 
-    monkeypatch.setattr(kept, "_code", unreadable)
+    monkeypatch.setattr(compile_cache, "_code", unreadable)
     assert asked(folder) == ("made", True)
     assert "nothing is kept: no access" in caplog.text
 
@@ -183,9 +183,9 @@ def test_a_full_disk_stops_nothing(folder, caplog):
 
 
 def test_the_oldest_goes_when_there_is_too_much(folder, monkeypatch):
-    monkeypatch.setattr(kept, "LARGEST_BYTES", 4000)
-    monkeypatch.setattr(kept, "_LOOK_BYTES", 0)
-    monkeypatch.setattr(kept, "_written", -1)
+    monkeypatch.setattr(compile_cache, "LARGEST_BYTES", 4000)
+    monkeypatch.setattr(compile_cache, "_LOOK_BYTES", 0)
+    monkeypatch.setattr(compile_cache, "_written", -1)
     for i in range(8):
         asked(folder, bytes(1000), decided_by=i)
         for file in folder.iterdir():  # a second between one and the next
@@ -202,8 +202,8 @@ def test_files_of_the_users_in_the_folder_stay(folder, monkeypatch):
     for file in theirs:
         file.write_text("precious")
         os.utime(file, (0, 0))
-    monkeypatch.setattr(kept, "LARGEST_BYTES", 0)
-    monkeypatch.setattr(kept, "_written", -1)
+    monkeypatch.setattr(compile_cache, "LARGEST_BYTES", 0)
+    monkeypatch.setattr(compile_cache, "_written", -1)
     asked(folder, decided_by="another")
     assert sorted(folder.iterdir()) == sorted(theirs)
 
@@ -219,16 +219,16 @@ def test_two_processes_at_once_see_only_what_is_whole(folder):
 
 
 def test_what_was_taken_and_made_is_counted(folder):
-    kept.counted()
+    compile_cache.counters()
     asked(folder), asked(folder), asked(folder, decided_by="other", kind="text")
-    assert kept.words() == "1 compiled parts taken from the cache, 2 made and kept there"
-    assert kept.counted() == ({"number": 1}, {"number": 1, "text": 1})
-    assert kept.counted() == ({}, {})
+    assert compile_cache.words() == "1 compiled parts taken from the cache, 2 made and kept there"
+    assert compile_cache.counters() == ({"number": 1}, {"number": 1, "text": 1})
+    assert compile_cache.counters() == ({}, {})
 
 
 def test_inside_off_all_is_made_and_the_setting_comes_back(folder):
     asked(folder)
-    with kept.off():
+    with compile_cache.off():
         assert asked(folder)[1]
-        assert "neither kept nor taken" in kept.words()
+        assert "neither kept nor taken" in compile_cache.words()
     assert not asked(folder)[1]

@@ -112,7 +112,7 @@ def test_what_a_killed_process_left_is_removed_and_nothing_else(tmp_path):
     if not child:
         try:
             (TemporaryFolder(tmp_path).path / "deep").mkdir()
-            with owned_folder.written(tmp_path / "film.gif") as partial:
+            with owned_folder.atomic_path(tmp_path / "film.gif") as partial:
                 partial.write_text("half")
                 os.kill(os.getpid(), signal.SIGKILL)
         finally:

@@ -12,7 +12,7 @@ from cases import nearest as search
 from cases.curves import cos, exp
 from cases.curves import sin as sine
 from cases.nearest import nearest
-from reference.contact_frame.equations import Scene
+from reference.contact_frame.equations import ContactScene
 
 ELLIPSE = library.ellipse(0.2, 0.1)
 TRACKS = {
@@ -198,7 +198,7 @@ def test_the_second_formulation_looks_at_a_track_without_ends_by_distances(unit)
     """A bump 5 m from the start: whether it was seen depended on how far the parameter's own units reach."""
     track = Curve(("s", "0.1*exp(-((s - 5)/0.1)**2)"))
     plate, effects = Plate(ELLIPSE, 1.0, 0.02), (Gravity(9.81), Unilateral())
-    scenes = (Scene(Case(by, plate, effects, Start(xi1, -pi / 2), 1.0)) for by, xi1 in (
+    scenes = (ContactScene(Case(by, plate, effects, Start(xi1, -pi / 2), 1.0)) for by, xi1 in (
         (track, 0.1), (in_units_of(track, unit), 0.1 * unit)))  # fmt: skip
     here, there = (scene.grain for scene in scenes)
     # Features are looked at in places of their own, which differ by a part of the bump.

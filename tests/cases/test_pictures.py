@@ -10,7 +10,7 @@ from PIL import Image
 
 import cases
 import reference
-from adapters.common.exported import read_table, trajectory_of
+from adapters.common.motion_file import read_table, trajectory_of
 from cases import BadValue, UnknownName
 from cases.pictures import animation, plots
 from cases.pictures.layout import CORNERS

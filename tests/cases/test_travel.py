@@ -15,7 +15,7 @@ import cases
 from cases import Case, CoulombFriction, Curve, Gravity, Load, Plate, Start, Unilateral
 from cases.contact import start_motion
 from cases.curves import cos, sin
-from reports.running.fingerprint import content
+from reports.running.storage.fingerprint import content
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,6 @@ from reports.analysis.columns import COLUMNS
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
 COLUMNS_HOME = "reports/analysis/columns.py"
-# Central classes whose names a second public class has today. Remove a name here when its second class is renamed.
-DUPLICATES = {"Bar", "Contact", "Curve", "Entry", "Plan", "Run"}
 
 
 def rows(page: str) -> list[tuple[str, str, str]]:
@@ -89,8 +87,7 @@ def test_no_central_class_shares_its_name_with_another_class():
     homes = public_classes()
     central = {name.partition(".")[0] for _, name, home in rows(PAGE) if home != COLUMNS_HOME}
     duplicates = {name: homes[name] for name in sorted(central & homes.keys()) if len(homes[name]) > 1}
-    assert {name: homes for name, homes in duplicates.items() if name not in DUPLICATES} == {}
-    assert DUPLICATES - duplicates.keys() == set(), "these names are unique now: remove them from DUPLICATES"
+    assert duplicates == {}
 
 
 def test_the_index_and_the_readme_link_to_the_glossary():

@@ -53,7 +53,7 @@ def by_hand():
 @needs_heyoka
 def test_frictionless_disc_compiles_to_the_operations_written_by_hand():
     hand = by_hand()
-    compiled = taylor.compiled(frictionless().system, taylor.FINEST).call(lambda integrator: integrator)
+    compiled = taylor.integrators_of(frictionless().system, taylor.FINEST).call(lambda integrator: integrator)
     assert len(compiled.decomposition) == len(hand.decomposition)
     assert sorted(_operation(e) for e, _ in compiled.decomposition) == sorted(
         _operation(e) for e, _ in hand.decomposition
@@ -69,7 +69,7 @@ def _operation(expression) -> str:
 @needs_heyoka
 def test_frictionless_disc_runs_as_fast_as_by_hand():
     now = frictionless()
-    contestants = [taylor.compiled(now.system, taylor.FINEST), by_hand()]
+    contestants = [taylor.integrators_of(now.system, taylor.FINEST), by_hand()]
     contestants[0].pars[:] = now.parameters
     contestants[1].pars[:] = [0.0, -G, 0.1, 1.0]
     seconds = [[], []]

@@ -90,7 +90,7 @@ def kinds(transitions):
 
 
 @lru_cache(maxsize=64)
-def last_bit(label: str) -> sensitivity.Spread:
+def last_bit(label: str) -> sensitivity.Sensitivity:
     with within(PATIENCE):
         return sensitivity.spread(cases.load(label))
 

@@ -27,12 +27,12 @@ from cases import (
 from cases.contact import velocity
 from cases.library import circle, line
 from cases.trajectory import State
-from reference.literal import LiteralSystem, Observed
-from reference.minimal.eliminated import Motion
+from reference.augmented_integrator import ContactQuantities, LiteralSystem
+from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
 from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_augmented, uniqueness
+from reference.paper.contact_forces import contacts
 from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate, slip_velocity
-from reference.paper.many import contacts
 from tests.scenes.elliptic import elliptic_scenes, examples
 
 
@@ -192,13 +192,13 @@ def _agrees(case):
     for now, y in phases(case):
         literal = LiteralSystem(case, now)
         matrix = literal.filled(TIME, y).matrix
-        observed = dict(zip(Motion._fields, now.system.observed_of_numbers(TIME, y, now.parameters), strict=True))
+        observed = dict(zip(Elimination._fields, now.system.observed_of_numbers(TIME, y, now.parameters), strict=True))
         forces = [abs(observed[name]) for name in ("normal", "friction", "couple", "slip_dot", "omega_dot")]
         rates = np.array(now.system.rates_of_numbers(TIME, y, now.parameters))
         scale = 1e-12 * (1 + max(*forces, *np.abs(rates))) * max(1.0, np.linalg.cond(matrix) * 1e-3)
         assert np.array(literal.rates_of_numbers(TIME, y)) == pytest.approx(rates, abs=scale)
-        told = Observed(*(float(column[0]) for column in literal.observed_of_arrays(*_at_once(y))))
-        assert told == pytest.approx([observed[name] for name in Observed._fields], abs=scale)
+        told = ContactQuantities(*(float(column[0]) for column in literal.observed_of_arrays(*_at_once(y))))
+        assert told == pytest.approx([observed[name] for name in ContactQuantities._fields], abs=scale)
         # The paradox's guard has another scale (1 without friction) and the same sign; all others are the same number.
         theirs = dict(zip(now.system.guards, now.system.guards_of_numbers(TIME, y, now.parameters), strict=True))
         ours = dict(zip(literal.guards, literal.guards_of_numbers(TIME, y), strict=True))

@@ -17,13 +17,13 @@ pytestmark = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not inst
 @pytest.mark.parametrize("name, level", [("disc_in_circle", 3), ("disc_on_line", 3), ("ellipse_in_circle", 0)])
 def test_small_systems_are_optimised_and_large_ones_are_not(name, level):
     case = cases.load(name)
-    integrator = taylor.compiled(phase(case, candidates(case)[0]).system, 1e-10).call(lambda one: one)
+    integrator = taylor.integrators_of(phase(case, candidates(case)[0]).system, 1e-10).call(lambda one: one)
     assert integrator.llvm_state.opt_level == level
 
 
 def test_in_quadruple_precision_nothing_is_written_out_nor_optimised():
     case = cases.load("disc_in_circle")
-    integrator = taylor.compiled(
+    integrator = taylor.integrators_of(
         phase(case, candidates(case)[0]).system, taylor.QUADRUPLE_TOLERANCE, taylor.hy.real128
     ).call(lambda one: one)
     assert integrator.compact_mode and integrator.llvm_state.opt_level == 0
@@ -40,7 +40,7 @@ def test_nothing_is_left_in_the_home_folder(tmp_path):
 
 def test_the_users_own_setting_of_the_cache_stands():
     before = taylor.hy.llvm_state.get_diskcache_enabled()
-    taylor._compiled(phase(case := cases.load("disc_on_line"), candidates(case)[0]).system, 1e-9, float, True)
+    taylor._compile(phase(case := cases.load("disc_on_line"), candidates(case)[0]).system, 1e-9, float, True)
     assert taylor.hy.llvm_state.get_diskcache_enabled() == before
 
 

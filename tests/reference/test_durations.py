@@ -29,7 +29,7 @@ from cases import (
 )
 from cases.library import circle, ellipse, line
 from reference.minimal import gap, hybrid
-from reference.minimal.bouncing import LISTED, extrapolated
+from reference.minimal.bouncing import LISTED, extrapolate
 
 G = 9.81
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -195,7 +195,7 @@ def test_an_impact_takes_a_dozen_looks_at_the_gap(monkeypatch):
 @given(st.lists(st.floats(-2, 2), min_size=3, max_size=5), st.floats(0.1, 0.5))
 def test_a_polynomial_is_extrapolated_exactly(coefficients, ratio):
     at = [0.1 * ratio**k for k in range(6)]
-    value, _ = extrapolated(at, [np.polynomial.polynomial.polyval(u, coefficients) for u in at])
+    value, _ = extrapolate(at, [np.polynomial.polynomial.polyval(u, coefficients) for u in at])
     assert value == pytest.approx(coefficients[0], abs=1e-13)
 
 

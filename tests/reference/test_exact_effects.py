@@ -27,7 +27,7 @@ from cases import (
 )
 from cases import curves as c
 from cases.library import circle, ellipse, hill, line
-from reference.minimal.impact import Law, Touch, collide, energy
+from reference.minimal.impact import ContactVelocity, Law, collide, energy
 
 G, R, M = 9.81, 0.5, 2.0
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -352,7 +352,7 @@ def test_impact_that_slips_throughout_has_rouths_velocities():
     routh = Routh(law, 4.0, -1.0)
     compression = 1.0 / (routh.B - 0.1 * routh.C)
     normal = 1.5 * compression
-    after = collide(law, Touch(4.0, -1.0, 0.3))
+    after = collide(law, ContactVelocity(4.0, -1.0, 0.3))
     assert after[:2] == pytest.approx(routh.after(-0.1 * normal, normal), rel=1e-14)
     assert after.slip > 0.0
 
@@ -371,7 +371,7 @@ def test_impact_whose_slip_ends_sticks_to_the_end(law_name):
         lift_after = stiffness * 0.7 * (until_stick - at_stick / stiffness)
     else:
         lift_after = 0.7 * 2.0
-    after = collide(law, Touch(slip, lift, -0.2))
+    after = collide(law, ContactVelocity(slip, lift, -0.2))
     assert after.slip == 0.0
     assert after.lift == pytest.approx(lift_after, rel=1e-14)
 
@@ -386,7 +386,7 @@ def test_impact_whose_slip_reverses_leaves_backwards():
     assert forward[0] == pytest.approx(0.0, abs=1e-15) and forward[1] < 0.0
     compression = until - forward[1] / (routh.B + 0.2 * routh.C)
     tangential = -0.2 * until + 0.2 * (1.5 * compression - until)
-    after = collide(law, Touch(slip, lift, 0.0))
+    after = collide(law, ContactVelocity(slip, lift, 0.0))
     assert after[:2] == pytest.approx(routh.after(tangential, 1.5 * compression), rel=1e-13)
     assert after.slip < 0.0
 
@@ -394,7 +394,7 @@ def test_impact_whose_slip_reverses_leaves_backwards():
 def test_impact_without_slip_sticks_from_the_start():
     law = _law(0.05, -0.5, 0.125, 0.5, 0.4)
     routh = Routh(law, 0.0, -1.0)
-    after = collide(law, Touch(0.0, -1.0, 2.0))
+    after = collide(law, ContactVelocity(0.0, -1.0, 2.0))
     assert after.slip == 0.0 and after.lift == pytest.approx(0.4, rel=1e-14)
     assert abs(routh.C / routh.A) < 0.5
 
@@ -404,7 +404,7 @@ def test_newtons_law_would_create_energy_where_friction_reverses_the_slip_and_is
     # friction.
     law = _law(-1.0, -0.8, 0.12, 1.0, 0.9, "newton")
     worst = max(
-        energy(law, collide(law, Touch(slip, -1.0, omega))) / energy(law, Touch(slip, -1.0, omega))
+        energy(law, collide(law, ContactVelocity(slip, -1.0, omega))) / energy(law, ContactVelocity(slip, -1.0, omega))
         for slip in np.linspace(-3, 3, 61)
         for omega in np.linspace(-4, 4, 41)
     )
@@ -423,7 +423,7 @@ def test_energy_never_grows_through_an_impact_and_the_contact_opens(
     arm_t, arm_n, gyration, mu, more, arm, e, slip, lift, omega
 ):
     law = Law(arm_t, arm_n, gyration, mu, more * mu, arm, e, "poisson")
-    before = Touch(slip, lift, omega)
+    before = ContactVelocity(slip, lift, omega)
     after = collide(law, before)
     assert energy(law, after) <= energy(law, before) * (1 + 1e-12)
     assert after.lift >= 0.0

@@ -295,7 +295,7 @@ def by_hand(case: Case, rtol: float, longest: float):
 
     solve.prepare(case, "dop853")
     start = start_state(case)
-    return solve.sampled(case, *solve.solved(case, solve.first_regime(case, start), start, rtol, integrate))
+    return solve.as_trajectory(case, *solve.solve_motion(case, solve.first_regime(case, start), start, rtol, integrate))
 
 
 def check_random(seed: int) -> None:

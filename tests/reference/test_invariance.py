@@ -216,6 +216,6 @@ def test_a_motion_is_the_same_to_its_last_bit_whatever_was_compiled_before(monke
     times, found = np.linspace(0.0, case.duration, 50), []
     for count in (99_900, *range(99_990, 100_000)):  # SymPy names its own symbols by a count, and sorts sums by names
         monkeypatch.setattr(sp.Dummy, "_count", count)
-        taylor.compiled.cache_clear()
+        taylor.integrators_of.cache_clear()
         found.append(np.array(reference.simulate(case, rtol=1e-11, method="taylor")(times)[:3]).tobytes())
     assert len(set(found)) == 1

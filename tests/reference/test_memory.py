@@ -7,7 +7,7 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, disc, kept, library
+from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, compile_cache, disc, library
 
 # MB that a process may grow by once its caches are full: a tenth of what the second half would add at the least rate
 # that a leak of one small object in each scene has been seen to have (0.02 MB), and above what allocators scatter.
@@ -53,13 +53,13 @@ def test_a_process_does_not_grow_once_its_caches_are_full(scene, first, count):
 
 
 def test_the_folder_of_compiled_parts_holds_so_many_files_and_no_scratch(tmp_path, monkeypatch):
-    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "cache"))
-    monkeypatch.setattr(kept, "MOST_FILES", 40)
-    monkeypatch.setattr(kept, "_LOOK_FILES", 10)
-    folder = kept.place()
+    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setattr(compile_cache, "MOST_FILES", 40)
+    monkeypatch.setattr(compile_cache, "_LOOK_FILES", 10)
+    folder = compile_cache.place()
     scratch = folder / f".slip-to-roll-{16 * '0'}.partial"
     scratch.write_bytes(b"half")
     for i in range(200):
-        kept.kept("test", ("many", i), Path(kept.__file__).parent, lambda i=i: i)
+        compile_cache.cached("test", ("many", i), Path(compile_cache.__file__).parent, lambda i=i: i)
     assert len(list(folder.iterdir())) <= 50
     assert not scratch.exists()

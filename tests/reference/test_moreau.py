@@ -12,9 +12,9 @@ from cases import BadValue, Case, CoulombFriction, Flight, Gravity, Impact, Perf
 from cases import RollingResistance as Resistance
 from cases.library import ellipse, line
 from reference import contact_frame
-from reference.contact_frame.equations import Scene
+from reference.contact_frame.equations import ContactScene
 from reference.contact_frame.impact import hit
-from reference.minimal.impact import Law, Touch, collide, energy, law_of
+from reference.minimal.impact import ContactVelocity, Law, collide, energy, law_of
 from tests.scenes.elliptic import numbers
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
@@ -26,7 +26,7 @@ impacts = dict(
         lambda arm_t, arm_n, gyration, mu, e: Law(arm_t, arm_n, gyration, mu, mu, 0.0, e, "moreau"),
         arms, arms, st.floats(0.01, 2.0), st.floats(0.0, 3.0), st.floats(0.0, 1.0),
     ),
-    before=st.builds(Touch, arms, st.floats(-3.0, -1e-3), arms),
+    before=st.builds(ContactVelocity, arms, st.floats(-3.0, -1e-3), arms),
 )  # fmt: skip
 
 
@@ -39,7 +39,7 @@ def matrix(law: Law) -> tuple[float, float, float]:
     )
 
 
-def impulse(law: Law, before: Touch, after: Touch) -> tuple[float, float]:
+def impulse(law: Law, before: ContactVelocity, after: ContactVelocity) -> tuple[float, float]:
     """(T, P) that makes the one of the other."""
     a, b, c = matrix(law)
     slip, lift = after.slip - before.slip, after.lift - before.lift
@@ -108,7 +108,7 @@ def test_where_it_slips_one_way_to_the_end_it_is_newtons_law(law, before):
 def test_a_discs_impact_is_the_same_by_every_law(slip, lift, omega, mu, e):
     # Friction does not change a disc's normal velocity, so that the course of the impulse does not matter.
     laws = [Law(0.0, -0.1, 0.005, mu, mu, 0.0, e, name) for name in cases.effects.IMPACT_LAWS]
-    one, *others = [collide(law, Touch(slip, lift, omega)) for law in laws]
+    one, *others = [collide(law, ContactVelocity(slip, lift, omega)) for law in laws]
     for other in others:
         assert other == pytest.approx(one, rel=1e-12, abs=1e-12)
 
@@ -116,7 +116,7 @@ def test_a_discs_impact_is_the_same_by_every_law(slip, lift, omega, mu, e):
 def test_a_slip_that_routh_reverses_may_stick_by_moreau():
     # What is held is held over the whole impulse here; with Routh it slips first, then is carried on.
     law = Law(-0.5, -0.6, 0.1, 0.6, 0.6, 0.0, 0.0, "moreau")
-    before = Touch(0.3, -1.0, 0.0)
+    before = ContactVelocity(0.3, -1.0, 0.0)
     held = collide(law, before)
     assert held.slip == 0.0
     assert collide(law._replace(name="newton"), before).slip < 0.0
@@ -127,7 +127,7 @@ def test_friction_that_wedges_slips_whatever_its_coefficient():
     law = Law(1.0, -0.5, 0.1, 1e6, 1e6, 0.0, 0.0, "moreau")
     a, b, c = matrix(law)
     assert b > 0.0
-    before = Touch(-2.0 * a / b, -1.0, 0.0)
+    before = ContactVelocity(-2.0 * a / b, -1.0, 0.0)
     after = collide(law, before)
     assert after.slip < 0.0 and after.lift == 0.0
     rough = collide(law._replace(mu=float("inf"), stick=float("inf")), before)
@@ -150,9 +150,9 @@ def struck(slip: float, lift: float, spin: float, xi2: float, *effects) -> Case:
 def test_both_formulations_have_the_same_impact(slip, lift, spin, xi2, mu, more, e, arm, rough):
     friction = PerfectlyRough() if rough else CoulombFriction(mu, more * mu)
     case = struck(slip, lift, spin, xi2, friction, *((Resistance(arm),) if arm else ()), Impact(e, "moreau"))
-    scene = Scene(case)
+    scene = ContactScene(case)
     place = scene.place(0.0, xi2)
-    law, before = law_of(case, place.arm_t, place.arm_n), Touch(slip, lift, spin)
+    law, before = law_of(case, place.arm_t, place.arm_n), ContactVelocity(slip, lift, spin)
     one, other = collide(law, before), hit(scene, case.effect(Impact), place, *before)
     # Impulses of an inertia of 0.023 kg m² at most 0.3 m off: rounding of some units, magnified by a hundred.
     assert other[:3] == pytest.approx(one, rel=1e-11, abs=1e-11)
@@ -182,8 +182,8 @@ def test_the_law_decides_how_the_ellipse_tumbles():
 def test_a_restitution_that_creates_energy_goes_on_as_engines_do():
     effects = CoulombFriction(0.76), Impact(0.94, "moreau")
     case = struck(0.96, -2.7, -0.14, -2.9, *effects)
-    place = Scene(case).place(0.0, -2.9)
-    law, before = law_of(case, place.arm_t, place.arm_n), Touch(0.96, -2.7, -0.14)
+    place = ContactScene(case).place(0.0, -2.9)
+    law, before = law_of(case, place.arm_t, place.arm_n), ContactVelocity(0.96, -2.7, -0.14)
     assert energy(law, collide(law, before)) > energy(law, before)
     assert (reference.simulate(case).status, contact_frame.solve(case, rtol=1e-13).status) == ("completed", "completed")
 

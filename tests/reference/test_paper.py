@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from reference.errata import errata
-from reference.paper.lines import LINES
+from reference.paper.equation_list import LINES
 from reports.running.calls import Calls
 from reports.studies import Request
 from reports.studies.paper import figure as drawing
@@ -41,7 +41,7 @@ def test_every_place_of_the_code_that_is_named_exists(place):
 
 def test_other_code_that_the_page_names_exists():
     words = set(re.findall(r"`(reference\.[a-z_.]+|tests/[a-z_/]+\.py)`", PAGE))
-    assert {"reference.literal", "reference.errata", "tests/reference/test_errata.py"} <= words
+    assert {"reference.augmented_integrator", "reference.errata", "tests/reference/test_errata.py"} <= words
     for word in words - {"reference.simulate"}:
         if word.endswith(".py"):
             assert (Path(__file__).parent.parent.parent / word).exists(), word

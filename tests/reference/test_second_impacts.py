@@ -27,7 +27,7 @@ from cases import curves as c
 from cases.library import circle, ellipse, line
 from reference import contact_frame
 from reference.contact_frame import bouncing
-from reference.minimal.impact import Law, Touch, collide
+from reference.minimal.impact import ContactVelocity, Law, collide
 from tests.scenes.elliptic import examples, numbers
 
 G = 9.81
@@ -166,7 +166,7 @@ def test_both_formulations_agree_on_a_rough_impact_whose_friction_alone_opens_th
     stopped = before.lift + a * b / J / (1 + b * b / J) * slip
     assert (stopped < 0.0) == (slip > 0.0)  # else the case is none
     law_of_it = Law(a, b, J / PLATE.mass, inf, inf, 0.0, e, law)
-    ours = collide(law_of_it, Touch(slip, before.lift, before.spin))
+    ours = collide(law_of_it, ContactVelocity(slip, before.lift, before.spin))
     theirs = hit(PLATE, -1.2, before, PerfectlyRough(), Impact(e, law))
     assert (ours.slip, ours.lift, ours.omega) == pytest.approx(tuple(theirs), abs=ROUNDING)
     least = stopped if stopped >= 0.0 else -e * stopped

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 
 import cases
-from reference.minimal import compiled_series, series
+from reference.minimal import series, series_code
 from reference.minimal.modes import candidates, phase, start_state, state_in
 from reference.minimal.series import Series
 from tests.scenes.elliptic import numbers
@@ -61,7 +61,7 @@ def test_compiled_series_are_those_of_python_within_both_bounds(name):
     pytest.importorskip("heyoka")
     case = cases.load(name)
     for now in (phase(case, regime) for regime in candidates(case)):
-        compiled = compiled_series.compiled(now.system, 2)
+        compiled = series_code.compile_series(now.system, 2)
         y = [value + 0.1 for value in state_in(now, start_state(case))]
         bounds = [1e-12 * (k + 1) for k in range(len(y))]
         told = compiled(0.3, y, bounds, now.parameters)
@@ -78,4 +78,4 @@ def test_compiled_series_are_those_of_python_within_both_bounds(name):
 def test_series_of_large_equations_are_not_compiled():
     # A superellipse's third of a second would be won back by a thousand motions.
     case = cases.load("superellipse_on_hill")
-    assert all(compiled_series.compiled(phase(case, r).system, 2) is None for r in candidates(case))
+    assert all(series_code.compile_series(phase(case, r).system, 2) is None for r in candidates(case))

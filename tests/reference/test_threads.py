@@ -18,8 +18,8 @@ import pytest
 
 import cases
 import reference
-from cases import Load, State, Trajectory, features, kept
-from reference.minimal.integrators.pool import Pool
+from cases import Load, State, Trajectory, compile_cache, features
+from reference.minimal.integrators.pool import IntegratorPool
 from reference.solve import METHODS
 from tests.reference.test_sweep import FAMILIES as SWEPT
 from tests.scenes import bits
@@ -112,7 +112,8 @@ def test_threads_that_derive_everything_at_once(tmp_path):
     )
     run = subprocess.run(
         [sys.executable, "-c", program, json.dumps(labels)],
-        env=os.environ | {kept.VARIABLE: kept.OFF}, capture_output=True, text=True, check=True, timeout=120,
+        env=os.environ | {compile_cache.VARIABLE: compile_cache.OFF}, capture_output=True, text=True, check=True,
+        timeout=120,
     )  # fmt: skip
     alone = {label: bits.of_label(label) for label in labels}
     assert [label for label, answer in json.loads(run.stdout) if answer != alone[label]] == []
@@ -137,7 +138,7 @@ def test_many_certificates_and_sweeps_are_the_same_in_threads():
 
 
 def test_an_integrator_is_in_one_use_at_a_time():
-    pool, inside, most = Pool(lambda: [0]), [], []
+    pool, inside, most = IntegratorPool(lambda: [0]), [], []
 
     def use(integrator) -> None:
         inside.append(id(integrator))
@@ -152,7 +153,7 @@ def test_an_integrator_is_in_one_use_at_a_time():
 
 
 def test_an_integrator_comes_back_after_an_error():
-    pool = Pool(lambda: [0])
+    pool = IntegratorPool(lambda: [0])
     with pytest.raises(ZeroDivisionError):
         pool.call(lambda integrator: 1 / 0)
     assert pool.call(lambda one: one) is pool.call(lambda one: one)

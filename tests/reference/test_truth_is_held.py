@@ -14,9 +14,10 @@ import pytest
 import cases
 import reference
 from cases import Mode
-from reference.certification import TRUTH, Bar, DamagedTruth, contradiction, kept_or_new, read, rebuild, truth_file
+from reference.certification import TRUTH, Bar, DamagedTruth, contradiction, read, rebuild, stored_or_new, truth_file
 from reports import export
-from reports.running import fingerprint, tasks
+from reports.running import tasks
+from reports.running.storage import fingerprint
 
 LABEL = "disc_in_circle[mu=0.2]"
 
@@ -59,11 +60,11 @@ def test_a_damaged_row_is_rejected_with_what_to_type(copy, damage):
     copy.write_text(DAMAGES[damage](text))
     assert copy.read_text() != text
     with pytest.raises(DamagedTruth) as told:
-        kept_or_new(cases.load("disc_on_line", mu=0.1))  # whole rows of a damaged file are not used either
+        stored_or_new(cases.load("disc_on_line", mu=0.1))  # whole rows of a damaged file are not used either
     assert str(told.value).startswith("truth.json is damaged: the digest of disc_in_circle[mu=0.")
     assert "python -m reference --only" in str(told.value) and "restore the file" in str(told.value)
     with pytest.raises(DamagedTruth):
-        fingerprint.kept_truth.__wrapped__()
+        fingerprint.truth_key.__wrapped__()
 
 
 @pytest.mark.parametrize("text", ["", "[", "{}x", "{}", "[1]", '[{"digest": ""}]', "null", '["a"]', "[" * 3000])

@@ -7,7 +7,7 @@ import pytest
 
 import adapters
 import adapters.laws.__main__ as laws
-from adapters.laws import apart
+from adapters.laws import law_process
 from reports import build, options, show, studies, study
 from reports.running import calls, experiment
 from reports.studies.effect_costs import measure as effect_costs
@@ -75,7 +75,7 @@ def installed(tmp_path, monkeypatch):
     """installed(faults) -> names of copies of the fake engine that misbehave so; a sound one is beside them."""
     for module, what in (
         (calls, "ASKING_SECONDS"), (experiment, "ASKING_SECONDS"), (stability, "_LIMIT"), (effect_costs, "LIMIT"),
-        (error_parts, "LIMIT_SECONDS"), (apart, "LIMIT_SECONDS"), (settings, "LIMIT_SECONDS"),
+        (error_parts, "LIMIT_SECONDS"), (law_process, "LIMIT_SECONDS"), (settings, "LIMIT_SECONDS"),
         (meanings, "ASKING_SECONDS"),
     ):  # fmt: skip
         monkeypatch.setattr(module, what, LIMIT)

@@ -23,7 +23,7 @@ from adapters import Setting
 from cases.owned_folder import LIST
 from reports import build, options
 from reports.analysis import tables
-from reports.drawing import files
+from reports.drawing import figure_files
 from reports.page import folder, text
 from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
@@ -123,7 +123,9 @@ def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogu
     few, fewer = (settings[0], settings[1], settings[3], settings[5]), (settings[0], settings[5])
 
     def kept(effort, asked, case, solver="pymunk", route="native"):
-        return options.Plan(Path("x"), (), (), (), effort, 1, (), asked).select_rungs(case, solver, route, settings)
+        return options.BuildPlan(Path("x"), (), (), (), effort, 1, (), asked).select_rungs(
+            case, solver, route, settings
+        )
 
     assert kept("quick", True, "disc_in_circle") == few
     assert kept("default", False, "disc_in_circle") == settings
@@ -262,9 +264,9 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path, monkey
 
 def test_names_of_files_fit_in_every_file_system():
     long = "case[" + ",".join(f"parameter_{i}=0.1" for i in range(40)) + "]"
-    names = {files.file_name(long), files.file_name(long + "2"), files.file_name("µ" * 300)}
+    names = {figure_files.file_name(long), figure_files.file_name(long + "2"), figure_files.file_name("µ" * 300)}
     assert len(names) == 3 and all(len(f"work_precision_{name}.svg".encode()) < 255 for name in names)
-    assert re.fullmatch(r"disc_on_line_mu_0\.1_[0-9a-f]{8}", files.file_name("disc_on_line[mu=0.1]"))
+    assert re.fullmatch(r"disc_on_line_mu_0\.1_[0-9a-f]{8}", figure_files.file_name("disc_on_line[mu=0.1]"))
 
 
 @given(st.lists(st.text(alphabet="aA+-=./_ é\u0301e[]", max_size=12), min_size=2, max_size=12, unique=True))
@@ -273,7 +275,7 @@ def test_names_of_files_fit_in_every_file_system():
 @example(["\u00e9", "e\u0301"])  # one letter for file systems that compose
 @example(["", "_"])
 def test_no_two_labels_share_a_name(labels):
-    names = [unicodedata.normalize("NFC", files.file_name(label)).casefold() for label in labels]
+    names = [unicodedata.normalize("NFC", figure_files.file_name(label)).casefold() for label in labels]
     assert len({*names}) == len(labels) and not any("/" in name or name.startswith(".") for name in names)
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cases
-from reports.running.calls import Calls, Keep
-from reports.running.store import Store
-from reports.running.workers import Pool
+from reports.running.calls import Calls, StorePolicy
+from reports.running.processes.workers import WorkerPool
+from reports.running.storage.result_store import Store
 
 from .called import work
 
@@ -18,7 +18,7 @@ LINE = cases.load("disc_on_line")
 @pytest.fixture(scope="module")
 def pool():
     """One worker for all: which calls are made is asked here, not by whom."""
-    pool = Pool(1)
+    pool = WorkerPool(1)
     yield pool
     pool.close()
 
@@ -33,7 +33,7 @@ def answers(tmp_path, pool):
         versions = {"reference": "1"} if versions is None else versions
         calls = Calls(1, store=Store(tmp_path / "store"), versions=versions)
         calls._pool = pool
-        return calls.all("work", work, asked, keep=Keep())
+        return calls.all("work", work, asked, keep=StorePolicy())
 
     run.log = lambda: log.read_text().split() if Path(log).exists() else []
     return run

@@ -6,13 +6,13 @@ import pytest
 
 import cases
 from reports.running import calls, solvers
-from reports.running.calls import Calls, Keep
-from reports.running.serving import Answer
-from reports.running.spent import Seconds, Spent
-from reports.running.store import Store
+from reports.running.calls import Calls, StorePolicy
+from reports.running.processes.worker_process import CallResult
+from reports.running.storage.result_store import Store
+from reports.running.timing.phase_times import PhaseTime, PhaseTimes
 
 LINE = cases.load("disc_on_line")
-KEEP = Keep()
+KEEP = StorePolicy()
 
 
 def work(case: cases.Case, solver: str, how: str) -> str:
@@ -33,15 +33,15 @@ class Pool:
             given = skip(i)
             if given is None:
                 self.made.append(arguments[i][-1])
-                given = self.answers.get(arguments[i][-1]) or Answer("done", value=arguments[i][-1])
+                given = self.answers.get(arguments[i][-1]) or CallResult("done", value=arguments[i][-1])
             yield i, given
 
 
 ANSWERS = {
-    "late": Answer("timed_out", reason="late"),
-    "dies": Answer("died", reason="of itself"),
-    "ended": Answer("died", reason="from outside", lasting=False),
-    "raises": Answer("raised", reason="an error"),
+    "late": CallResult("timed_out", reason="late"),
+    "dies": CallResult("died", reason="of itself"),
+    "ended": CallResult("died", reason="from outside", lasting=False),
+    "raises": CallResult("raised", reason="an error"),
 }
 
 
@@ -49,7 +49,7 @@ ANSWERS = {
 def made(tmp_path):
     """made(hows, …) -> answers and pool, by the same store each time."""
 
-    def make(*hows, keep: Keep | None = KEEP, limit=None, **how):
+    def make(*hows, keep: StorePolicy | None = KEEP, limit=None, **how):
         pool = Pool(ANSWERS)
         asked = Calls(1, 60.0, store=Store(tmp_path), versions={"reference": "1"})
         asked._pool = pool
@@ -70,14 +70,14 @@ def test_answers_stand_in_the_order_of_the_calls_whichever_ends_first_and_wherev
 @pytest.mark.parametrize(
     "how, keep, again",
     [
-        ("a", Keep(), False),
-        ("late", Keep(), False),
-        ("dies", Keep(), False),
-        ("ended", Keep(), True),  # it comes out otherwise another time
-        ("raises", Keep(), True),
-        ("late", Keep(failures=False), True),
-        ("dies", Keep(failures=False), True),
-        ("a", Keep(worth=lambda value: value != "a"), True),
+        ("a", StorePolicy(), False),
+        ("late", StorePolicy(), False),
+        ("dies", StorePolicy(), False),
+        ("ended", StorePolicy(), True),  # it comes out otherwise another time
+        ("raises", StorePolicy(), True),
+        ("late", StorePolicy(failures=False), True),
+        ("dies", StorePolicy(failures=False), True),
+        ("a", StorePolicy(worth=lambda value: value != "a"), True),
         ("a", None, True),
     ],
 )
@@ -159,7 +159,7 @@ class Cluster:
 def test_a_cluster_makes_what_does_not_depend_on_the_machine(kind, there):
     asked = Calls(2, versions={"reference": "1"}, cluster=Cluster())
     asked._pool = Pool({})
-    asked.all("work", work, [(LINE, "reference", "a")], keep=Keep(kind) if kind else None)
+    asked.all("work", work, [(LINE, "reference", "a")], keep=StorePolicy(kind) if kind else None)
     assert (asked.cluster.pool.made == ["a"]) == there and (asked._pool.made == ["a"]) == (not there)
 
 
@@ -170,9 +170,9 @@ def test_what_is_timed_is_timed_here_one_at_a_time_and_shows_nothing():
 
 
 def test_every_step_is_booked_though_all_of_it_was_kept(tmp_path):
-    now = iter(Seconds(float(i), float(i)) for i in range(100))
+    now = iter(PhaseTime(float(i), float(i)) for i in range(100))
     for store in (Store(None), Store(tmp_path), Store(tmp_path)):
-        asked = Calls(1, store=store, versions={"reference": "1"}, spent=Spent(lambda: next(now)))
+        asked = Calls(1, store=store, versions={"reference": "1"}, spent=PhaseTimes(lambda: next(now)))
         asked._pool = Pool({})
-        asked.all("work", work, [(LINE, "reference", "a")], keep=Keep())
+        asked.all("work", work, [(LINE, "reference", "a")], keep=StorePolicy())
         assert list(asked.spent.phases) == ["work"]

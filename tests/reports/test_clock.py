@@ -11,9 +11,10 @@ import pytest
 
 import adapters
 import cases
-from reports.running import clock, solvers
+from reports.running import solvers
 from reports.running.calls import Calls
-from reports.running.clock import Contestant, Entry, Repeat
+from reports.running.timing import clock
+from reports.running.timing.clock import ClockEntry, Contestant, Repeat
 
 from .watch import Watch
 
@@ -31,11 +32,11 @@ def watch(monkeypatch) -> Watch:
     return watch
 
 
-def entry(name: str, build=lambda: None, run=lambda model: None, **more) -> Entry:
-    return Entry(Contestant(LINE, name, "r", adapters.Setting.of(s=1), 0.01), build, run, **more)
+def entry(name: str, build=lambda: None, run=lambda model: None, **more) -> ClockEntry:
+    return ClockEntry(Contestant(LINE, name, "r", adapters.Setting.of(s=1), 0.01), build, run, **more)
 
 
-def repeated(*repeats: Repeat, setup=(0.0,)) -> Entry:
+def repeated(*repeats: Repeat, setup=(0.0,)) -> ClockEntry:
     one = entry("x")
     one.repeats, one.setup = list(repeats), list(setup)
     return one
@@ -146,7 +147,7 @@ def test_long_runs_are_run_once_a_repeat(watch, seconds, thrown_away):
 
 def test_what_does_not_fit_in_the_budget_is_left_out(watch):
     dear, cheap = (
-        Entry(Contestant(LINE, "s", "r", adapters.Setting.of(x=s), s), lambda: None, lambda model: None)
+        ClockEntry(Contestant(LINE, "s", "r", adapters.Setting.of(x=s), s), lambda: None, lambda model: None)
         for s in (100.0, 0.001)
     )
     clock.take_turns([cheap, dear], watch.wall + 0.3)
@@ -164,10 +165,10 @@ def test_an_engine_that_fails_at_the_clock_loses_its_own_row_only(watch):
 
 
 def test_median_is_known_when_its_spread_is_small():
-    assert not clock.known([1.0, 1.0])
-    assert clock.known([1.0, 1.0, 1.0])
-    assert not clock.known([1.0, 1.5, 2.0])
-    assert clock.known([1.0, 1.5, 2.0] * clock.MOST_REPEATS)
+    assert not clock.is_precise([1.0, 1.0])
+    assert clock.is_precise([1.0, 1.0, 1.0])
+    assert not clock.is_precise([1.0, 1.5, 2.0])
+    assert clock.is_precise([1.0, 1.5, 2.0] * clock.MOST_REPEATS)
 
 
 def test_interval_is_of_the_extremes_while_there_are_few_and_of_the_deciles_then():

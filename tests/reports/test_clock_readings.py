@@ -8,9 +8,9 @@ import pytest
 
 import cases
 from adapters import Setting
-from cases import kept
-from reports.running import clock
-from reports.running.clock import Contestant, Entry
+from cases import compile_cache
+from reports.running.timing import clock
+from reports.running.timing.clock import ClockEntry, Contestant
 
 from .watch import Watch
 
@@ -34,11 +34,11 @@ def contestant(name: str = "engine", expected: float = 0.01) -> Contestant:
     return Contestant(LINE, name, "native", Setting.of(h=0.1), expected)
 
 
-def entry(build=lambda: None, run=lambda model: None, read=lambda model: None) -> Entry:
-    return Entry(contestant(), build, run, read)
+def entry(build=lambda: None, run=lambda model: None, read=lambda model: None) -> ClockEntry:
+    return ClockEntry(contestant(), build, run, read)
 
 
-def timed(watch: Watch, one: Entry, budget: float = 5.0) -> clock.Timing:
+def timed(watch: Watch, one: ClockEntry, budget: float = 5.0) -> clock.Timing:
     return clock.timing(one, clock.take_turns([one], watch.wall + budget))
 
 
@@ -104,10 +104,10 @@ def test_no_garbage_is_collected_on_the_clock_and_it_is_again_afterwards(watch):
 
 
 def test_nothing_compiled_is_taken_from_disk(watch, monkeypatch, tmp_path):
-    monkeypatch.setenv(kept.VARIABLE, str(tmp_path))
+    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path))
     places = []
-    timed(watch, entry(lambda: places.append(kept.place()), works(watch, 0.04)))
-    assert places and set(places) == {None} and kept.place() == tmp_path
+    timed(watch, entry(lambda: places.append(compile_cache.place()), works(watch, 0.04)))
+    assert places and set(places) == {None} and compile_cache.place() == tmp_path
 
 
 def test_what_an_engine_started_is_gone_before_the_next_repeat(watch, monkeypatch):
@@ -173,7 +173,7 @@ def test_a_median_is_known_to_a_fiftieth():
     """Of so many repeats on a line, the quartiles are half of its length apart: σ of the median is 0.464/√n of it."""
     for many, length, known in ((30, 0.3, False), (30, 0.2, True), (10, 0.2, False), (10, 0.1, True)):
         seconds = [1.0 + length * (i / (many - 1) - 0.5) for i in range(many)]
-        assert clock.known(seconds) == known, (many, length)
+        assert clock.is_precise(seconds) == known, (many, length)
 
 
 @pytest.mark.parametrize(

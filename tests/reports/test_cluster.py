@@ -16,11 +16,12 @@ import cases
 from adapters import Setting, interface
 from cases import Cost
 from reports import build
-from reports.running import elsewhere, experiment, probe
-from reports.running.calls import Calls, Keep
-from reports.running.cluster import Cluster, Nobody
+from reports.running import experiment
+from reports.running.calls import Calls, StorePolicy
+from reports.running.processes import cluster_probe, cluster_worker
+from reports.running.processes.cluster import Cluster, NoWorkers
+from reports.running.processes.workers import WorkerPool
 from reports.running.records import Run
-from reports.running.workers import Pool
 
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own
@@ -32,7 +33,7 @@ WAYS = [(math.sqrt, 2.0), (math.sqrt, -1.0), (os.abort,), (time.sleep, 60.0), (m
 
 def fits(solvers, files):
     """A worker that says it is what was asked for."""
-    elsewhere._said.set()
+    cluster_worker._said.set()
     return ()
 
 
@@ -41,12 +42,12 @@ def within(monkeypatch):
     """A cluster within this process."""
     import distributed
 
-    monkeypatch.setattr(probe, "told", fits)
+    monkeypatch.setattr(cluster_probe, "told", fits)
     own = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
     yield Cluster(own.scheduler_address, 1, ())
     own.close()
-    elsewhere._own().close()
-    elsewhere._own.cache_clear(), elsewhere._said.clear()
+    cluster_worker._own().close()
+    cluster_worker._own.cache_clear(), cluster_worker._said.clear()
 
 
 def test_a_call_goes_to_a_worker_and_its_answer_comes_back(within):
@@ -58,7 +59,7 @@ def test_a_call_goes_to_a_worker_and_its_answer_comes_back(within):
 @pytest.mark.slow
 def test_calls_have_the_answers_they_have_here(within):
     """Also where one raises, ends its process, hangs or cannot travel; and the worker lives on."""
-    here = Pool(1)
+    here = WorkerPool(1)
     answers = [dict(pool.run(operator.call, WAYS, 0.3)) for pool in (here, within)]
     here.close()
     assert [answers[1][i].outcome for i in range(6)] == ["done", "raised", "died", "timed_out", "done", "raised"]
@@ -67,14 +68,14 @@ def test_calls_have_the_answers_they_have_here(within):
 
 
 def test_a_worker_that_was_not_asked_makes_nothing():
-    with pytest.raises(elsewhere.Unasked):
-        elsewhere.make(b"", 1.0, "")
+    with pytest.raises(cluster_worker.UnknownWorker):
+        cluster_worker.make(b"", 1.0, "")
 
 
 def test_what_differs_is_told():
     asked = (("numpy", "2.0"), ("python", "3.11"), ("the file a.py", "abc"))
-    assert elsewhere.difference(asked, asked) == ""
-    assert elsewhere.difference((("numpy", "2.0"), ("python", "3.12")), asked) == (
+    assert cluster_worker.difference(asked, asked) == ""
+    assert cluster_worker.difference((("numpy", "2.0"), ("python", "3.12")), asked) == (
         "python is 3.12, not 3.11; the file a.py is unknown, not abc"
     )
 
@@ -92,12 +93,18 @@ class Noted:
 
 @pytest.mark.parametrize(
     ("keep", "goes"),
-    [(Keep("run"), True), (Keep("truth"), True), (Keep(), True), (Keep("figure"), False), (None, False)],
+    [
+        (StorePolicy("run"), True),
+        (StorePolicy("truth"), True),
+        (StorePolicy(), True),
+        (StorePolicy("figure"), False),
+        (None, False),
+    ],
 )
 def test_only_what_is_the_same_anywhere_goes_to_a_cluster(keep, goes):
     with Calls(1, cluster=(noted := Noted())) as calls:
         calls._pool.run = (own := Noted()).run
-        list(calls.each("step", elsewhere.difference, [((), ())], keep=keep))
+        list(calls.each("step", cluster_worker.difference, [((), ())], keep=keep))
         assert bool(noted.functions) is goes and bool(own.functions) is not goes
         assert calls.alone().cluster is None  # what is timed
 
@@ -147,7 +154,7 @@ def ran(loopback, patience: float = 120.0, after=lambda number: None) -> list[tu
 
     with Calls(2, progress=watched) as calls:
         present = calls.present(SOLVERS)
-        identity = elsewhere.identity({name: calls.versions[name] for name in present})
+        identity = cluster_worker.identity({name: calls.versions[name] for name in present})
         calls.cluster = Cluster(loopback.address, 2, identity, present, patience=patience)
         return [plain(run) for run in experiment.run(CASES, SOLVERS, calls, some).runs]
 
@@ -210,7 +217,7 @@ def with_version(tmp_path, package: str) -> str:
 )
 def test_a_worker_that_differs_is_left_out_and_the_reason_told(loopback, tmp_path, capsys, lacks, package, words):
     loopback.start_worker(path=lacks(tmp_path, package))
-    with pytest.raises(Nobody, match=f"no worker at .* fits: .*{words}"):
+    with pytest.raises(NoWorkers, match=f"no worker at .* fits: .*{words}"):
         ran(loopback, patience=40.0)
     assert words in capsys.readouterr().err
 

@@ -12,9 +12,9 @@ import pytest
 
 import cases
 from adapters import Setting
-from cases import kept
-from reports.running import cold
-from reports.running.clock import Contestant
+from cases import compile_cache
+from reports.running.timing import cold_start
+from reports.running.timing.clock import Contestant
 
 from .watch import Watch
 
@@ -28,15 +28,15 @@ CALL = BUILD + RUN + READ
 def watch(monkeypatch) -> Watch:
     """A clock that work alone moves on; its copy in a process that is split off moves on there."""
     watch = Watch()
-    monkeypatch.setattr(cold, "time", watch)
-    monkeypatch.setattr(cold, "calibrate", lambda: LOOP)
+    monkeypatch.setattr(cold_start, "time", watch)
+    monkeypatch.setattr(cold_start, "calibrate", lambda: LOOP)
     return watch
 
 
 @pytest.fixture
 def here(watch, monkeypatch) -> Watch:
     """Calls are made in this process."""
-    monkeypatch.setattr(cold, "_apart", lambda function, argument: function(argument))
+    monkeypatch.setattr(cold_start, "_apart", lambda function, argument: function(argument))
     return watch
 
 
@@ -45,11 +45,11 @@ def who(*costs: float, name: str = "engine") -> list[Contestant]:
 
 
 def engine(monkeypatch, adapter) -> None:
-    monkeypatch.setattr(cold, "solver", lambda name: adapter)
+    monkeypatch.setattr(cold_start, "solver", lambda name: adapter)
 
 
-def first_call(one: Contestant) -> cold.Cold:
-    ((found, failure),) = cold.first_calls([one], 1000.0).values()
+def first_call(one: Contestant) -> cold_start.ColdStart:
+    ((found, failure),) = cold_start.first_calls([one], 1000.0).values()
     assert failure == "" and found is not None
     return found
 
@@ -65,7 +65,7 @@ def test_build_run_and_read_are_cpu_seconds_of_each_and_the_call_is_all_of_them(
     found = first_call(*who(1.0))
     assert (found.build_s, found.run_s, found.read_s) == pytest.approx((BUILD, RUN, READ))
     assert found.call_s == pytest.approx(CALL)
-    assert (found.repeats, found.disturbed) == (cold.LEAST_REPEATS, False)
+    assert (found.repeats, found.disturbed) == (cold_start.LEAST_REPEATS, False)
 
 
 def test_samples_that_are_made_when_they_are_asked_for_belong_to_reading(here, monkeypatch):
@@ -89,20 +89,20 @@ def test_it_is_the_median_of_three(here, monkeypatch):
 
 
 def test_nothing_compiled_is_taken_from_disk(here, monkeypatch, tmp_path):
-    monkeypatch.setenv(kept.VARIABLE, str(tmp_path))
+    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path))
     places = []
     adapter = here.engine(BUILD, RUN, READ)
-    adapter.run = lambda model: places.append(kept.place())
+    adapter.run = lambda model: places.append(compile_cache.place())
     engine(monkeypatch, adapter)
     first_call(*who(1.0))
-    assert places == [None] * cold.LEAST_REPEATS and kept.place() == tmp_path
+    assert places == [None] * cold_start.LEAST_REPEATS and compile_cache.place() == tmp_path
 
 
 @pytest.mark.parametrize("slow", [0, 1])
 def test_a_call_with_a_slow_loop_before_or_after_it_is_disturbed(here, monkeypatch, slow):
     """Of three calls the second is, and takes twice as long: it has no part in the medians."""
     looks, calls = iter(range(100)), iter(range(100))
-    monkeypatch.setattr(cold, "calibrate", lambda: 2 * LOOP if next(looks) == 2 + slow else LOOP)
+    monkeypatch.setattr(cold_start, "calibrate", lambda: 2 * LOOP if next(looks) == 2 + slow else LOOP)
     adapter = here.engine(0.0, RUN, READ)
     adapter.run = lambda model: here.spend(2 * RUN if next(calls) == 1 else RUN)
     engine(monkeypatch, adapter)
@@ -113,7 +113,7 @@ def test_a_call_with_a_slow_loop_before_or_after_it_is_disturbed(here, monkeypat
 def test_where_each_call_of_a_contestant_is_disturbed_its_row_is_marked(here, monkeypatch):
     """By the loops of the others."""
     now = ["quiet"]
-    monkeypatch.setattr(cold, "calibrate", lambda: {"quiet": LOOP, "loud": 2 * LOOP}[now[0]])
+    monkeypatch.setattr(cold_start, "calibrate", lambda: {"quiet": LOOP, "loud": 2 * LOOP}[now[0]])
     adapter = here.engine(BUILD, RUN, READ)
     build = adapter.build
 
@@ -123,9 +123,9 @@ def test_where_each_call_of_a_contestant_is_disturbed_its_row_is_marked(here, mo
 
     adapter.build = built
     engine(monkeypatch, adapter)
-    found = cold.first_calls(who(1.0, 2.0), 1000.0)
+    found = cold_start.first_calls(who(1.0, 2.0), 1000.0)
     assert [value.disturbed for value, _ in found.values()] == [False, True]
-    assert [value.repeats for value, _ in found.values()][1] == cold.LEAST_REPEATS
+    assert [value.repeats for value, _ in found.values()][1] == cold_start.LEAST_REPEATS
 
 
 # --- in which order, for how long -------------------------------------------------------------------------------------
@@ -140,7 +140,7 @@ def test_the_first_call_of_a_route_is_for_its_imports_and_then_all_take_turns_ch
     engine(monkeypatch, adapter)
     # The dearest is expected to take longer than the call for imports of its route did.
     some = [one._replace(expected_s=10.0 * one.setting["cost"]) for one in who(3.0, 1.0, 2.0)]
-    found = cold.first_calls(some, 1e6)
+    found = cold_start.first_calls(some, 1e6)
     assert order == [3.0, 1.0, 2.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0]
     assert list(found) == [one.key for one in some]
     for one in some:
@@ -149,17 +149,17 @@ def test_the_first_call_of_a_route_is_for_its_imports_and_then_all_take_turns_ch
 
 def test_what_does_not_fit_in_the_budget_has_nothing_but_the_call_for_imports(here, monkeypatch):
     engine(monkeypatch, here.engine(BUILD, RUN, READ))
-    found = cold.first_calls(who(1.0, 100.0), 3.0 * CALL)
+    found = cold_start.first_calls(who(1.0, 100.0), 3.0 * CALL)
     (first, _), (second, why) = found.values()
-    assert first.repeats == cold.LEAST_REPEATS and second is None and why == ""
-    (alone, _), (none, _) = cold.first_calls(who(1.0, 100.0), 0.0).values()
+    assert first.repeats == cold_start.LEAST_REPEATS and second is None and why == ""
+    (alone, _), (none, _) = cold_start.first_calls(who(1.0, 100.0), 0.0).values()
     assert alone.repeats == 1 and none is None
 
 
 def test_no_call_is_made_that_is_expected_to_outlast_the_budget(here, monkeypatch):
     """However little the call for the imports of its route took."""
     engine(monkeypatch, here.engine(BUILD, RUN, READ))
-    ((value, _),) = cold.first_calls([who(1.0)[0]._replace(expected_s=50.0)], 10.0).values()
+    ((value, _),) = cold_start.first_calls([who(1.0)[0]._replace(expected_s=50.0)], 10.0).values()
     assert value.repeats == 1
 
 
@@ -194,17 +194,17 @@ def imports(watch: Watch, name: str) -> SimpleNamespace:
 def test_imports_are_no_part_of_a_call(watch, monkeypatch, late_module):
     engine(monkeypatch, imports(watch, late_module))
     one, other = who(1.0, 2.0)
-    found = cold.first_calls([one, other], 1000.0)
+    found = cold_start.first_calls([one, other], 1000.0)
     assert late_module in sys.modules and "made_by_an_engine" not in sys.modules
     for value, failure in found.values():
-        assert value.build_s == pytest.approx(BUILD) and value.repeats == cold.LEAST_REPEATS and not failure
+        assert value.build_s == pytest.approx(BUILD) and value.repeats == cold_start.LEAST_REPEATS and not failure
 
 
-@pytest.mark.parametrize("late, calls", [(True, 1 + cold.LEAST_REPEATS), (False, cold.LEAST_REPEATS)])
+@pytest.mark.parametrize("late, calls", [(True, 1 + cold_start.LEAST_REPEATS), (False, cold_start.LEAST_REPEATS)])
 def test_a_call_counts_unless_it_imported_something_a_file_holds(watch, monkeypatch, late_module, late, calls):
     """A module that is made in the process is not imported."""
-    made, apart = [], cold._apart
-    monkeypatch.setattr(cold, "_apart", lambda *given: made.append(given) or apart(*given))
+    made, apart = [], cold_start._apart
+    monkeypatch.setattr(cold_start, "_apart", lambda *given: made.append(given) or apart(*given))
     engine(monkeypatch, imports(watch, late_module if late else "math"))
     first_call(*who(1.0))
     assert len(made) == calls
@@ -212,7 +212,7 @@ def test_a_call_counts_unless_it_imported_something_a_file_holds(watch, monkeypa
 
 def test_a_call_that_imported_stands_in_where_no_other_fits(watch, monkeypatch, late_module):
     engine(monkeypatch, imports(watch, late_module))
-    ((value, _),) = cold.first_calls(who(1.0), 0.0).values()
+    ((value, _),) = cold_start.first_calls(who(1.0), 0.0).values()
     assert value.build_s == pytest.approx(10.0 + BUILD) and value.repeats == 1
 
 
@@ -243,9 +243,9 @@ def test_a_route_that_fails_is_tried_once_and_others_go_on(here, monkeypatch):
         except ZeroDivisionError:
             return "no more"
 
-    monkeypatch.setattr(cold, "solver", solver)
-    monkeypatch.setattr(cold, "_apart", apart)
-    found = cold.first_calls([*who(1.0, 2.0, name="bad"), *who(1.0)], 1000.0)
+    monkeypatch.setattr(cold_start, "solver", solver)
+    monkeypatch.setattr(cold_start, "_apart", apart)
+    found = cold_start.first_calls([*who(1.0, 2.0, name="bad"), *who(1.0)], 1000.0)
     assert list(found.values())[:2] == [(None, "no more")] * 2 and tried == [1.0]
     assert list(found.values())[2][0].run_s == pytest.approx(RUN)
 
@@ -267,13 +267,13 @@ def children() -> set[str]:
 )
 def test_whatever_happens_in_the_process_split_off_comes_back_as_a_sentence(function, said):
     before = children()
-    found = cold._apart(function, None)
+    found = cold_start._apart(function, None)
     assert found is said or found.startswith(said)
     assert children() <= before
 
 
 def test_a_call_that_does_not_end_is_ended(monkeypatch):
-    monkeypatch.setattr(cold, "_LIMIT", 0.3)
+    monkeypatch.setattr(cold_start, "_LIMIT", 0.3)
     before, began = children(), time.monotonic()
-    assert "took more than 0.3 s" in cold._apart(lambda _: time.sleep(600.0), None)
+    assert "took more than 0.3 s" in cold_start._apart(lambda _: time.sleep(600.0), None)
     assert children() <= before and time.monotonic() - began < 300.0

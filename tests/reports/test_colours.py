@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adapters import engines
-from reports.drawing.colours import GROUND, OTHERS, OWN, Colour, colours
+from reports.drawing.colours import FIXED_COLOURS, GROUND, OTHERS, Colour, colours
 from reports.running.records import REFERENCE
 
 # Dichromats as Machado, Oliveira and Fernandes simulate them (2009; their matrices for severity 1, looked up in
@@ -43,7 +43,7 @@ def lab(light: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("ground", Colour._fields)
 @pytest.mark.parametrize("eyes", EYES)
 def test_any_two_solvers_look_different(ground, eyes):
-    for least, known in ((OWN_APART, list(OWN.values())), (APART, [*OWN.values(), *OTHERS])):
+    for least, known in ((OWN_APART, list(FIXED_COLOURS.values())), (APART, [*FIXED_COLOURS.values(), *OTHERS])):
         for one, other in combinations(known, 2):
             seen = [lab(EYES[eyes] @ linear(getattr(colour, ground))) for colour in (one, other)]
             assert np.linalg.norm(seen[0] - seen[1]) > least, (one, other)
@@ -54,13 +54,13 @@ def test_every_solver_is_seen_on_its_ground(ground):
     def luminance(colour: str) -> float:
         return float(linear(colour) @ [0.2126, 0.7152, 0.0722]) + 0.05
 
-    for colour in [*OWN.values(), *OTHERS]:
+    for colour in [*FIXED_COLOURS.values(), *OTHERS]:
         pair = sorted((luminance(getattr(colour, ground)), luminance(getattr(GROUND, ground))))
         assert pair[1] / pair[0] > CONTRAST, colour
 
 
 def test_a_solver_keeps_its_colour_whoever_else_takes_part():
-    assert OWN.keys() == {REFERENCE, *engines()}
+    assert FIXED_COLOURS.keys() == {REFERENCE, *engines()}
     alone, beside = colours(["mine"]), colours(["mine", "yours", "pymunk", REFERENCE])
-    assert beside["pymunk"] == OWN["pymunk"] and alone["mine"] == beside["mine"]
+    assert beside["pymunk"] == FIXED_COLOURS["pymunk"] and alone["mine"] == beside["mine"]
     assert len(set(beside.values())) == 4

@@ -6,12 +6,12 @@ import pytest
 
 import cases
 import reference
-from adapters.common import exported
+from adapters.common import motion_file
 from adapters.interface import engine as adapter_of
 from cases import registry
 from reports import compare, export
-from reports.judging import noticed, residuals
-from reports.running import external, tasks
+from reports.judging import diagnosis, residuals
+from reports.running import external_motions, tasks
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
@@ -205,9 +205,9 @@ def test_a_slip_of_another_kind_is_refused_however_short_the_sliding(lie, rollin
     slides = exact.transitions[0].time
     t = np.unique(np.r_[np.linspace(0, slides, 200), np.linspace(slides, exact.t[-1], rolling)])
     frame = pd.DataFrame({"t": t, **exact(t)._asdict()})[list(FULL)]
-    exported.trajectory_of(case, frame)
+    motion_file.trajectory_of(case, frame)
     with pytest.raises(cases.DoesNotFit, match="slip is not the velocity"):
-        exported.trajectory_of(case, frame.assign(slip=LIES[lie](frame)))
+        motion_file.trajectory_of(case, frame.assign(slip=LIES[lie](frame)))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
@@ -221,11 +221,11 @@ def test_slip_at_a_solvers_own_point_of_contact_is_honest_in_rolling(share):
         frame = pd.DataFrame({"t": t, "x": x, "y": y, "theta": exact.theta, "vx": exact.vx, "vy": exact.vy})
         frame = frame.assign(omega=exact.omega, slip=-(1 - share) * deep * exact.omega)
         assert np.abs(frame.slip).max() <= abs(deep * exact.omega).max()
-        exported.trajectory_of(case, frame)
+        motion_file.trajectory_of(case, frame)
         # So far away no pose would be taken for the track's; and the centre's own speed is no slip.
         for lie in (4 * deep * exact.omega, -4 * deep * exact.omega, tangent @ [exact.vx, exact.vy]):
             with pytest.raises(cases.DoesNotFit, match="slip is not the velocity"):
-                exported.trajectory_of(case, frame.assign(slip=lie))
+                motion_file.trajectory_of(case, frame.assign(slip=lie))
 
 
 @pytest.mark.parametrize("engine", ["exudyn", "pymunk"])
@@ -235,8 +235,8 @@ def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
     adapter.run(model)
     motion = adapter.read(model)
     columns = {name: getattr(motion, name) for name in FULL[:7]}
-    told = noticed.mirrored_axis(columns, MOTION), noticed.other_unit(columns, MOTION)
-    assert (noticed.half_step(columns), *told) == ("", "", "")
+    told = diagnosis.mirror_axis(columns, MOTION), diagnosis.other_unit(columns, MOTION)
+    assert (diagnosis.half_step(columns), *told) == ("", "", "")
 
 
 def test_mirrored_angle_is_noticed(tmp_path, capsys):
@@ -316,13 +316,13 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
     motion = reference.simulate(case, rtol=1e-12)
     frame = table(columns, motion, samples=3001)
     frame.to_csv(tmp_path / "bounces.csv", index=False)
-    told = exported.trajectory_of(case, exported.read_table(tmp_path / "bounces.csv"))
+    told = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "bounces.csv"))
     assert told.status == "completed" and len(told.t) == 3001
     flying = np.isnan(motion(told.t).slip)
     # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
     assert np.mean(np.isnan(told.slip) != flying) < 0.02
     gap = np.where(flying, 1.0, 0.0)
-    assert residuals.laws_broken(case, told, gap) == []
+    assert residuals.broken_laws(case, told, gap) == []
 
 
 # Rebounds too low for a pose to tell from lying on the track, a landing that sticks at once, a lift-off at the end.
@@ -337,7 +337,9 @@ def test_the_true_motion_as_it_is_exported_is_right(tmp_path, label):
     case = cases.load(label)
     names, rows = export.motion(case)
     np.savetxt(tmp_path / "motion.csv", rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
-    run = external.judged(external.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case))
+    run = external_motions.judge_motion(
+        external_motions.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case)
+    )
     assert run.outcome == "right", run.reason
     short = [row for row in run.ledger if row.verdict == "unresolved"]
     if label in FLIGHTS:
@@ -356,7 +358,7 @@ def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():
     case = cases.load("disc_rolling_off_hill")
     names, rows = export.motion(case)
     table = pd.DataFrame(rows, columns=list(names)).assign(normal_force=0.0)
-    assert exported.trajectory_of(case, table).status == "lift_off"
+    assert motion_file.trajectory_of(case, table).status == "lift_off"
 
 
 def test_landing_without_impact_ends_the_motion(tmp_path):
@@ -366,7 +368,7 @@ def test_landing_without_impact_ends_the_motion(tmp_path):
     t = np.linspace(0.0, 0.5, 501)
     y = np.maximum(0.4 - 4.905 * t**2, 0.1)
     pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
-    told = exported.trajectory_of(case, exported.read_table(tmp_path / "fall.csv"))
+    told = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "fall.csv"))
     assert told.status == "landing"
     assert told.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
 

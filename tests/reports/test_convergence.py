@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from reports.analysis import convergence
-from reports.analysis.convergence import Point
+from reports.analysis.convergence import ConvergencePoint
 
 
-def ladder(errors, truth=1e-15, reading=0.0, rounding=0.0) -> list[Point]:
+def ladder(errors, truth=1e-15, reading=0.0, rounding=0.0) -> list[ConvergencePoint]:
     """Rungs with 100, 200, 400, … steps."""
-    return [Point(f"n={100 * 2**i}", 100.0 * 2**i, e, truth, reading, rounding) for i, e in enumerate(errors)]
+    return [
+        ConvergencePoint(f"n={100 * 2**i}", 100.0 * 2**i, e, truth, reading, rounding) for i, e in enumerate(errors)
+    ]
 
 
 def falling(count: int, order: float = 2.0) -> list[float]:
@@ -47,7 +49,7 @@ def test_rungs_beyond_saturation_do_not_count_towards_the_order():
 
 def test_where_no_order_can_be_fitted_the_table_says_why():
     assert "2 of 2 right rungs" in convergence.order(ladder(falling(2))).note
-    close = [Point(f"n={n}", n, 1e-3 / n) for n in (100.0, 110.0, 120.0)]
+    close = [ConvergencePoint(f"n={n}", n, 1e-3 / n) for n in (100.0, 110.0, 120.0)]
     fit = convergence.order(close)
     assert np.isnan(fit.order) and "differ by less" in fit.note
 

@@ -13,9 +13,10 @@ import pandas as pd
 import pytest
 
 from reports import build, options
-from reports.analysis import columns, conclusions, which_engine, words
+from reports.analysis import columns, cost_conclusions, number_format, which_engine
 from reports.page import dictionary, text
-from reports.running import solvers, timings
+from reports.running import solvers
+from reports.running.timing import timings
 
 CASE = "disc_in_circle[mu=0.2]"
 
@@ -38,7 +39,7 @@ def report(tmp_path_factory, without_figures):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timings, "time_together", undisturbed)
-        patch.setattr(options.Plan, "select_rungs", coarse)
+        patch.setattr(options.BuildPlan, "select_rungs", coarse)
         for name, seconds in (("BUDGET", 2.5), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
         patch.setattr(which_engine, "LEVELS", (1e-4,))
@@ -143,7 +144,7 @@ def test_terminal_page_and_file_give_the_same_answer(report):
             award = row[f"award_{level}"]
             assert award == "reached" or all(pd.isna(spent))
             missing = "not timed" if award == "reached" else award
-            words_of = [words.seconds(each) if pd.notna(each) else missing for each in spent]
+            words_of = [number_format.seconds(each) if pd.notna(each) else missing for each in spent]
             assert said[place + 1 : place + 3] == words_of
         # On the page what was reached stands small beside the cost of one call.
         assert [said[5], said[6]] == [told[0], told[1].split("  ")[0]]
@@ -157,7 +158,7 @@ def test_first_sentence_is_true_by_the_tables_beside_it(report):
     section = page[page.index('<section class="chapter" id="precision">') :]
     sentence = unescape(re.search(r"<p><strong>(.*?)</strong></p>", section)[1])
     told = read(report, "time_to_accuracy")
-    level = told[told.lead & (told.accuracy == conclusions.ASKED) & told.first_call_s.notna()]
+    level = told[told.lead & (told.accuracy == cost_conclusions.LEVEL) & told.first_call_s.notna()]
     sides = [level[(level.solver == "reference") == ours] for ours in (True, False)]
     assert all(len(side) for side in sides)
     assert sentence.startswith(f"As used from Python, to reach 1e-4 s in the times of all transitions of {CASE}, ")
@@ -167,9 +168,11 @@ def test_first_sentence_is_true_by_the_tables_beside_it(report):
             row = min(side.itertuples(), key=lambda row: spent(row, runs))
             best[f"{row.solver} {row.route}"] = spent(row, runs)
         cheap, dear = sorted(best, key=best.get)
-        takes = f"{words.seconds(best[cheap])} with {cheap} and {words.seconds(best[dear])} with {dear}: "
+        takes = (
+            f"{number_format.seconds(best[cheap])} with {cheap} and {number_format.seconds(best[dear])} with {dear}: "
+        )
         factor = best[dear] / best[cheap]
-        who = f"{cheap} is cheaper, by {words.times(factor)}" if factor >= 1.1 else "they are alike"
+        who = f"{cheap} is cheaper, by {number_format.times(factor)}" if factor >= 1.1 else "they are alike"
         assert takes + who in sentence
 
 
@@ -232,7 +235,7 @@ def test_numbers_and_words_stand_in_columns_of_their_own_and_nothing_is_infinite
 def test_an_infinite_result_is_not_written(tmp_path):
     frame = pd.DataFrame([{"case": "c", "error": float("inf")}])
     with pytest.raises(ValueError, match="infinite result in error"):
-        text.write({"t": frame}, {"t": columns.described("t", frame.columns)}, tmp_path, "make it")
+        text.write({"t": frame}, {"t": columns.describe_column("t", frame.columns)}, tmp_path, "make it")
 
 
 def test_a_column_without_words_is_not_written(tmp_path):
@@ -262,7 +265,7 @@ def test_tables_for_reading_are_short(report):
     ],
 )  # fmt: skip
 def test_times_are_told_with_two_digits_and_no_power_of_ten(value, told):
-    assert words.seconds(value) == told
+    assert number_format.seconds(value) == told
 
 
 @pytest.mark.parametrize(
@@ -270,8 +273,8 @@ def test_times_are_told_with_two_digits_and_no_power_of_ten(value, told):
     [(660.3, "660 ×"), (1560.0, "1,600 ×"), (9.96, "10 ×"), (0.29, "0.29 ×"), (8.04, "8 ×"), (0.3, "0.3 ×")],
 )
 def test_ratios_are_told_with_two_digits_and_no_power_of_ten(value, told):
-    assert words.times(value) == told
+    assert number_format.times(value) == told
 
 
 def test_accuracies_are_told_as_they_are_asked_for():
-    assert [words.level(a) for a in (1e-2, 1e-4, 1e-12)] == ["0.01", "1e-4", "1e-12"]
+    assert [number_format.level(a) for a in (1e-2, 1e-4, 1e-12)] == ["0.01", "1e-4", "1e-12"]

@@ -9,13 +9,13 @@ import cases
 from adapters import Setting
 from reports import study
 from reports.running.calls import Calls
-from reports.running.serving import Answer
+from reports.running.processes.worker_process import CallResult
 from reports.running.tasks import find_truth, survey
 from reports.studies.error_parts import measure as error_parts
-from reports.studies.error_parts.measure import Cell, Grid
+from reports.studies.error_parts.measure import ErrorCell, Grid
 
 
-def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[Cell]:
+def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[ErrorCell]:
     """Cells of a grid h × facets with the first transition's error given by a function of both."""
     cells = []
     for h in steps:
@@ -23,12 +23,12 @@ def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[
             found = {"first_transition_time": np.array([error(h, n)])}
             found |= {"energy_lost": np.array([np.nan]), "final_centre": np.array([np.nan, np.nan])}
             cells.append(
-                Cell("case", "engine", "native", Setting.of(h=h, facets=n, slop=1e-6, **extra), "right", "", found)
+                ErrorCell("case", "engine", "native", Setting.of(h=h, facets=n, slop=1e-6, **extra), "right", "", found)
             )
     return cells
 
 
-def told(cells: list[Cell], h: float, n: int, quantity: str = "first_transition_time") -> dict:
+def told(cells: list[ErrorCell], h: float, n: int, quantity: str = "first_transition_time") -> dict:
     """The row of one setting."""
     rows = error_parts.rows(cells)
     return next(r for r in rows if r["quantity"] == quantity and str(r["setting"]) == f"h={h:g} facets={n}")
@@ -81,7 +81,7 @@ def test_knob_that_makes_it_worse_is_named_and_not_advised():
 
 def test_failed_run_is_a_row_and_no_advice():
     cells = made_up(lambda h, n: h if (h, n) != (2.0, 10) else np.nan)
-    cells[3] = Cell("case", "engine", "native", cells[3].setting, "crashed", "It blew up.")
+    cells[3] = ErrorCell("case", "engine", "native", cells[3].setting, "crashed", "It blew up.")
     row = told(cells, 2.0, 10)
     assert (row["outcome"], row["reason"], row["turn_next"]) == ("crashed", "It blew up.", "none")
     assert np.isnan(row["total"])
@@ -90,7 +90,7 @@ def test_failed_run_is_a_row_and_no_advice():
 
 
 def test_refused_route_is_one_row_with_its_reason():
-    [row] = error_parts.rows([Cell("case", "engine", "native", Setting.of(), "refused", "No such curve.")])
+    [row] = error_parts.rows([ErrorCell("case", "engine", "native", Setting.of(), "refused", "No such curve.")])
     assert (row["outcome"], row["reason"]) == ("refused", "No such curve.")
 
 
@@ -102,8 +102,8 @@ def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
 
         def each(self, step, function, arguments, **how):
             for index, call in enumerate(arguments):
-                late = Answer("timed_out", reason="too slow")
-                yield index, late if function is broken else Answer("done", value=function(*call))
+                late = CallResult("timed_out", reason="too slow")
+                yield index, late if function is broken else CallResult("done", value=function(*call))
 
     fates = ((find_truth, "refused", ""), (survey, "timed_out", "asking for its grid: "))
     for broken, outcome, reason in fates:  # noqa: B007 - `each` looks at it
@@ -114,12 +114,12 @@ def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
 # --- real engines ----------------------------------------------------------------------------------------------------
 
 
-def cells_of(case, name: str, route: str, keep) -> list[Cell]:
+def cells_of(case, name: str, route: str, keep) -> list[ErrorCell]:
     """Cells of the settings of an adapter's grid that `keep` keeps, run here."""
     adapter = pytest.importorskip(f"adapters.{name}")
     truth = find_truth(case)
     settings = [setting for setting in adapter.grid(case, route) if keep(setting)]
-    return [Cell(case.label, name, route, s, *error_parts.errors(case, name, route, s, truth)) for s in settings]
+    return [ErrorCell(case.label, name, route, s, *error_parts.errors(case, name, route, s, truth)) for s in settings]
 
 
 def test_finer_polygon_at_a_coarse_step_loses_more_energy_and_is_warned_of():
@@ -169,7 +169,7 @@ def test_grid_is_every_combination_from_coarse_to_fine(name):
             if adapter.refuses(case, route):
                 continue
             settings = adapter.grid(case, route)
-            grid = Grid([Cell(label, name, route, setting, "right") for setting in settings])
+            grid = Grid([ErrorCell(label, name, route, setting, "right") for setting in settings])
             assert grid.parameters[0] == "h" and len(grid.parameters) >= 2
             assert len(set(settings)) == len(settings) == np.prod([len(levels) for levels in grid.levels])
             assert grid.place(settings[0]) == (0,) * len(grid.parameters) and grid.place(settings[-1]) == grid.finest

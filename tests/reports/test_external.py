@@ -14,8 +14,9 @@ import reference
 from adapters import Setting
 from reports import build
 from reports.analysis.convergence import convergence_rows
-from reports.running import external, tasks, timings
+from reports.running import external_motions, tasks
 from reports.running.records import Experiment, Run, Truth
+from reports.running.timing import timings
 
 LABEL = "disc_on_line[mu=0.1]"
 CASE = cases.load(LABEL)
@@ -82,7 +83,7 @@ def nothing_yet() -> Experiment:
 def test_wrong_trajectory_is_told_as_wrong(tmp_path, motion, nothing_yet):
     short = tmp_path / "short.csv"
     motion.iloc[:300].to_csv(short, index=False)
-    joined = external.joined(nothing_yet, external.from_options([f"mine={short}"], [CASE], ()))
+    joined = external_motions.join_external(nothing_yet, external_motions.from_options([f"mine={short}"], [CASE], ()))
     (run,) = joined.runs
     assert run.outcome == "wrong"
     assert "missed" in run.reason and "ends at" in run.reason
@@ -95,7 +96,7 @@ def test_several_files_of_a_name_are_its_rungs_and_give_an_order(tmp_path, motio
         late = motion.assign(slip=np.interp(motion.t - 0.1 * step * 1e-3, motion.t, motion.slip))
         late.iloc[::step].to_csv(tmp_path / f"h{step}.csv", index=False)
         files.append(f"mine={tmp_path / f'h{step}.csv'}")
-    joined = external.joined(nothing_yet, external.from_options(files, [CASE], ()))
+    joined = external_motions.join_external(nothing_yet, external_motions.from_options(files, [CASE], ()))
     assert [(run.rung, str(run.setting)) for run in joined.runs] == [
         (1, "file=h16.csv"), (2, "file=h8.csv"), (3, "file=h4.csv"), (4, "file=h2.csv"),
     ]  # fmt: skip
@@ -107,7 +108,9 @@ def test_runs_stand_after_those_of_their_case(file, nothing_yet):
     other = cases.load("disc_on_line", mu=0.3)
     runs = tuple(Run(case.label, "pymunk", "native", Setting.of(), 1, "crashed") for case in (CASE, other))
     found = replace(nothing_yet, cases=(CASE, other), runs=runs)
-    joined = external.joined(found, external.from_options([f"mine@{LABEL}={file}"], [CASE, other], ()))
+    joined = external_motions.join_external(
+        found, external_motions.from_options([f"mine@{LABEL}={file}"], [CASE, other], ())
+    )
     assert [(run.case, run.solver) for run in joined.runs] == [
         (LABEL, "pymunk"), (LABEL, "mine"), (other.label, "pymunk"),
     ]  # fmt: skip
@@ -115,7 +118,7 @@ def test_runs_stand_after_those_of_their_case(file, nothing_yet):
 
 def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
     unknown = replace(nothing_yet, truths={LABEL: Truth(failure="the witnesses disagree")})
-    (run,) = external.joined(unknown, external.from_options([f"mine={file}"], [CASE], ())).runs
+    (run,) = external_motions.join_external(unknown, external_motions.from_options([f"mine={file}"], [CASE], ())).runs
     assert (run.outcome, run.reason) == ("refused", "there is no truth to judge it by: the witnesses disagree")
 
 

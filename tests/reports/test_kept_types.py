@@ -18,7 +18,7 @@ import reports
 from cases import Trajectory
 from cases.trajectory import State
 from reports.running import calls
-from reports.running.store import Store
+from reports.running.storage.result_store import Store
 from reports.studies.stability import measure as stability
 
 from .identical import identical
@@ -119,4 +119,4 @@ def test_a_failure_comes_back(failure):
 
 def test_a_hard_scene_comes_back():
     scene = stability.scene_of(cases.select("incline_at_the_cone")[-1])
-    assert scene.motion is not None and came_back(stability.Scene, scene)
+    assert scene.motion is not None and came_back(stability.HardScene, scene)

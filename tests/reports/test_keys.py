@@ -11,15 +11,16 @@ import pytest
 
 import cases
 from adapters import Setting
-from cases import Mode, Transition, kept
-from reports.running import calls, code, experiment, fingerprint, tasks
+from cases import Mode, Transition, compile_cache
+from reports.running import calls, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.records import Truth
+from reports.running.storage import fingerprint, source_code
 
 TRUTH = Truth("taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE)
 
 
-INSTALLED = fingerprint.installed
+INSTALLED = fingerprint.installed_packages
 
 
 def _without(package: str, other: str) -> str:
@@ -175,7 +176,7 @@ def test_a_key_tells_adapters_code_function_and_truths(monkeypatch, tmp_path):
         assert before != after and {k for k in before if before[k] != after[k]} == {changed}
     call = (case, "pymunk", "native", Setting.of(h=0.1), 1, TRUTH)
     made = Calls(versions=VERSIONS)
-    one, other = (made.key(function, call, experiment._KEEP_RUN) for function in (tasks.perform, tasks.timed))
+    one, other = (made.key(function, call, experiment._KEEP_RUN) for function in (tasks.perform, tasks.run_on_clock))
     assert {name for name in one if one[name] != other[name]} == {"function"}
     apart, whole = fingerprint.sources(tasks, experiment.TRUTHS_OWN), fingerprint.sources(tasks)
     assert apart != whole and run_key(case)["code"] == apart
@@ -185,9 +186,9 @@ def test_a_key_tells_adapters_code_function_and_truths(monkeypatch, tmp_path):
     for text in ("{}", "{ }"):
         file.write_text(text)
         monkeypatch.setattr(fingerprint.certification, "TRUTH", file)
-        fingerprint.kept_truth.cache_clear()
-        digests.append(fingerprint.kept_truth())
-    fingerprint.kept_truth.cache_clear()
+        fingerprint.truth_key.cache_clear()
+        digests.append(fingerprint.truth_key())
+    fingerprint.truth_key.cache_clear()
     assert digests[0] != digests[1]
 
 
@@ -196,14 +197,16 @@ def test_where_a_version_is_not_known_nothing_is_kept():
 
 
 def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engine():
-    ours = code.reached("adapters.pymunk", ()).keys()
+    ours = source_code.dependency_files("adapters.pymunk", ()).keys()
     assert {"adapters.pymunk", "adapters.pymunk.native", "adapters.interface", "cases.contact"} <= ours
     assert not any("exudyn" in name or name.startswith("reference") for name in ours)
-    judge = code.reached("reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)).keys()
+    judge = source_code.dependency_files(
+        "reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)
+    ).keys()
     assert {"reports.running.tasks", "reports.judging.slip_phases", "cases.trajectory"} <= judge
     assert not any(name.startswith("reference") for name in judge)
-    truth = code.reached("reports.running.tasks", ()).keys()
-    assert {"reference.solve", "reference.certification.certificate", "reference.minimal.eliminated"} <= truth
+    truth = source_code.dependency_files("reports.running.tasks", ()).keys()
+    assert {"reference.solve", "reference.certification.certificate", "reference.minimal.elimination"} <= truth
 
 
 def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypatch):
@@ -213,11 +216,11 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     (package / "__init__.py").write_text("raise RuntimeError('asking must not wake it')\n")
     (package / "adapter.py").write_text("from ._knobs import h\n")
     (package / "_knobs.py").write_text("h = 0.1\n")
-    point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", code.GROUP)
-    monkeypatch.setattr(code, "entry_points", lambda group, name=None: [point])
+    point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", source_code.GROUP)
+    monkeypatch.setattr(source_code, "entry_points", lambda group, name=None: [point])
 
     def told() -> str:
-        for cached in (fingerprint.adapter_sources, code.of, code.tree_of, code.imported):
+        for cached in (fingerprint.adapter_sources, source_code.of, source_code.tree_of, source_code.imports_of):
             cached.cache_clear()
         return fingerprint.adapter_sources("an_engine_of_tests")
 
@@ -230,11 +233,11 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
 
 def test_code_says_the_same_whether_it_is_parsed_or_was_kept(tmp_path, monkeypatch):
     def told(cache: str) -> str:
-        monkeypatch.setenv(kept.VARIABLE, cache)
-        for cached in (fingerprint.adapter_sources, code.of, code.imported, code._of_suite):
+        monkeypatch.setenv(compile_cache.VARIABLE, cache)
+        for cached in (fingerprint.adapter_sources, source_code.of, source_code.imports_of, source_code._of_suite):
             cached.cache_clear()
         return fingerprint.adapter_sources("pymunk")
 
     first = told(str(tmp_path))
     assert list(tmp_path.glob("*.kept"))
-    assert first == told(str(tmp_path)) == told(kept.OFF)
+    assert first == told(str(tmp_path)) == told(compile_cache.OFF)

@@ -9,8 +9,8 @@ import pytest
 
 import cases
 from cases import CaseError, CoulombFriction, Gravity, Start, Unilateral, disc
+from cases.command_line import status
 from cases.library import line
-from cases.words import status
 from reports import build, compare, options, show, study
 
 ROOT = Path(__file__).parents[2]
@@ -83,7 +83,7 @@ def test_a_report_that_makes_no_sense_is_refused_before_anything_runs(given, mor
 SCRIPT = """
 from cases import Case, CoulombFriction, Gravity, Start, Unilateral, disc
 from cases.library import line
-from cases.words import status
+from cases.command_line import status
 from reports.build import report
 
 print("begins")

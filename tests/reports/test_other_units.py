@@ -8,9 +8,9 @@ import pytest
 
 import cases
 import reference
-from adapters.common import exported
+from adapters.common import motion_file
 from cases import Case, Trajectory, Transition
-from reports.judging import distances, noticed, residuals, slip_phases, soundness, transitions
+from reports.judging import diagnosis, distances, residuals, slip_phases, transitions, validation
 from tests.scenes.motions import in_other_parameters, in_other_units, motion_of, warped
 
 # Quick ones, and others.
@@ -35,7 +35,7 @@ def as_an_engine_tells_it(truth: Trajectory) -> pd.DataFrame:
     """Samples of the true motion that run slow by a part in two thousand: poses and velocities."""
     t = np.linspace(0.0, 0.999 * truth.t[-1], COUNT)
     state = truth(t / LATE)
-    names = (*exported.NEEDED[1:], "vx", "vy", "omega")
+    names = (*motion_file.REQUIRED_COLUMNS[1:], "vx", "vy", "omega")
     return pd.DataFrame({"t": t, **{name: getattr(state, name) for name in names}})
 
 
@@ -47,15 +47,15 @@ def in_units(table: pd.DataFrame, length: float, time: float) -> pd.DataFrame:
 def judged(case: Case, table: pd.DataFrame, length: float, time: float):
     """Transitions and numbers without units, and sentences, of a table as it is judged."""
     truth = motion_of(case)
-    motion = exported.trajectory_of(case, table)
+    motion = motion_file.trajectory_of(case, table)
     read: list[Transition] = list(transitions.read_motion(case, motion).transitions)
     own = distances.distance(distances.differences(motion, truth, case))
     units = dict(
         centre_max=length, centre_rms=length, final_pose=length, slip_max=length / time, slip_rms=length / time
     )
     numbers = [value / units.get(name, 1.0) for name, value in own._asdict().items()]
-    gap = exported.followed(case, exported.columns_of(table))[2]
-    told = [*residuals.laws_broken(case, motion, gap), *soundness.jumps(case, motion, truth, own.centre_max)]
+    gap = motion_file.follow_contact(case, motion_file.columns_of(table))[2]
+    told = [*residuals.broken_laws(case, motion, gap), *validation.jumps(case, motion, truth, own.centre_max)]
     return [(t.before, t.after) for t in read], [t.time / time for t in read], numbers, len(told)
 
 
@@ -78,9 +78,9 @@ def test_a_velocity_that_is_none_is_noticed_in_every_unit_of_time(time):
     """A micrometre's disc slides at picometres per second in 1e6 s: below 1e-9 m/s everything was let pass."""
     case = in_other_units(cases.select("disc_on_line")[0], 1e-6, time, 1.0, 0.0)
     table = in_units(as_an_engine_tells_it(motion_of(cases.select("disc_on_line")[0])), 1e-6, time)
-    exported.trajectory_of(case, table)
+    motion_file.trajectory_of(case, table)
     with pytest.raises(cases.DoesNotFit, match="vx is not the rate of x"):
-        exported.trajectory_of(case, table.assign(vx=-table.vx))
+        motion_file.trajectory_of(case, table.assign(vx=-table.vx))
 
 
 @pytest.mark.parametrize("time", [1e-12, 1.0, 1e9])
@@ -101,5 +101,5 @@ def test_a_unit_is_noticed_of_a_plate_that_does_not_turn():
     assert np.ptp(truth.theta) < 1e-9
     table = as_an_engine_tells_it(truth)
     noise = 1e-6 * np.random.default_rng(3).standard_normal(len(table))  # of single precision
-    columns = exported.columns_of(table.assign(x=1e3 * table.x, theta=table.theta + noise))
-    assert "x seems to be in millimetres" in noticed.other_unit(columns, truth)
+    columns = motion_file.columns_of(table.assign(x=1e3 * table.x, theta=table.theta + noise))
+    assert "x seems to be in millimetres" in diagnosis.other_unit(columns, truth)

@@ -14,9 +14,9 @@ import pandas as pd
 import cases
 from adapters import Setting
 from cases import Mode, Transition
-from reports.analysis import advice
-from reports.page import chapters, first, motions, vendor
-from reports.page.pieces import as_written, table
+from reports.analysis import recommendation
+from reports.page import chapters, front_page, motions, vendor
+from reports.page.fragments import table, verbatim
 from reports.running.records import Experiment, Run, Truth
 
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
@@ -52,7 +52,7 @@ def frames():
 
 
 def test_the_answer_counts_the_cases_that_roll_and_tells_costs_of_one_of_them():
-    rows = advice.rows(experiment(), frames())
+    rows = recommendation.rows(experiment(), frames())
     assert [(row["solver"], row["route"]) for row in rows] == [
         ("sure", "native"), ("fast", "native"), ("ghost", ""), ("reference", "dop853")
     ]  # fmt: skip
@@ -65,8 +65,10 @@ def test_the_answer_counts_the_cases_that_roll_and_tells_costs_of_one_of_them():
 
 
 def test_the_terminal_says_what_the_page_says():
-    rows = advice.rows(experiment(), frames())
-    head, sure, fast, ghost, _ = [re.split(r" {2,}", line.strip()) for line in first.in_terminal(rows).splitlines()]
+    rows = recommendation.rows(experiment(), frames())
+    head, sure, fast, ghost, _ = [
+        re.split(r" {2,}", line.strip()) for line in front_page.in_terminal(rows).splitlines()
+    ]
     assert head[-6:] == [
         "reaches 0.01",
         "0.01 first run",
@@ -81,7 +83,7 @@ def test_the_terminal_says_what_the_page_says():
 
 
 def test_the_verdict_names_who_reaches_it_most_often_and_says_when_nobody_does():
-    said = advice.sentences(advice.rows(experiment(), frames()))
+    said = recommendation.sentences(recommendation.rows(experiment(), frames()))
     assert said[:2] == [
         "For rolling contact at 1e-4, trust sure native: it reaches that in 2 of 2 cases that roll; on b one call from "
         "cold takes 2 s, a thousand 500 s.",
@@ -89,7 +91,7 @@ def test_the_verdict_names_who_reaches_it_most_often_and_says_when_nobody_does()
     ]
     poor = frames()
     poor["headline"]["reached"] = 1e-2
-    assert "trust no engine" in advice.sentences(advice.rows(experiment(), poor))[0]
+    assert "trust no engine" in recommendation.sentences(recommendation.rows(experiment(), poor))[0]
 
 
 def unpacked(text: str) -> np.ndarray:
@@ -103,7 +105,7 @@ def test_numbers_travel_with_five_digits_and_times_with_seven():
     )
     values = values[np.isnan(values) | (abs(values) < 3e38)]
     for whole, bound in ((False, 2.0**-16), (True, 2.0**-23)):
-        found = unpacked(motions.packed(values, whole))
+        found = unpacked(motions.pack(values, whole))
         sound = abs(values) > 1e-37  # smaller ones have fewer digits in 32 bits
         assert np.all(abs(found[sound] - values[sound]) <= bound * abs(values[sound]))
         assert np.array_equal(np.isnan(found), np.isnan(values))
@@ -128,7 +130,7 @@ def test_cases_stand_in_the_families_of_the_catalogue():
 
 
 def test_libraries_are_the_files_that_were_fetched_each_with_its_licence():
-    packages = vendor.vendored()
+    packages = vendor.libraries()
     assert {one["package"] for one in packages} == {"uplot", "datatables.net"}
     for one in packages:
         assert one["licence"] == "MIT" and any(name.endswith("LICENSE") for name in one["files"])
@@ -137,7 +139,7 @@ def test_libraries_are_the_files_that_were_fetched_each_with_its_licence():
 
 
 def test_numbers_stand_as_people_write_them_and_are_sorted_as_numbers():
-    assert [as_written(text) for text in ("1.1e-07", "-3.0e+05", "0.0e+00", "2.5e-12")] == [
+    assert [verbatim(text) for text in ("1.1e-07", "-3.0e+05", "0.0e+00", "2.5e-12")] == [
         "1.1e-7",
         "-3.0e5",
         "0",

@@ -12,8 +12,9 @@ import cases
 import reference
 from adapters import Setting
 from adapters.pymunk import adapter, assisted
-from reports.running import cold, parts, tasks
-from reports.running.clock import Contestant
+from reports.running import tasks
+from reports.running.timing import cold_start, time_breakdown
+from reports.running.timing.clock import Contestant
 
 CIRCLE = cases.load("disc_in_circle", mu=0.2)
 SETTING = Setting.of(h=1e-3, iterations=10)
@@ -21,7 +22,7 @@ SETTING = Setting.of(h=1e-3, iterations=10)
 
 def by_empty_callback() -> float:
     """Microseconds of a step whose callback does nothing."""
-    hollow = adapter.stripped(CIRCLE, "assisted", SETTING, "callback")
+    hollow = adapter.bare_run(CIRCLE, "assisted", SETTING, "callback")
     began = time.process_time()
     hollow()
     return (time.process_time() - began) / round(CIRCLE.duration / SETTING["h"]) * 1e6
@@ -74,7 +75,7 @@ def test_engine_and_binding_take_as_long_by_profile_as_with_an_empty_callback():
 @pytest.mark.parametrize("route", ["native", "assisted"])
 def test_parts_by_difference_are_the_whole(route):
     setting = adapter.ladder(CIRCLE, route)[3]
-    told = parts.parts(Contestant(CIRCLE, "pymunk", route, setting, 0.1), time.perf_counter() + 2.0)
+    told = time_breakdown.parts(Contestant(CIRCLE, "pymunk", route, setting, 0.1), time.perf_counter() + 2.0)
     assert sum(told) == pytest.approx(1.0, abs=0.1)  # differences of measured times, none below zero
     # The assisted route's callback is Python of ours and the most of it; the native one has none.
     assert told.callback > 0.7 if route == "assisted" else told.callback < 0.1
@@ -85,19 +86,21 @@ def test_parts_by_difference_are_the_whole(route):
 @pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
 def test_a_profile_tells_an_engine_from_the_python_it_calls_back():
     """heyoka's own steps are less than half of a Taylor run of a few milliseconds."""
-    told = parts.parts(Contestant(CIRCLE, "reference", "taylor", Setting.of(rtol=1e-9), 0.1), time.perf_counter() + 1.0)
+    told = time_breakdown.parts(
+        Contestant(CIRCLE, "reference", "taylor", Setting.of(rtol=1e-9), 0.1), time.perf_counter() + 1.0
+    )
     assert 0.0 < told.engine < 0.9 and told.engine + told.callback == 1.0 and isnan(told.binding)
 
 
 def test_python_alone_has_no_engine():
     literal = Contestant(CIRCLE, "reference", "augmented", Setting.of(rtol=1e-3), 0.1)
-    assert parts.parts(literal, time.perf_counter() + 1.0) is None
+    assert time_breakdown.parts(literal, time.perf_counter() + 1.0) is None
 
 
 def test_what_python_does_within_an_engine_is_not_the_engine_s(monkeypatch):
     """By a clock that work alone moves on, so that no other load on the machine has a part in it."""
     seconds: list[int] = []
-    monkeypatch.setattr(parts, "time", SimpleNamespace(thread_time=lambda: len(seconds)))
+    monkeypatch.setattr(time_breakdown, "time", SimpleNamespace(thread_time=lambda: len(seconds)))
 
     def work(x: int) -> int:
         seconds.extend(range(10))
@@ -108,16 +111,16 @@ def test_what_python_does_within_an_engine_is_not_the_engine_s(monkeypatch):
         sorted([3, 1, 2], key=work)
         seconds.extend(range(7))
 
-    assert parts.engine_seconds("builtins", run) == 7
-    assert isnan(parts.engine_seconds("an_engine_that_is_not_called", run))
+    assert time_breakdown.engine_seconds("builtins", run) == 7
+    assert isnan(time_breakdown.engine_seconds("an_engine_that_is_not_called", run))
 
 
 def test_a_call_from_cold_that_has_nothing_left_to_import_is_a_repeat(monkeypatch):
-    made, apart = [], cold._apart
-    monkeypatch.setattr(cold, "_apart", lambda *arguments: made.append(arguments) or apart(*arguments))
+    made, apart = [], cold_start._apart
+    monkeypatch.setattr(cold_start, "_apart", lambda *arguments: made.append(arguments) or apart(*arguments))
     setting = tasks.survey(CIRCLE, "pymunk")[0].settings[1]
     who = [Contestant(CIRCLE, "pymunk", "native", setting, 0.1)]
-    cold.first_calls(who, 60.0)
+    cold_start.first_calls(who, 60.0)
     made.clear()
-    ((told, why),) = cold.first_calls(who, 60.0).values()
-    assert told.repeats <= cold.LEAST_REPEATS == len(made) and not why  # of which a busy machine disturbs some
+    ((told, why),) = cold_start.first_calls(who, 60.0).values()
+    assert told.repeats <= cold_start.LEAST_REPEATS == len(made) and not why  # of which a busy machine disturbs some

@@ -15,16 +15,17 @@ from adapters import Setting
 from cases import Cost
 from reports import build, studies
 from reports.analysis import baselines
-from reports.analysis.work_precision import Measured
+from reports.analysis.work_precision import CostMeasurements
 from reports.drawing import figures, work_precision
-from reports.drawing.files import Drawn, Picture
-from reports.drawing.looks import Looks
+from reports.drawing.figure_files import FigureContent, FigureEntry
+from reports.drawing.palette import LineStyles
 from reports.judging.distances import Distance
 from reports.page import pictures
-from reports.running import clock, experiment, per_solver, tasks, timings
+from reports.running import experiment, per_solver, tasks
 from reports.running.calls import Calls
 from reports.running.per_solver import LeftOut
 from reports.running.records import REFERENCE, Experiment, Run
+from reports.running.timing import clock, timings
 from reports.studies import Request
 
 CASE = cases.load("disc_on_line", mu=0.1)
@@ -47,14 +48,14 @@ def total(rows) -> dict[str, int]:
 
 def test_what_does_not_fail_is_made_once_of_all_rows():
     made = []
-    result, left = per_solver.made(lambda rows: made.append(rows), ([Row("a"), Row("b")],), "ab")
+    result, left = per_solver.make_per_solver(lambda rows: made.append(rows), ([Row("a"), Row("b")],), "ab")
     assert made == [[Row("a"), Row("b")]] and left == []
 
 
 @pytest.mark.parametrize("spoilt", ["a", "b", "ac", "abc"])
 def test_solvers_whose_rows_fail_alone_are_left_out(spoilt):
     rows = [Row(name, "x" if name in spoilt else 1) for name in "abc"]
-    result, left = per_solver.made(total, (rows,), "abc", "table x")
+    result, left = per_solver.make_per_solver(total, (rows,), "abc", "table x")
     assert result == {name: 2 for name in "abc" if name not in spoilt}
     assert [(one.item, one.solver) for one in left] == [("table x", name) for name in spoilt]
     assert all(one.reason.startswith("TypeError: ") for one in left)
@@ -66,15 +67,15 @@ def test_a_solver_that_fails_only_beside_others_is_left_out():
             raise ValueError("not these two")
         return len(rows)
 
-    result, left = per_solver.made(make, ([Row(name) for name in "abc"],), "abc")
+    result, left = per_solver.make_per_solver(make, ([Row(name) for name in "abc"],), "abc")
     assert result == 1 and [one.solver for one in left] == ["a", "b"] and left[0].reason == "ValueError: not these two"
 
 
 def test_what_no_solver_s_rows_are_the_reason_of_is_raised():
     with pytest.raises(ZeroDivisionError):
-        per_solver.made(lambda rows: 1 / 0, ([Row("a")],), "a")
+        per_solver.make_per_solver(lambda rows: 1 / 0, ([Row("a")],), "a")
     with pytest.raises(OSError, match="full"):
-        per_solver.made(full_disk, ([Row("a", "x")],), "a")
+        per_solver.make_per_solver(full_disk, ([Row("a", "x")],), "a")
 
 
 def full_disk(rows):
@@ -113,7 +114,7 @@ def ran() -> Experiment:
 
 
 @pytest.fixture(scope="module")
-def measured(ran) -> Measured:
+def measured(ran) -> CostMeasurements:
     """Timings as if each step took a microsecond."""
     times = {
         (run.case, run.solver, run.route, run.setting): replace(
@@ -122,7 +123,7 @@ def measured(ran) -> Measured:
         )
         for run in ran.runs
     }  # fmt: skip
-    return Measured((CASE.label,), times, {CASE.label: baselines.baseline(CASE)})
+    return CostMeasurements((CASE.label,), times, {CASE.label: baselines.baseline(CASE)})
 
 
 def spoilt(ran: Experiment, *changes: dict) -> Experiment:
@@ -232,7 +233,7 @@ def test_a_figure_that_fails_with_a_solver_is_drawn_without_it(rendered, ran, mo
     if not rendered:
         monkeypatch.setattr(figures, "picture", unrendered)
     given = spoilt(ran, {}, dict(samples=SHORT, off=SHORT), dict(cost=None))
-    drawn = figures.draw_case(CASE, given, Looks((run.solver, run.route) for run in given.runs), True)
+    drawn = figures.draw_case(CASE, given, LineStyles((run.solver, run.route) for run in given.runs), True)
     left = {one.drawn.name.partition("_")[0]: [out.solver for out in one.drawn.left_out] for one in drawn}
     assert left == {
         "headline": [f"{SPOILT}_1"], "scene": [], "motion": [f"{SPOILT}_1"], "errors": [f"{SPOILT}_2"],
@@ -241,16 +242,16 @@ def test_a_figure_that_fails_with_a_solver_is_drawn_without_it(rendered, ran, mo
     assert f"Without {SPOILT}_1, whose results could not be shown: " in per_solver.words(drawn[0].drawn.left_out)
 
 
-def unrendered(figure, name, case, title, caption, png=False) -> Picture:
-    return Picture(Drawn(name, case, title, caption), "", np.zeros(0, np.uint8), np.zeros(0, np.uint8))
+def unrendered(figure, name, case, title, caption, png=False) -> FigureContent:
+    return FigureContent(FigureEntry(name, case, title, caption), "", np.zeros(0, np.uint8), np.zeros(0, np.uint8))
 
 
 def test_what_accuracy_costs_is_drawn_without_a_solver_that_fails(ran, measured, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(work_precision, "save", lambda *given: Drawn("", "", "", ""))
-    drawn = pictures.drawn_of("", False, spoilt(ran, dict(distance=None)), measured)
+    monkeypatch.setattr(work_precision, "save", lambda *given: FigureEntry("", "", "", ""))
+    drawn = pictures.draw_figures("", False, spoilt(ran, dict(distance=None)), measured)
     assert drawn and all([one.solver for one in each.drawn.left_out] == [f"{SPOILT}_0"] for each in drawn)
-    assert not any(each.drawn.left_out for each in pictures.drawn_of("", False, ran, measured))
+    assert not any(each.drawn.left_out for each in pictures.draw_figures("", False, ran, measured))
 
 
 # --- timings ----------------------------------------------------------------------------------------------------------
@@ -301,7 +302,7 @@ def test_pictures_of_a_study_are_drawn_without_a_solver_that_fails(tmp_path):
     def drawn(found, folder):
         if any(row["number"] is None for row in found):
             raise TypeError("no number")
-        yield Drawn("a", "", "A", "")
+        yield FigureEntry("a", "", "A", "")
 
     found = [{"solver": SOUND, "number": 1}, {"solver": SPOILT, "number": None}]
     (one,) = studies.draw("x", drawn, (found,), tmp_path)

@@ -10,15 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases import Mode, Transition
-from reports.judging.phases import Phase, agreement, outside, phases_of, time_by_mode, time_in_another_mode
+from reports.judging.phases import ModePhase, agreement, outside, phases_of, time_by_mode, time_in_another_mode
 
 F, R, B, A = Mode.SLIP_FORWARD, Mode.ROLL, Mode.SLIP_BACKWARD, Mode.FLIGHT
 
 
-def sequence(*parts) -> tuple[Phase, ...]:
+def sequence(*parts) -> tuple[ModePhase, ...]:
     """Phases of (mode, duration), one after the other."""
     ends = np.cumsum([duration for _, duration in parts]).tolist()
-    return tuple(Phase(mode, end - duration, end) for (mode, duration), end in zip(parts, ends, strict=True))
+    return tuple(ModePhase(mode, end - duration, end) for (mode, duration), end in zip(parts, ends, strict=True))
 
 
 sequences = st.lists(st.tuples(st.sampled_from([F, R, B, A]), st.integers(1, 50)), min_size=1, max_size=8).map(
@@ -28,7 +28,7 @@ sequences = st.lists(st.tuples(st.sampled_from([F, R, B, A]), st.integers(1, 50)
 
 def test_phases_join_flights_between_impacts_and_end_with_the_motion():
     events = (Transition(1.0, R, A), Transition(2.0, A, A), Transition(3.0, A, F), Transition(9.0, F, R))
-    assert phases_of(R, events, 4.0) == (Phase(R, 0.0, 1.0), Phase(A, 1.0, 3.0), Phase(F, 3.0, 4.0))
+    assert phases_of(R, events, 4.0) == (ModePhase(R, 0.0, 1.0), ModePhase(A, 1.0, 3.0), ModePhase(F, 3.0, 4.0))
     assert phases_of(None, (), 4.0) == () and phases_of(None, events, 1.0)[0].mode is R
 
 

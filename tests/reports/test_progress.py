@@ -7,10 +7,10 @@ import pandas as pd
 from rich.console import Console
 
 from adapters import Setting
-from reports.analysis import answers
+from reports.analysis import solver_summary
 from reports.judging.ledger import LedgerRow
-from reports.running import progress
-from reports.running.progress import Display, in_words, usual
+from reports.running.processes import progress
+from reports.running.processes.progress import Display, in_words, usual
 from reports.running.records import Experiment, Run, Truth
 
 
@@ -77,7 +77,7 @@ def test_the_answer_has_a_row_for_each_route_with_medians_and_counts():
         [{"case": "h", "solver": "pymunk", "route": "native", "outcome": o} for o in ("right", "wrong")]
     )
     truths = {name: Truth() for name in "abcd"}
-    native, assisted = answers.rows(Experiment((), truths, tuple(runs), 0.0), {"stability": hard})
+    native, assisted = solver_summary.rows(Experiment((), truths, tuple(runs), 0.0), {"stability": hard})
     counted = {"cases": 4, "right": 3, "wrong": 0, "failed": 1, "hard_right": 0, "hard_wrong": 1}
     assert {name: native[name] for name in counted} == counted
     assert abs(native["middle_default_error"] - 0.15) < 1e-12 and native["middle_finest_error"] == 2e-6

@@ -280,8 +280,8 @@ def rebuilt(tmp_path_factory) -> Path:
     from reports.page.text import inert
     from reports.running import experiment
     from reports.running.calls import Calls
-    from reports.running.progress import Display
-    from reports.running.store import Store
+    from reports.running.processes.progress import Display
+    from reports.running.storage.result_store import Store
 
     place = tmp_path_factory.mktemp("rebuilt")
     every = [case for name in cases.names(hard=False) for case in cases.select(name)]
@@ -307,7 +307,9 @@ def test_no_accuracy_changes_without_a_line_and_no_bar_widens(rebuilt):
     assert compared <= {file.stem for file in (rebuilt / "tables").glob("*.csv")}
     found = compare_builds.compare(LAST, rebuilt).accuracies
     untold = [d for d in found if d.one != "missing" and not is_told(d, patterns)]
-    assert not untold, compare_builds.told(compare_builds.Comparison(untold, [], [], [], 0), LAST, rebuilt)
+    assert not untold, compare_builds.summary_lines(
+        compare_builds.BuildComparison(untold, [], [], [], 0), LAST, rebuilt
+    )
 
 
 @pytest.mark.slow

@@ -17,10 +17,12 @@ import cases
 from adapters import Setting
 from reports import build, options
 from reports.analysis import tables
-from reports.running import experiment, timings, workers
+from reports.running import experiment
 from reports.running.calls import Calls
-from reports.running.clock import UNTIMED, Contestant, Timing
-from reports.running.store import Store
+from reports.running.processes import workers
+from reports.running.storage.result_store import Store
+from reports.running.timing import timings
+from reports.running.timing.clock import UNTIMED, Contestant, Timing
 
 from .. import fake_adapter
 from .identical import identical
@@ -44,7 +46,7 @@ def installed(tmp_path_factory):
     fake_adapter.install(folder, [])
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(folder)
-        pool = workers.Pool(1)
+        pool = workers.WorkerPool(1)
         yield folder, pool
         pool.close()
 
@@ -126,7 +128,7 @@ def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp
     class Pool:
         def run(self, function, arguments, *_):
             made.append(arguments)
-            yield 0, workers.Answer("done", value={who[0].key: (timing, ""), who[1].key: (None, "it fell over")})
+            yield 0, workers.CallResult("done", value={who[0].key: (timing, ""), who[1].key: (None, "it fell over")})
 
     calls = Calls(store=Store(tmp_path), versions=VERSIONS)
     calls._pool = Pool()
@@ -144,9 +146,9 @@ class Clock:
     def run(self, function, arguments, *_):
         for i, (who, _) in enumerate(arguments):
             if len(who) > self.most or any(one.setting["s"] in self.deadly for one in who):
-                yield i, workers.Answer("died", reason="it ended")
+                yield i, workers.CallResult("died", reason="it ended")
             else:
-                yield i, workers.Answer("done", value={one.key: (TIMING, "") for one in who})
+                yield i, workers.CallResult("done", value={one.key: (TIMING, "") for one in who})
 
 
 TIMING = replace(UNTIMED, cpu_s=1.0)
@@ -172,7 +174,7 @@ def test_timings_made_within_another_budget_or_beside_others_are_not_taken(tmp_p
     class Pool:
         def run(self, function, arguments, *_):
             made.append(arguments)
-            yield 0, workers.Answer("done", value={one.key: (None, "it fell over") for one in arguments[0][0]})
+            yield 0, workers.CallResult("done", value={one.key: (None, "it fell over") for one in arguments[0][0]})
 
     calls = Calls(store=Store(tmp_path), versions=VERSIONS)
     calls._pool = Pool()

@@ -6,14 +6,14 @@ from adapters import Setting
 from reports import studies
 from reports.running.calls import Calls
 from reports.studies.settings import measure
-from reports.studies.settings.measure import Cell, beats, points
+from reports.studies.settings.measure import SettingCell, beats, points
 
 
-def cell(place: str, cpu: float, error: float, case: str = "a", outcome: str = "right") -> Cell:
-    return Cell(case, "engine", "native", place, Setting.of(h=cpu), outcome, cpu, (error, error))
+def cell(place: str, cpu: float, error: float, case: str = "a", outcome: str = "right") -> SettingCell:
+    return SettingCell(case, "engine", "native", place, Setting.of(h=cpu), outcome, cpu, (error, error))
 
 
-def on_envelope(*cells: Cell) -> dict[str, bool]:
+def on_envelope(*cells: SettingCell) -> dict[str, bool]:
     return {row["place"]: row["on_envelope"] for row in measure.rows(cells) if row["place"].startswith("rung")}
 
 

@@ -8,8 +8,8 @@ import pytest
 
 import cases
 from adapters import Setting
-from reports.running import parts
-from reports.running.clock import Contestant
+from reports.running.timing import time_breakdown
+from reports.running.timing.clock import Contestant
 
 from .watch import LEFT, Watch
 
@@ -20,7 +20,7 @@ RUN = 0.04
 @pytest.fixture
 def watch(monkeypatch) -> Watch:
     watch = Watch()
-    monkeypatch.setattr(parts, "time", watch)
+    monkeypatch.setattr(time_breakdown, "time", watch)
     return watch
 
 
@@ -28,9 +28,9 @@ def contestant(name: str = "engine", expected: float = 0.01, cost: float = 1.0) 
     return Contestant(LINE, name, "native", Setting.of(cost=cost), expected)
 
 
-def shares(monkeypatch, adapter, deadline: float = 1000.0) -> parts.Parts | None:
-    monkeypatch.setattr(parts, "solver", lambda name: adapter)
-    return parts.parts(contestant(), deadline)
+def shares(monkeypatch, adapter, deadline: float = 1000.0) -> time_breakdown.TimeBreakdown | None:
+    monkeypatch.setattr(time_breakdown, "solver", lambda name: adapter)
+    return time_breakdown.parts(contestant(), deadline)
 
 
 # --- by difference ----------------------------------------------------------------------------------------------------
@@ -48,7 +48,7 @@ def test_a_part_is_what_a_run_is_cheaper_by_without_it(watch, monkeypatch):
 
 def test_no_part_takes_less_than_nothing(watch, monkeypatch):
     dearer = lambda case, route, setting, without: watch.work(RUN * (1.1 if without == "notes" else 0.5))  # noqa: E731
-    found = shares(monkeypatch, watch.engine(0.0, RUN, 0.0, stripped=dearer))
+    found = shares(monkeypatch, watch.engine(0.0, RUN, 0.0, bare_run=dearer))
     assert found.notes == 0.0 and found.callback == pytest.approx(0.6) and found.binding == pytest.approx(0.0, abs=1e-6)
 
 
@@ -61,9 +61,9 @@ def test_the_first_turn_and_the_odd_one_have_no_part_in_the_medians(watch, monke
 @pytest.mark.parametrize(
     "run, deadline, turns",
     [
-        (1e-6, inf, parts._MOST_TURNS),
-        (1.0, inf, 1 + parts._LEAST_TURNS),  # many short runs say as much as one long one
-        (1e-6, 0.0, 1 + parts._LEAST_TURNS),
+        (1e-6, inf, time_breakdown._MOST_TURNS),
+        (1.0, inf, 1 + time_breakdown._LEAST_TURNS),  # many short runs say as much as one long one
+        (1e-6, 0.0, 1 + time_breakdown._LEAST_TURNS),
     ],
 )
 def test_turns_end_after_the_most_or_when_enough_time_is_spent(watch, monkeypatch, run, deadline, turns):
@@ -82,7 +82,7 @@ def test_no_garbage_is_collected_on_the_clock_and_it_is_again_afterwards(watch, 
 
 
 class Profiled:
-    """An adapter without stripped runs whose engine is Python's own `list.extend`, and a clock that its length is."""
+    """An adapter without bare runs whose engine is Python's own `list.extend`, and a clock that its length is."""
 
     NAME, ENGINE = "profiled", "builtins"
 
@@ -117,8 +117,8 @@ class Profiled:
         return SimpleNamespace(process_time=now, thread_time=thread_time, perf_counter=now)
 
 
-def profiled(monkeypatch, adapter: Profiled, of_processor: float = 1.0) -> parts.Parts | None:
-    monkeypatch.setattr(parts, "time", adapter.clock(of_processor))
+def profiled(monkeypatch, adapter: Profiled, of_processor: float = 1.0) -> time_breakdown.TimeBreakdown | None:
+    monkeypatch.setattr(time_breakdown, "time", adapter.clock(of_processor))
     return shares(monkeypatch, adapter, 0.0)
 
 
@@ -163,11 +163,11 @@ def test_parts_are_found_cheapest_first_and_reported_under_each_one_s_name(watch
         if one.solver == "fails":
             raise RuntimeError("no more")
         watch.spend(1.0)
-        return parts.Parts(one.expected_s, nan, nan, nan)
+        return time_breakdown.TimeBreakdown(one.expected_s, nan, nan, nan)
 
-    monkeypatch.setattr(parts, "parts", of_one)
+    monkeypatch.setattr(time_breakdown, "parts", of_one)
     who = [contestant(name, expected) for name, expected in (("dear", 0.5), ("fails", 0.2), ("cheap", 0.1))]
-    found = {key[1]: value for key, value in parts.parts_of_all([*who, contestant("long", 5.0)], 6.0).items()}
+    found = {key[1]: value for key, value in time_breakdown.parts_of_all([*who, contestant("long", 5.0)], 6.0).items()}
     assert order == ["cheap", "fails", "dear"]
     assert found["dear"][0].engine == 0.5 and found["cheap"][0].engine == 0.1 and found["dear"][1] == ""
     assert found["fails"] == (None, "RuntimeError: no more")
@@ -176,6 +176,6 @@ def test_parts_are_found_cheapest_first_and_reported_under_each_one_s_name(watch
 
 def test_each_one_s_deadline_is_its_share_of_what_is_left(watch, monkeypatch):
     given = []
-    monkeypatch.setattr(parts, "parts", lambda one, deadline: given.append(deadline - watch.wall))
-    parts.parts_of_all([contestant(name, 0.01) for name in "abc"], 6.0)
+    monkeypatch.setattr(time_breakdown, "parts", lambda one, deadline: given.append(deadline - watch.wall))
+    time_breakdown.parts_of_all([contestant(name, 0.01) for name in "abc"], 6.0)
     assert given == pytest.approx([2.0, 3.0, 6.0], rel=1e-6)

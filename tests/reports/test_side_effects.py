@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 
 import cases
-from cases import kept
-from reports.running import experiment, serving, solvers, tasks
+from cases import compile_cache
+from reports.running import experiment, solvers, tasks
 from reports.running.calls import Calls
 from reports.running.canary import Canary
+from reports.running.processes import worker_process
 from reports.running.records import Experiment, Run
 from reports.running.third_party import third_party
 
@@ -52,7 +53,7 @@ def install(tmp_path, monkeypatch):
 
 
 def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install, monkeypatch):
-    monkeypatch.setenv(kept.VARIABLE, kept.OFF)
+    monkeypatch.setenv(compile_cache.VARIABLE, compile_cache.OFF)
     install(side_effects.SAMPLE)
     found = rows((*side_effects.SAMPLE, "pymunk"))
     for name in side_effects.SAMPLE:
@@ -73,7 +74,7 @@ def test_no_side_effect_of_an_adapter_reaches_another_row(install, tmp_path, mon
     assert len(names) >= 40
     undisturbed = rows(others)
     # What the adapters' processes compile is taken from here by the others'.
-    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "kept"))
+    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "kept"))
     install(names)
     runs = rows((*names, *others)).runs
     for name in names:
@@ -82,10 +83,10 @@ def test_no_side_effect_of_an_adapter_reaches_another_row(install, tmp_path, mon
 
 
 def test_no_engine_is_loaded_among_the_references_calls(monkeypatch):
-    monkeypatch.setattr(serving, "group", "")
+    monkeypatch.setattr(worker_process, "group", "")
     with pytest.raises(RuntimeError, match="load no engine"):
         solvers.solver("pymunk")
-    monkeypatch.setattr(serving, "group", "pymunk")
+    monkeypatch.setattr(worker_process, "group", "pymunk")
     assert solvers.solver("pymunk").NAME == "pymunk"
 
 
@@ -136,9 +137,9 @@ def test_settings_of_the_process_are_restored_after_an_engines_code(tmp_path):
 
 @pytest.mark.parametrize("trusted", [True, False])
 def test_what_is_compiled_after_an_engines_code_is_kept_only_when_it_is_trusted(trusted, tmp_path, monkeypatch):
-    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "kept"))
-    with kept.withheld() as write:
-        assert kept.kept("a test", "of this", tmp_path, lambda: 7) == 7
+    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "kept"))
+    with compile_cache.withheld() as write:
+        assert compile_cache.cached("a test", "of this", tmp_path, lambda: 7) == 7
         assert not list((tmp_path / "kept").iterdir())
         if trusted:
             write()

@@ -7,7 +7,7 @@ import pytest
 
 import cases
 import reference
-from adapters.common import exported
+from adapters.common import motion_file
 from cases import Mode, State, Transition
 from reports.judging import residuals
 from reports.running.records import Run
@@ -81,9 +81,9 @@ def test_the_same_motions_untouched_are_right(monkeypatch, line):  # noqa: F811
 def accusations(case, folder) -> list[str]:
     """What the reference's own motion, written to a file with all digits and read back, is accused of."""
     table(FULL, reference.simulate(case, rtol=1e-12), samples=1501).to_csv(folder / "own.csv", index=False)
-    told = exported.trajectory_of(case, exported.read_table(folder / "own.csv"))
-    gap = exported.followed(case, {name: getattr(told, name) for name in exported.NEEDED})[2]
-    return residuals.laws_broken(case, told, gap)
+    told = motion_file.trajectory_of(case, motion_file.read_table(folder / "own.csv"))
+    gap = motion_file.follow_contact(case, {name: getattr(told, name) for name in motion_file.REQUIRED_COLUMNS})[2]
+    return residuals.broken_laws(case, told, gap)
 
 
 # At rest, without weight, at constant speed, on its way: all that a residual can be small beside.

@@ -3,29 +3,30 @@
 import subprocess
 import sys
 
-from reports.running import spent
-from reports.running.spent import Seconds, Spent
+from reports.running.timing import phase_times
+from reports.running.timing.phase_times import PhaseTime, PhaseTimes
 
 
 def test_every_second_is_booked_once_and_a_phase_that_comes_again_adds_up():
-    now = iter([Seconds(5.0, 1.0), Seconds(7.0, 2.0), Seconds(17.0, 22.0), Seconds(18.0, 22.5)])
-    ledger = Spent(lambda: next(now))
+    now = iter([PhaseTime(5.0, 1.0), PhaseTime(7.0, 2.0), PhaseTime(17.0, 22.0), PhaseTime(18.0, 22.5)])
+    ledger = PhaseTimes(lambda: next(now))
     for phase in ("survey", "runs", "survey"):
         ledger.book(phase)
-    assert ledger.phases == {"survey": Seconds(3.0, 1.5), "runs": Seconds(10.0, 20.0)}
-    assert spent.words(ledger.phases) == "the report took 13 s, 22 s of CPU time: runs 10 s, survey 3 s"
-    assert spent.told(ledger.phases)["runs"] == {"wall_s": 10.0, "cpu_s": 20.0}
+    assert ledger.phases == {"survey": PhaseTime(3.0, 1.5), "runs": PhaseTime(10.0, 20.0)}
+    assert phase_times.words(ledger.phases) == "the report took 13 s, 22 s of CPU time: runs 10 s, survey 3 s"
+    assert phase_times.time_summary(ledger.phases)["runs"] == {"wall_s": 10.0, "cpu_s": 20.0}
 
 
 def test_the_line_names_the_longest_and_sums_up_the_others():
-    phases = {name: Seconds(wall, wall) for name, wall in zip("abcdefg", (9, 8, 7, 6, 5, 4, 0.1), strict=True)}
+    phases = {name: PhaseTime(wall, wall) for name, wall in zip("abcdefg", (9, 8, 7, 6, 5, 4, 0.1), strict=True)}
     assert (
-        spent.words(phases) == "the report took 39 s, 39 s of CPU time: a 9 s, b 8 s, c 7 s, d 6 s, e 5 s, all else 4 s"
+        phase_times.words(phases)
+        == "the report took 39 s, 39 s of CPU time: a 9 s, b 8 s, c 7 s, d 6 s, e 5 s, all else 4 s"
     )
 
 
 def test_work_of_a_process_that_was_started_counts_while_it_runs_and_after():
-    ledger = Spent()
+    ledger = PhaseTimes()
     work = "import time\nwhile time.process_time() < 0.3: pass\nprint(flush=True)\ninput()"
     with subprocess.Popen([sys.executable, "-c", work], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdout and process.stdout.readline()
@@ -39,12 +40,12 @@ def test_work_of_a_process_that_was_started_counts_while_it_runs_and_after():
 
 
 def test_cpu_time_that_a_process_left_hidden_takes_none_from_a_phase():
-    now = iter([Seconds(0.0, 5.0), Seconds(1.0, 3.0), Seconds(2.0, 4.5)])
-    ledger = Spent(lambda: next(now))
+    now = iter([PhaseTime(0.0, 5.0), PhaseTime(1.0, 3.0), PhaseTime(2.0, 4.5)])
+    ledger = PhaseTimes(lambda: next(now))
     ledger.book("one")
     ledger.book("other")
-    assert ledger.phases == {"one": Seconds(1.0, 0.0), "other": Seconds(1.0, 1.5)}
+    assert ledger.phases == {"one": PhaseTime(1.0, 0.0), "other": PhaseTime(1.0, 1.5)}
 
 
 def test_a_manifest_says_hundredths_of_a_second():
-    assert spent.told({"a": Seconds(1.2345, 0.126)}) == {"a": {"wall_s": 1.23, "cpu_s": 0.13}}
+    assert phase_times.time_summary({"a": PhaseTime(1.2345, 0.126)}) == {"a": {"wall_s": 1.23, "cpu_s": 0.13}}

@@ -16,7 +16,7 @@ from cases import Cost, Mode, Transition
 from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
 from reports.running.records import Run, Truth
-from reports.running.store import Store
+from reports.running.storage.result_store import Store
 
 from ..full_disk import full_disk
 from .identical import identical
@@ -164,7 +164,7 @@ def test_a_few_kilobytes_that_unfold_to_more_than_any_record_holds_are_not_unfol
         told = archive.read("record.json")
     with_member(kept_file(tmp_path), "record.json", told + b" " * 10_000_000)
     assert kept_file(tmp_path).stat().st_size < 50_000 and Store(tmp_path).get("run", KEY, Run) is not None
-    monkeypatch.setattr("reports.running.store._MOST_BYTES", 10_000_000)
+    monkeypatch.setattr("reports.running.storage.result_store._MOST_BYTES", 10_000_000)
     store = Store(tmp_path)
     assert store.get("run", KEY, Run) is None
     assert "it claims to hold more than 10 MB" in store.trouble()[0]

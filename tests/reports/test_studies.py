@@ -13,9 +13,9 @@ from reference.sweeping import plan
 from reports import studies
 from reports.judging.residuals import Residuals
 from reports.running.calls import Calls
-from reports.running.clock import UNTIMED
+from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
-from reports.running.serving import Answer
+from reports.running.timing.clock import UNTIMED
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
@@ -27,33 +27,35 @@ from reports.studies.reference_cost import growth, in_c
 from reports.studies.reference_cost import study as reference_cost
 from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
-from reports.studies.stability.sensitivity import Conditioning, Spread
+from reports.studies.stability.sensitivity import Conditioning, Sensitivity
 from reports.studies.stability.step_limit import Bracket
 from reports.sweeping import parts
-from reports.sweeping.parts import Work
+from reports.sweeping.parts import SweepWork
 
 ROUTES = (("reference", ""), ("engine", "native"))
 AREA = plan("disc_in_circle", {"mu": "0.1:0.2:2", "xi1": "0:1:2"})
 CASE = cases.load("disc_on_line", mu=0.1)
 ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
-SCENE = stability.Scene(Truth(), Truth(), None, Conditioning(nan, nan, nan), Spread("", nan, nan))
-HUNG = Answer("timed_out", reason="It hung.")
+SCENE = stability.HardScene(Truth(), Truth(), None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))
+HUNG = CallResult("timed_out", reason="It hung.")
 WHO = (0, "engine", "native")
 # Of each study what it may have found where next to nothing came of it.
 FOUND = {
-    "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.Probe("refused")}, {})],
-    "error_parts": [error_parts.Cell(CASE.label, "engine", "native", Setting.of(), "refused", "No such curve.")],
+    "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.StageResult("refused")}, {})],
+    "error_parts": [error_parts.ErrorCell(CASE.label, "engine", "native", Setting.of(), "refused", "No such curve.")],
     "formulations": [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations._nothing("crashed", "")],
-    "maps": [Map(*who, AREA, {0: parts.failed(Work(AREA, *who), 0, "crashed", "It blew up.")}) for who in ROUTES],
+    "maps": [
+        Map(*who, AREA, {0: parts.failure_text(SweepWork(AREA, *who), 0, "crashed", "It blew up.")}) for who in ROUTES
+    ],
     "meanings": [dict.fromkeys(meanings.COLUMNS, "")],
     "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
     "published": published.of_one(0)[:1],
-    "reference_cost": reference_cost.Found(
+    "reference_cost": reference_cost.CostRows(
         [reference_cost._row("all", UNTIMED, reason="It blew up.")],
         reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [HUNG]),
         [reference_cost._cold_row("disc_on_line", HUNG)],
     ),
-    "settings": [settings.Cell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
+    "settings": [settings.SettingCell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)
     ),
@@ -99,7 +101,7 @@ def test_a_bar_is_passed_failed_or_not_timed():
     bar = reference_cost.BARS[0]
     for cpu_s, outcome in ((bar.limit, "pass"), (bar.limit * 1.01, "fail"), (nan, "not timed")):
         hot = [{"contestant": bar.contestant, "cpu_s": cpu_s}, {"contestant": bar.baseline, "cpu_s": 1.0}]
-        told = reference_cost.bars(reference_cost.Found(hot, [], []))
+        told = reference_cost.bars(reference_cost.CostRows(hot, [], []))
         assert told[0]["outcome"] == outcome and {row["outcome"] for row in told[1:]} == {"not timed"}
 
 
@@ -107,8 +109,8 @@ def test_a_bar_is_passed_failed_or_not_timed():
 def test_a_motion_may_cost_what_it_grows_by(longest, outcome):
     what = growth.GROWTHS[0]
     sizes, seconds = [(what, size) for size in (1, 10, 100)], (0.5, 0.5 + 9e-3, 0.5 + longest * 99e-3)
-    answers = [Answer("done", growth.Grown(s, s, 0, 0, 0.0, "completed")) for s in seconds]
-    found = reference_cost.Found([], reference_cost._growth_rows(sizes, answers), [])
+    answers = [CallResult("done", growth.GrowthRow(s, s, 0, 0, 0.0, "completed")) for s in seconds]
+    found = reference_cost.CostRows([], reference_cost._growth_rows(sizes, answers), [])
     assert next(r for r in reference_cost.bars(found) if what.quantity in r["what"])["outcome"] == outcome
 
 
@@ -134,7 +136,7 @@ def test_what_the_reference_costs():
     assert len(found.cold) == len(cases.names()) and "not timed" not in {row["outcome"] for row in told}
     missed = {row["what"]: row for row in told if row["measured"] > 2.0 * row["limit"]}
     # What is known to miss its bar, and why, stands in the study's own words.
-    assert not missed.keys() - reference_cost.KNOWN.keys()
+    assert not missed.keys() - reference_cost.EXPLANATIONS.keys()
 
 
 @pytest.mark.parametrize("name", engines())

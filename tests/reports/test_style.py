@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import matplotlib
 from matplotlib import pyplot as plt
 
-from reports.drawing import files, style
+from reports.drawing import figure_files, style
 
 
 def test_a_figure_is_well_formed_and_says_how_it_is_made(tmp_path):
@@ -14,20 +14,20 @@ def test_a_figure_is_well_formed_and_says_how_it_is_made(tmp_path):
         ax.bar([0, 1], [1.0, float("nan")])
         ax.plot([], [], "o")  # nothing to draw: a group without content
         ax.text(0.5, 0.5, "")
-        drawn = files.save(figure, tmp_path, "figure", "case", "Title", "Words")
-    files.embed_command(tmp_path, drawn, "python -m reports.build --case a<b")
+        drawn = figure_files.save(figure, tmp_path, "figure", "case", "Title", "Words")
+    figure_files.embed_command(tmp_path, drawn, "python -m reports.build --case a<b")
     told = ET.parse(tmp_path / "figure.svg").getroot()
     assert "--case a<b" in next(child.text or "" for child in told if child.tag.endswith("desc"))
 
 
 def test_an_empty_group_stays_closed():
-    ET.fromstring(files.minify('<svg ><g id="one"><g id="two"/><path d="M 0 0 L 1.234567 2"/></g></svg>'))
+    ET.fromstring(figure_files.minify('<svg ><g id="one"><g id="two"/><path d="M 0 0 L 1.234567 2"/></g></svg>'))
 
 
 def test_a_name_that_begins_another_is_not_taken_for_it():
     svg = '<svg ><path id="Sans-5"/><path id="Sans-5c"/><use xlink:href="#Sans-5c"/><use xlink:href="#Sans-5"/></svg>'
-    assert files.minify(svg).count('href="#i1"') == files.minify(svg).count('href="#i0"') == 1
+    assert figure_files.minify(svg).count('href="#i1"') == figure_files.minify(svg).count('href="#i0"') == 1
 
 
 def test_a_path_of_two_pieces_keeps_both():
-    assert files._path("M 1 1 L 2 1 L 2 2 z M 5 5 L 6 5 z") == "M1 1l1 0 0 1zM5 5l1 0z"
+    assert figure_files._path("M 1 1 L 2 1 L 2 2 z M 5 5 L 6 5 z") == "M1 1l1 0 0 1zM5 5l1 0z"

@@ -60,19 +60,19 @@ def test_a_right_motion_is_right(hand_in, poses, capsys):
 
 
 def test_a_wrong_motion_is_a_result(hand_in, poses):
-    _, (run,) = submit.judged(hand_in(wrong(poses)))
+    _, (run,) = submit.judge_submission(hand_in(wrong(poses)))
     assert run.outcome == "wrong" and any(row.verdict == "missed" for row in run.ledger)
     assert "creep" not in run.reason
 
 
 def test_creep_counts_as_rolling_where_it_is_declared(hand_in, poses, tmp_path):
     table = creeping(poses)
-    _, (quiet,) = submit.judged(hand_in(table))
+    _, (quiet,) = submit.judge_submission(hand_in(table))
     assert any(row.verdict == "missed" for row in quiet.ledger)
     assert "it slips at 0.005 m/s as a rule" in quiet.reason and "declare it" in quiet.reason
     head = tmp_path / "submissions" / "mine" / "1.0" / "submission.toml"
     head.write_text(head.read_text() + "\ncreep = 6e-3\n")
-    _, (declared,) = submit.judged(head.parent)
+    _, (declared,) = submit.judge_submission(head.parent)
     assert [row.verdict for row in declared.ledger] == ["matched"]
 
 
@@ -112,7 +112,7 @@ def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):
     folder = hand_in(poses)
     (folder / f"{CASE.label}.csv").rename(folder / "disc_in_a_square.csv")
     with pytest.raises(CaseError, match="disc_in_a_square"):
-        submit.judged(folder)
+        submit.judge_submission(folder)
     (folder / "disc_in_a_square.csv").unlink()
     with pytest.raises(CaseError, match=r"has no CASE\.csv"):
         submissions.read(folder)
@@ -137,7 +137,7 @@ def test_a_link_is_not_followed_to_what_is_not_the_strangers(hand_in, poses, tmp
     file.unlink()
     file.symlink_to(secret)
     with pytest.raises(CaseError, match="is a link") as problem:
-        submit.judged(folder)
+        submit.judge_submission(folder)
     assert "first line" not in str(problem.value)
     head = folder / "submission.toml"
     head.unlink()

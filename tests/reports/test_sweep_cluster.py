@@ -9,12 +9,12 @@ import pytest
 from pyarrow import parquet
 
 from reference.sweeping import plan
-from reports.running import elsewhere
-from reports.running.cluster import Cluster
-from reports.running.workers import Pool
+from reports.running.processes import cluster_worker
+from reports.running.processes.cluster import Cluster
+from reports.running.processes.workers import WorkerPool
 from reports.sweeping import local
 from reports.sweeping.local import Part
-from reports.sweeping.parts import Work
+from reports.sweeping.parts import SweepWork
 
 pytest.importorskip("distributed")
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
@@ -25,7 +25,7 @@ PARTS = [Part(start, min(start + 200, len(PLAN))) for start in range(0, len(PLAN
 @pytest.fixture(scope="module")
 def exact():
     """The rows of this plan by the workers of one machine."""
-    return rows(local.done(Work(PLAN), PARTS, Pool(2)))
+    return rows(local.run_parts(SweepWork(PLAN), PARTS, WorkerPool(2)))
 
 
 def rows(coming) -> pa.Table:
@@ -39,8 +39,8 @@ def rows(coming) -> pa.Table:
 
 
 def asked(loopback, patience: float = 120.0):
-    machines = Cluster(loopback.address, 2, elsewhere.identity({}), patience=patience)
-    return local.done(Work(PLAN), PARTS, machines)
+    machines = Cluster(loopback.address, 2, cluster_worker.identity({}), patience=patience)
+    return local.run_parts(SweepWork(PLAN), PARTS, machines)
 
 
 def test_with_workers_killed_again_and_again_no_digit_differs(loopback, exact):

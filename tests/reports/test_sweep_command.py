@@ -14,12 +14,12 @@ import reference
 from reference.paper.application import slip_end
 from reference.sweeping import plan, table
 from reports import sweep
-from reports.running import cluster
-from reports.running.workers import Pool
-from reports.sweeping import local, parts, refine
+from reports.running.processes import cluster
+from reports.running.processes.workers import WorkerPool
+from reports.sweeping import boundary_search, local, parts
 from reports.sweeping.folder import Folder
 from reports.sweeping.local import Part
-from reports.sweeping.parts import Work
+from reports.sweeping.parts import SweepWork
 
 VARY = ["disc_in_circle", "--vary", "mu=0.05:0.25:6", "--vary", "xi1=0:1.2:5"]
 
@@ -153,7 +153,7 @@ def test_a_scenario_that_ends_its_process_is_a_row(tmp_path):
 
     cases.load_file(file)
     asked = plan("fatal", dict(mu="0.2:0.4:3"), files=[str(file)])
-    coming = dict(local.done(Work(asked), [Part(0, 3)], Pool(1)))
+    coming = dict(local.run_parts(SweepWork(asked), [Part(0, 3)], WorkerPool(1)))
     rows = [row for part in sorted(coming) for row in parquet.read_table(pa.BufferReader(coming[part])).to_pylist()]
     assert [row["scenario"] for row in rows] == [0, 1, 2]
     assert [row["outcome"] for row in rows] == ["completed", "crashed", "completed"]
@@ -163,7 +163,7 @@ def test_a_scenario_that_ends_its_process_is_a_row(tmp_path):
 def test_refinement_finds_the_boundary_where_the_inequality_has_it(accuracy):
     """Between reversing and rolling |T| = μ₀ N at the exact zero of v; ten digits of μ₀ in a few hundred scenarios."""
     asked = plan("disc_in_circle", dict(mu="0.05:0.2:4", xi1=0.3))
-    found = refine.found(asked, 1e-10)
+    found = boundary_search.find_boundaries(asked, 1e-10)
     assert found.points == 1 and found.width.max() <= 1e-10 and found.scenarios < 400
     assert [kind.rpartition(" ")[2] for kind in found.kinds[0]] == ["backward", "rolls"]
     mu, step = float(found.x[0]), 1e-6
@@ -177,8 +177,8 @@ def test_refinement_finds_the_boundary_where_the_inequality_has_it(accuracy):
 @pytest.mark.slow
 def test_refinement_finds_the_whole_boundary(accuracy):
     asked = plan("disc_in_circle", dict(mu="0.01:0.19:4", xi1="0:1.4:8"))
-    found = refine.found(asked, 1e-10)
-    grid = (0.18 / 1e-10) * refine.CELLS
+    found = boundary_search.find_boundaries(asked, 1e-10)
+    grid = (0.18 / 1e-10) * boundary_search.CELLS
     assert found.width.max() <= 1e-10 and found.scenarios < 1e-3 * grid
     errors = []
     for mu, xi1, kinds in zip(found.x, found.y, found.kinds, strict=True):
@@ -207,7 +207,7 @@ def cost(number: int) -> tuple[float, int]:
     asked = plan("disc_in_circle", dict(mu="0.01:0.5", xi1="0:1.5"), "random", number, rtol=1e-9)
     began = time.process_time()
     for start in range(0, number, 4000):
-        parts.packed(table.solved(asked, start, min(start + 4000, number), optimised=True))
+        parts.pack(table.is_solved(asked, start, min(start + 4000, number), optimised=True))
     return time.process_time() - began, resident()
 
 
@@ -225,8 +225,8 @@ def test_a_sweep_costs_in_proportion_and_its_memory_stays():
 def test_forty_thousand_scenarios_take_seconds():
     """3.3 phases a scenario, some 7 µs each at best: a CPU second or two of one core. Twice that for a busy machine."""
     asked = plan("disc_in_circle", dict(mu="0.01:0.5:200", xi1="0:1.5:200"), rtol=1e-9)
-    table.solved(asked, 0, 400, optimised=True)
+    table.is_solved(asked, 0, 400, optimised=True)
     began = time.process_time()
-    rows = [table.solved(asked, start, start + 4000, optimised=True) for start in range(0, 40_000, 4000)]
+    rows = [table.is_solved(asked, start, start + 4000, optimised=True) for start in range(0, 40_000, 4000)]
     assert time.process_time() - began < 3.0
     assert sum(map(len, rows)) == 40_000 and np.sum(rows[0].column("alone")) == 0

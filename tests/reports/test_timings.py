@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 import cases
 from adapters import Setting, interface
 from cases import Cost, Mode, Transition
-from reports.running import clock, cold, parts, timings
-from reports.running.clock import Contestant
 from reports.running.records import Experiment, Run, Truth
-from reports.running.store import Store
+from reports.running.storage.result_store import Store
+from reports.running.timing import clock, cold_start, time_breakdown, timings
+from reports.running.timing.clock import Contestant
 
 from .watch import LEFT, CallsHere, Watch
 
@@ -38,13 +38,13 @@ def engines(monkeypatch) -> Watch:
     """Engines of known cost at a clock that only they move on, in this process."""
     watch = Watch()
     engine = watch.engine(BUILD, RUN, READ)
-    for module in (clock, cold, parts):
+    for module in (clock, cold_start, time_breakdown):
         monkeypatch.setattr(module, "time", watch)
         monkeypatch.setattr(module, "solver", lambda name: engine)
-    for module in (clock, cold):
+    for module in (clock, cold_start):
         monkeypatch.setattr(module, "calibrate", lambda: 1e-3)
     monkeypatch.setattr(clock, "neighbours", lambda: False)
-    monkeypatch.setattr(cold, "_apart", lambda function, argument: function(argument))
+    monkeypatch.setattr(cold_start, "_apart", lambda function, argument: function(argument))
     monkeypatch.setattr(timings, "time", watch)
     return watch
 
@@ -55,7 +55,7 @@ def calls(folder=None) -> CallsHere:
 
 def fit(result, cost: float) -> bool:
     """Whether a Timing, Cold or Parts is of a contestant of that cost."""
-    if isinstance(result, parts.Parts):
+    if isinstance(result, time_breakdown.TimeBreakdown):
         return tuple(result) == pytest.approx(SHARES, rel=1e-3)
     run = result.cpu_s if isinstance(result, clock.Timing) else result.run_s
     build = result.setup_s if isinstance(result, clock.Timing) else result.build_s
@@ -70,7 +70,7 @@ def timed(who, made) -> dict:
 
 
 def started_cold(who, made) -> dict:
-    return timings._measured(partial(timings._cold_starts, made), who, 1000.0)
+    return timings._measure(partial(timings._cold_starts, made), who, 1000.0)
 
 
 @pytest.mark.parametrize("measured", [timed, started_cold])
@@ -91,11 +91,11 @@ def test_each_time_is_its_contestant_s_in_every_order_and_from_the_store(measure
 
 
 def test_parts_of_a_run_are_their_contestant_s(engines, tmp_path, monkeypatch):
-    by_cost = lambda one, deadline: parts.Parts(one.setting["cost"], 0.0, 0.0, 0.0)  # noqa: E731
-    monkeypatch.setattr(parts, "parts", by_cost)
+    by_cost = lambda one, deadline: time_breakdown.TimeBreakdown(one.setting["cost"], 0.0, 0.0, 0.0)  # noqa: E731
+    monkeypatch.setattr(time_breakdown, "parts", by_cost)
     for who in (WHO, WHO[::-1], WHO[3:] + WHO[:3]):
         with calls(tmp_path) as made:
-            found = timings._measured(partial(timings._parts, made), who, 1000.0)
+            found = timings._measure(partial(timings._parts, made), who, 1000.0)
         assert {key: value.engine for key, value in found.items()} == {one.key: one.setting["cost"] for one in who}
 
 
@@ -211,15 +211,15 @@ def test_contestants_are_the_right_runs_of_engines_that_the_clock_can_see(monkey
 def test_a_default_report_times_of_each_family_the_variant_with_most_transitions():
     variants = named(3, "valley")
     found = experiment(*variants, events={variants[1].label: 3})
-    assert timings.chosen(found, full=False) == [variants[1]]
-    assert timings.chosen(found, full=True) == variants
+    assert timings.cases_to_time(found, full=False) == [variants[1]]
+    assert timings.cases_to_time(found, full=True) == variants
 
 
 def test_a_default_report_times_no_more_cases_than_it_has_time_for():
     many = named(timings.MOST_CASES + 3)
     most = {case.label: 1 + i for i, case in enumerate(many)}
-    assert timings.chosen(experiment(*many, events=most), full=False) == many[:2:-1]
-    assert timings.chosen(experiment(*many, events=most), full=True) == many
+    assert timings.cases_to_time(experiment(*many, events=most), full=False) == many[:2:-1]
+    assert timings.cases_to_time(experiment(*many, events=most), full=True) == many
 
 
 def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
@@ -227,8 +227,8 @@ def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
     runs = [run_of(case, rung=r) for case, rungs in ((one, 6), (two, 5), (three, 6)) for r in range(1, rungs + 1)]
     found = experiment(one, two, three, runs=runs)
     found.truths[three.label] = Truth(failure="none")
-    assert timings.chosen(found, full=False) == [one]
-    assert timings.chosen(found, full=True) == [one, two]
+    assert timings.cases_to_time(found, full=False) == [one]
+    assert timings.cases_to_time(found, full=True) == [one, two]
 
 
 def test_the_pass_times_cheap_cases_first_and_shares_the_time_among_those_left(engines, monkeypatch):
@@ -277,5 +277,7 @@ def test_cold_starts_and_parts_are_measured_of_those_that_are_wanted(engines):
     with calls() as made:
         found = timings.beside(experiment(*LINES, runs=runs), wanted, False, made)
     assert set(found.cold) == set(found.parts) == wanted
-    assert all(isinstance(value, cold.Cold) and fit(value, key[3]["cost"]) for key, value in found.cold.items())
-    assert all(isinstance(value, parts.Parts) and fit(value, 1.0) for value in found.parts.values())
+    assert all(
+        isinstance(value, cold_start.ColdStart) and fit(value, key[3]["cost"]) for key, value in found.cold.items()
+    )
+    assert all(isinstance(value, time_breakdown.TimeBreakdown) and fit(value, 1.0) for value in found.parts.values())

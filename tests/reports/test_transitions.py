@@ -291,7 +291,7 @@ def test_bounces_of_an_engine_are_read(name):
     if refusal:
         pytest.skip(refusal)
     setting = adapter.ladder(case, "native")[3]
-    told = transitions.read_motion(case, tasks.timed(adapter, case, "native", setting))
+    told = transitions.read_motion(case, tasks.run_on_clock(adapter, case, "native", setting))
     rows = ledger.match(motion_of(case).transitions, told.transitions)
     assert told.first_mode is FLIGHT
     # The first five flights last more than ten of the engines' steps; what they make of the last ones is theirs.

@@ -16,13 +16,13 @@ from hypothesis import HealthCheck, Phase, event, example, given, settings
 from hypothesis import strategies as st
 
 from cases import commands
+from cases.command_line import status
 from cases.owned_folder import LIST
 from cases.pictures import animation
-from cases.words import status
 from reports import animate, build, export, options, publish, show, study, sweep
 from reports.drawing import figures
-from reports.drawing.files import Drawn, Picture, file_name
-from reports.running import serving, workers
+from reports.drawing.figure_files import FigureContent, FigureEntry, file_name
+from reports.running.processes import worker_process, workers
 
 from . import test_publish
 
@@ -38,10 +38,10 @@ def in_cases(run) -> Callable[[list[str]], int]:
     return lambda words: status("cases", run, words)
 
 
-def one_line(case, part, looks, main) -> list[Picture]:
+def one_line(case, part, looks, main) -> list[FigureContent]:
     """A figure of a case that takes no time."""
-    drawn = Drawn("headline" if main else f"slip_{file_name(case.label)}", case.label, "A line", "")
-    return [Picture(drawn, "<svg></svg>", np.zeros(0, np.uint8), np.zeros(0, np.uint8))]
+    drawn = FigureEntry("headline" if main else f"slip_{file_name(case.label)}", case.label, "A line", "")
+    return [FigureContent(drawn, "<svg></svg>", np.zeros(0, np.uint8), np.zeros(0, np.uint8))]
 
 
 class Command(NamedTuple):
@@ -101,11 +101,11 @@ def inline():
     def run(self, function, arguments, limit=60.0, skip=lambda index: None, groups=(), brief=False):
         for i, args in enumerate(arguments):
             given = skip(i)
-            yield i, given or serving._call(function, args, Path(tempfile.mkdtemp()))
+            yield i, given or worker_process._call(function, args, Path(tempfile.mkdtemp()))
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(workers.Pool, "run", run)
-        patch.setattr(workers.Pool, "begin", lambda self, groups: None)
+        patch.setattr(workers.WorkerPool, "run", run)
+        patch.setattr(workers.WorkerPool, "begin", lambda self, groups: None)
         patch.setattr(animation, "FRAMES_A_SECOND", 1)
         if QUICK:  # figures are most of the rest
             patch.setattr(figures, "draw_case", one_line)

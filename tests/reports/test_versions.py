@@ -8,14 +8,16 @@ from packaging.requirements import Requirement
 
 import adapters
 import cases
-from cases import BadValue, CaseError, kept
+from cases import BadValue, CaseError, compile_cache
 from reports import build, compare_builds, options
 from reports.analysis.columns import with_version
-from reports.running import code, experiment, timings, versions
+from reports.running import experiment, versions
 from reports.running.calls import Calls
-from reports.running.clock import Contestant
+from reports.running.processes.workers import WorkerPool
 from reports.running.solvers import groups_of
-from reports.running.workers import Pool
+from reports.running.storage import source_code
+from reports.running.timing import timings
+from reports.running.timing.clock import Contestant
 
 CASE = "disc_on_line[mu=0.1]"
 BOTH = ("pymunk@6.11.1", "pymunk@7.3.1")
@@ -24,8 +26,8 @@ BOTH = ("pymunk@6.11.1", "pymunk@7.3.1")
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
     """A cache folder of the test's own."""
-    monkeypatch.setenv(kept.VARIABLE, str(tmp_path / "cache"))
-    return kept.place()
+    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "cache"))
+    return compile_cache.place()
 
 
 @pytest.fixture
@@ -39,10 +41,10 @@ def pretended(cache):
 
 
 def test_a_solver_is_an_engine_and_perhaps_a_version(cache):
-    assert versions.parted("pymunk") == ("pymunk", "")
-    assert versions.parted("pymunk@6.11.1") == ("pymunk", "6.11.1")
+    assert versions.split_version("pymunk") == ("pymunk", "")
+    assert versions.split_version("pymunk@6.11.1") == ("pymunk", "6.11.1")
     assert str(versions.needs("box2d@0.11.1")) == "pyb2d3==0.11.1"  # its package has another name
-    assert options.chosen_solvers(["reference", *BOTH, *BOTH]) == ("reference", *BOTH)
+    assert options.choose_solvers(["reference", *BOTH, *BOTH]) == ("reference", *BOTH)
 
 
 @pytest.mark.parametrize(
@@ -58,7 +60,7 @@ def test_a_solver_is_an_engine_and_perhaps_a_version(cache):
 )
 def test_what_cannot_be_asked_for_is_refused_in_a_sentence(name, hint, cache, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(options, "solvers", lambda: ("reference", "pymunk", "fakes"))
-    monkeypatch.setattr(code, "literal_of", lambda engine, _: {"pymunk": "pymunk>=6.11"}.get(engine))
+    monkeypatch.setattr(source_code, "literal_of", lambda engine, _: {"pymunk": "pymunk>=6.11"}.get(engine))
     versions.needs.cache_clear()
     monkeypatch.chdir(tmp_path)
     assert build.main(["--quick", "--solver", name]) == 2
@@ -69,15 +71,15 @@ def test_what_cannot_be_asked_for_is_refused_in_a_sentence(name, hint, cache, tm
 
 
 def test_without_a_cache_only_what_is_here_can_be_asked_for(monkeypatch):
-    monkeypatch.setenv(kept.VARIABLE, kept.OFF)
-    options.chosen_solvers([f"pymunk@{version('pymunk')}"])
+    monkeypatch.setenv(compile_cache.VARIABLE, compile_cache.OFF)
+    options.choose_solvers([f"pymunk@{version('pymunk')}"])
     with pytest.raises(BadValue, match="nothing is kept"):
-        options.chosen_solvers(["pymunk@6.99"])
+        options.choose_solvers(["pymunk@6.99"])
 
 
 def test_adapters_of_the_suite_know_what_is_installed():
     for engine in set(adapters.engines()) & {"box2d", "exudyn", "pybullet", "pymunk"}:
-        known = Requirement(code.literal_of(engine, "KNOWN"))
+        known = Requirement(source_code.literal_of(engine, "KNOWN"))
         try:
             assert known.specifier.contains(version(known.name)), engine
         except PackageNotFoundError:
@@ -120,7 +122,7 @@ def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch):
 
 def test_a_worker_of_a_version_finds_it_first_and_others_do_not(pretended):
     here = version("pymunk")
-    pool = Pool(1)
+    pool = WorkerPool(1)
     groups = ["engines", "pymunk@6.99", "", "pymunk@6.99"]
     answers = dict(pool.run(version, [("pymunk",)] * 4, groups=groups))
     pool.close()
@@ -156,15 +158,15 @@ def test_tables_of_solvers_tell_their_versions():
 def test_environments_outlive_what_is_trimmed_of_the_cache(cache, monkeypatch):
     (cache / "versions").mkdir()
     (cache / f"{64 * '0'}.kept").write_bytes(b"x" * 100)
-    monkeypatch.setattr(kept, "LARGEST_BYTES", 1)
-    kept._trim(cache)
+    monkeypatch.setattr(compile_cache, "LARGEST_BYTES", 1)
+    compile_cache._trim(cache)
     assert [path.name for path in cache.iterdir()] == ["versions"]
 
 
 @pytest.mark.slow
 def test_two_versions_in_one_report(cache, tmp_path, capsys):
     versions.make(BOTH, lambda text: None)
-    failed = [file.read_text() for name in BOTH if (file := versions._failed(versions._folder(name))).is_file()]
+    failed = [file.read_text() for name in BOTH if (file := versions._failure(versions._folder(name))).is_file()]
     if failed:
         pytest.skip(failed[0])
     out = tmp_path / "report"

@@ -14,24 +14,25 @@ from adapters import Setting
 from cases import Cost, Mode, Transition
 from reports.analysis import (
     baselines,
-    conclusions,
+    cost_conclusions,
     quantities,
     tables,
     time_to_accuracy,
     which_engine,
     work_precision,
 )
-from reports.analysis.work_precision import Measured
-from reports.drawing import files
+from reports.analysis.work_precision import CostMeasurements
+from reports.drawing import figure_files
 from reports.drawing.style import looks_of
 from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
-from reports.running import solvers, tasks, timings
+from reports.running import solvers, tasks
 from reports.running.calls import Calls
-from reports.running.clock import Timing
-from reports.running.cold import Cold
-from reports.running.parts import Parts
 from reports.running.records import Experiment, Run, Truth
+from reports.running.timing import timings
+from reports.running.timing.clock import Timing
+from reports.running.timing.cold_start import ColdStart
+from reports.running.timing.time_breakdown import TimeBreakdown
 
 BAR = 1e-14
 
@@ -44,7 +45,7 @@ def rung(name: str) -> Setting:
     return Setting.of(s=name)
 
 
-def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Measured]:
+def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, CostMeasurements]:
     """An experiment of one case from (solver, setting, error, CPU seconds or None for not timed)."""
     case = cases.load("disc_on_line", mu=0.1)
     event = Transition(0.3, Mode.SLIP_FORWARD, Mode.ROLL)
@@ -59,10 +60,10 @@ def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Mea
             times[case.label, solver, "r", rung(setting)] = timing(cpu)
     null = {"motion": "never moves", **dict.fromkeys(quantities.UNITS, 3e-3)}
     nulls = {case.label: baselines.Baseline((null,), dict.fromkeys(quantities.UNITS, BAR))}
-    return Experiment((case,), {case.label: truth}, tuple(runs), 0.0), Measured((case.label,), times, nulls)
+    return Experiment((case,), {case.label: truth}, tuple(runs), 0.0), CostMeasurements((case.label,), times, nulls)
 
 
-def disturb(measured: Measured, *solvers: str) -> Measured:
+def disturb(measured: CostMeasurements, *solvers: str) -> CostMeasurements:
     told = {who: replace(t, disturbed=t.disturbed or who[1] in solvers) for who, t in measured.timings.items()}
     return measured._replace(timings=told)
 
@@ -199,9 +200,11 @@ def test_orders_in_steps_and_in_time_are_fitted():
 
 def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
     experiment, _ = made(*[("a", f"h={i}", 1e-3, None) for i in range(timings.LEAST_SETTINGS)])
-    assert timings.chosen(experiment, full=False) == list(experiment.cases)
+    assert timings.cases_to_time(experiment, full=False) == list(experiment.cases)
     thin = replace(experiment, runs=experiment.runs[1:])
-    assert timings.chosen(thin, full=False) == [] and timings.chosen(thin, full=True) == list(experiment.cases)
+    assert timings.cases_to_time(thin, full=False) == [] and timings.cases_to_time(thin, full=True) == list(
+        experiment.cases
+    )
 
 
 def test_a_default_report_runs_whole_ladders_of_as_many_families_as_it_times():
@@ -282,13 +285,13 @@ def answered(*points, disturbed: tuple[str, ...] = (), cold: dict[str, float] | 
     """The first sentence and the rest, and the rows behind them; `cold`: seconds of a first call, by solver."""
     experiment, measured = made(*points)
     measured = disturb(measured, *disturbed)
-    firsts = {key: Cold((cold or {}).get(key[1], 1.0), 0.0, 0.0, 3, False) for key in measured.timings}
-    parts = {key: Parts(share, 0.0, 1.0 - share, 0.0) for key in measured.timings}
+    firsts = {key: ColdStart((cold or {}).get(key[1], 1.0), 0.0, 0.0, 3, False) for key in measured.timings}
+    parts = {key: TimeBreakdown(share, 0.0, 1.0 - share, 0.0) for key in measured.timings}
     told = time_to_accuracy.rows(
         work_precision.work_precision_rows(experiment, measured._replace(cold=firsts, parts=parts))
     )
     answers = which_engine.rows(told)
-    return conclusions.headline(answers, told), answers, told
+    return cost_conclusions.headline(answers, told), answers, told
 
 
 REFERENCE, ENGINE = ("reference", "s", 1e-13, 0.001), ("a", "s", 1e-7, 0.1)
@@ -363,16 +366,16 @@ def test_set_up_and_compilation_are_told_beside_the_times():
     experiment, measured = made(("reference", "s", 1e-13, 0.01), ("reference", "t", 1e-13, 0.01), ("a", "s", 1e-7, 3.0))
     slow = {who: replace(t, setup_s=0.1, compile_s=0.4) for who, t in measured.timings.items() if who[1] == "reference"}
     points = work_precision.work_precision_rows(experiment, measured._replace(timings={**measured.timings, **slow}))
-    assert "reference 1 s, a 0 µs." in conclusions.set_up(points)
-    assert conclusions.set_up([]) == ""
+    assert "reference 1 s, a 0 µs." in cost_conclusions.set_up(points)
+    assert cost_conclusions.set_up([]) == ""
 
 
 def test_figures_that_fail_are_told_in_their_place(tmp_path):
-    from reports.drawing import of_cases
+    from reports.drawing import case_figures
 
     experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
     with Calls(1) as calls:
-        (told,) = of_cases.draw(experiment, tmp_path, calls)
+        (told,) = case_figures.draw(experiment, tmp_path, calls)
     assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
 
 
@@ -415,7 +418,7 @@ def points_of(path: str) -> list[tuple[float, float]]:
 @given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)), min_size=2, max_size=100))
 def test_small_paths_go_through_the_same_points(points):
     text = "M " + " \nL ".join(f"{x:.6f} {y:.6f}" for x, y in points) + " \nz\n"
-    told = files._path(text)
+    told = figure_files._path(text)
     off = 0.01 if len(points) < 30 else 0.06
     assert np.abs(np.array(points_of(told)) - points).max() <= off and told.endswith("z")
 
@@ -427,7 +430,7 @@ def test_small_files_keep_their_picture():
         '  <path d="M 0.125 3 \nC 1 2 3 4.56789 5 6" style="fill: none"/>\n  <use xlink:href="#m7f" x="1.239"/>\n'
         "  <text style=\"font: 9px 'DejaVu Sans', sans-serif; text-anchor: end\">0.123456</text>\n </g>\n</svg>\n"
     )
-    told = files.minify(svg)
+    told = figure_files.minify(svg)
     assert 'd="M1.23 0l1.27 0 0.5-1"' in told and 'd="M0.12 3C1 2 3 4.57 5 6"' in told
     assert '<use xlink:href="#i0" x="1.24"/>' in told and 'id="i0"' in told
     assert ">0.123456<" in told and "line2d_1" not in told and "<?xml" not in told

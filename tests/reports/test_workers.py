@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.running import workers
+from reports.running.processes import workers
 
 from .called import (
     ends_itself_at_first,
@@ -27,9 +27,9 @@ from .called import (
 WAYS = ("work", "raise", "exit", "vanish", "segfault", "hang", "flood", "forks", "garbage", "closes", "mumbles", "last")
 
 
-def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.Answer]]:
+def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.CallResult]]:
     """What the workers of a pool answer."""
-    pool = workers.Pool(jobs)
+    pool = workers.WorkerPool(jobs)
     try:
         return list(pool.run(function, calls, limit, **how))
     finally:
@@ -37,7 +37,7 @@ def run(function, calls, jobs=1, limit=60.0, **how) -> list[tuple[int, workers.A
 
 
 @pytest.fixture(scope="module")
-def answers() -> dict[str, workers.Answer]:
+def answers() -> dict[str, workers.CallResult]:
     # Two seconds are long for every way that ends by itself, and short to wait for the one that does not.
     calls = [(way,) for way in WAYS]
     return {WAYS[index]: answer for index, answer in run(misbehave, calls, jobs=2, limit=2.0)}
@@ -86,7 +86,7 @@ def test_output_is_captured_with_the_answer(answers):
 
 
 def test_an_answer_may_be_given_instead_of_a_call():
-    given = workers.Answer("done", value="given")
+    given = workers.CallResult("done", value="given")
     calls = run(misbehave, [("exit",), ("exit",)], skip=lambda index: given)
     assert calls == [(0, given), (1, given)]
 
@@ -101,7 +101,7 @@ def test_address_space_is_not_bounded():
 @pytest.mark.parametrize("then", ["return", "segfault", "hang", "vanish"])
 def test_a_process_with_a_session_of_its_own_ends_with_the_call_that_left_it(then, tmp_path, monkeypatch):
     monkeypatch.setenv("LEFT_BEHIND", str(tmp_path))
-    pool = workers.Pool(1)
+    pool = workers.WorkerPool(1)
     try:
         ((_, answer),) = pool.run(leave_behind, [(then,)], limit=2.0)
         assert answer.outcome == {"return": "done", "hang": "timed_out"}.get(then, "died")
@@ -140,7 +140,7 @@ def test_what_cannot_travel_is_told_in_both_directions():
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker ends with its own time")
 def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
     asked = f"list(Pool(1).run(linger, [(Path({str(tmp_path)!r}),)]))"
-    asking = f"from reports.running.workers import Pool; from tests.reports.called import *; {asked}"
+    asking = f"from reports.running.processes.workers import Pool; from tests.reports.called import *; {asked}"
     parent = subprocess.Popen([sys.executable, "-c", asking], cwd=Path(__file__).parents[2])
     wait_until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
     worker = Path("/proc") / (tmp_path / "pid").read_text()
@@ -151,7 +151,7 @@ def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
     # An ended process nobody has waited for yet stands in the list as a zombie.
     wait_until(lambda: not worker.exists() or "(zombie)" in (worker / "status").read_text())
     assert left.exists()
-    workers.Pool(1).close()
+    workers.WorkerPool(1).close()
     assert not left.exists(), "the next one sweeps what a killed one left"
 
 
@@ -194,7 +194,7 @@ def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
 
 
 def test_a_worker_that_was_started_ahead_makes_the_calls_and_few_brief_ones_start_no_other():
-    pool = workers.Pool(2)
+    pool = workers.WorkerPool(2)
     try:
         pool.begin(["", "engines"])
         told = [answer.value for _, answer in pool.run(prepared, [(i,) for i in range(6)], groups=[""] * 6, brief=True)]

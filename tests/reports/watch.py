@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 
 from reports.running.calls import Calls
-from reports.running.serving import Answer
+from reports.running.processes.worker_process import CallResult
 
 # Seconds that a look at the clock takes: far below every time that a test measures.
 TICK = 1e-9
@@ -62,10 +62,10 @@ class Watch:
 
             return work
 
-        def stripped(case, route, setting, without):
+        def bare_run(case, route, setting, without):
             return self.work(run * setting["cost"] * LEFT[without])
 
-        functions = dict(build=built, run=taking(run), read=taking(read), stripped=stripped)
+        functions = dict(build=built, run=taking(run), read=taking(read), bare_run=bare_run)
         return SimpleNamespace(**functions | more)
 
 
@@ -75,11 +75,11 @@ class Here:
     def __init__(self) -> None:
         self.made: list[tuple] = []
 
-    def run(self, function: Callable, arguments, *_) -> Iterator[tuple[int, Answer]]:
+    def run(self, function: Callable, arguments, *_) -> Iterator[tuple[int, CallResult]]:
         """Answers in the order of the calls."""
         for i, call in enumerate(arguments):
             self.made.append(call)
-            yield i, Answer("done", value=function(*call))
+            yield i, CallResult("done", value=function(*call))
 
     def close(self) -> None:
         """There is nothing to end."""

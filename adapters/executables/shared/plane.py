@@ -132,7 +132,7 @@ def steps(scene) -> tuple[int, float]:
 INSIDE = 0.999
 
 
-class Touch(NamedTuple):
+class PlaneContact(NamedTuple):
     """A place where a step of the engine's pushed the plate: the point (m), the contact's unit normal towards the
     plate, and the force on the plate (N)."""
 
@@ -156,7 +156,7 @@ class Touch(NamedTuple):
         return self.force[0] * self.along[0] + self.force[1] * self.along[1]
 
 
-class Motion:
+class MotionRows:
     """The rows of a motion, and the time it took from here.
 
     Poses and velocities stand at the same times. The forces of a row are those of the step that begins there; its slip
@@ -171,7 +171,7 @@ class Motion:
         # Slip at the end of the last step.
         self.slip: float | None = scene["start"]["slip"]
 
-    def note(self, t: float, pose, velocities, touches: list[Touch], after) -> None:
+    def note(self, t: float, pose, velocities, touches: list[PlaneContact], after) -> None:
         """A row: pose and velocities where a step begins, what touched in it, and the velocities `after` it."""
         push = sum(touch.pressed for touch in touches)
         self.rows.append((t, *pose, *velocities, self.slip, push, sum(touch.rubbed for touch in touches)))

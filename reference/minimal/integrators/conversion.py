@@ -15,7 +15,7 @@ import sympy as sp
 
 from cases import NotSupported
 
-from ..eliminated import T
+from ..elimination import T
 from ..system import System
 
 # Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
@@ -51,7 +51,7 @@ def nothing_on_disk() -> Iterator[None]:
         state.set_diskcache_enabled(enabled)
 
 
-def quickly_compiled(outputs: list, inputs: list):
+def compile_quickly(outputs: list, inputs: list):
     """Expressions as a compiled function of one array, without optimisation and for one input at a time: a third of the
     compilation's time, and a tenth of a microsecond a call."""
     with nothing_on_disk():
@@ -68,10 +68,10 @@ def variables(system: System) -> dict:
 def guards(system: System) -> tuple:
     """The system's guards as heyoka's expressions: its integrators need them, and what leaves a phase's start."""
     known = variables(system)
-    return tuple(converted(guard, known) for guard in system.guards.values())
+    return tuple(convert(guard, known) for guard in system.guards.values())
 
 
-def converted(expression: sp.Expr, known: dict):
+def convert(expression: sp.Expr, known: dict):
     """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero.
 
     A magnitude, which SymPy makes of a root of a square, is that root again: it is a speed |R_p|, which is never zero.

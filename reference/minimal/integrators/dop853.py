@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
-from ..ahead import good_part
+from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
 from ..series import EPS
@@ -93,7 +93,7 @@ def _slopes_at(parts: bytes) -> np.ndarray:
     return np.array(_weight_slopes(np.frombuffer(parts))).T
 
 
-class _Course:
+class _StepOutput:
     """A step by its dense output."""
 
     def __init__(self, piece: DenseOutput):
@@ -119,10 +119,10 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     The absolute tolerance is rtol times the state's natural sizes in the phase; rtol below 1e-13 is taken as
     1e-13, where DOP853 meets rounding.
     """
-    return _integrated(phase, t, y, end, rtol, MOST_CUTS)
+    return _integrate(phase, t, y, end, rtol, MOST_CUTS)
 
 
-def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -> Segment:
+def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -> Segment:
     """The same; `cuts`: how often the phase may still be cut where a guard has no value."""
     rates, parameters = phase.system.rates_of_numbers, phase.parameters
 
@@ -132,7 +132,7 @@ def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -
     rtol = max(rtol, 1e-13)
     atol = rtol * _scales(phase, t, y)
     if end <= t or not np.isfinite(atol).all():
-        return _ended(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
+        return _end_event(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
     first = _first_step(phase, rhs, t, y, end, rtol, atol)
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
@@ -142,7 +142,7 @@ def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -
         tries += _step(solver, phase, rtol)
         if solver.status == "failed":
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
-            return _ended(phase, times, pieces, event, solver.nfev)
+            return _end_event(phase, times, pieces, event, solver.nfev)
         piece = _dense_output(solver)
         found = None
         if phase.system.guards:
@@ -154,18 +154,18 @@ def _integrated(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -
             guard, when = found
             piece, event = _land(phase, rhs, piece, guard, when, rtol, atol)
             return Segment.of(
-                phase, np.array([*times, event.time]), _Joined(times, [*pieces, piece]), event, solver.nfev
+                phase, np.array([*times, event.time]), _PiecewiseOutput(times, [*pieces, piece]), event, solver.nfev
             )
         times.append(solver.t)
         pieces.append(piece)
         if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
-            return _ended(phase, times, pieces, event, solver.nfev)
+            return _end_event(phase, times, pieces, event, solver.nfev)
         if (len(pieces) >= MOST_LOOKED_AT or tries >= MOST_TRIED) and solver.status != "finished":
             event = Event(EXHAUSTED, float(solver.t), tuple(solver.y.tolist()))
-            return _ended(phase, times, pieces, event, solver.nfev)
+            return _end_event(phase, times, pieces, event, solver.nfev)
         if solver.status == "finished":
-            return _ended(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
+            return _end_event(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
 
 
 def _first_step(phase: Phase, rhs, t: float, y, end: float, rtol: float, atol: np.ndarray) -> float:
@@ -188,9 +188,9 @@ def _first_step(phase: Phase, rhs, t: float, y, end: float, rtol: float, atol: n
     return min(step / often, end - t)
 
 
-def _ended(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
+def _end_event(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
     """The segment of whole steps; of none, the state where it stopped."""
-    states = _Joined(times[:-1], pieces) if pieces else _Still(event.state)
+    states = _PiecewiseOutput(times[:-1], pieces) if pieces else _ConstantOutput(event.state)
     return Segment.of(phase, np.array(times), states, event, evaluations)
 
 
@@ -200,7 +200,7 @@ def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
     start, before, slope, tries = solver.t, solver.y, solver.f, 1
     solver.step()
     while phase.checks_steps and solver.status != "failed":
-        part = good_part(phase, _Course(solver.dense_output()), rtol, DEFECT * rtol**0.875)
+        part = good_part(phase, _StepOutput(solver.dense_output()), rtol, DEFECT * rtol**0.875)
         length = part * (solver.t - start)
         if part == 1.0 or length <= 10 * np.spacing(abs(start)):  # the shortest step of SciPy's method
             break
@@ -241,10 +241,10 @@ def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, ev
         low, high = (middle, high) if np.isfinite(values).all() else (low, middle)
     until = piece.t_old + piece.h * low
     if until <= piece.t_old or not cuts:
-        return _ended(phase, times, pieces, Event(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
-    rest = _integrated(phase, piece.t_old, piece.y_old, until, rtol, cuts - 1)
+        return _end_event(phase, times, pieces, Event(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
+    rest = _integrate(phase, piece.t_old, piece.y_old, until, rtol, cuts - 1)
     event = rest.event if rest.event.guard else rest.event._replace(guard=BREAKDOWN)
-    states = _Joined(times, [*pieces, rest.states])
+    states = _PiecewiseOutput(times, [*pieces, rest.states])
     return Segment.of(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
 
 
@@ -339,7 +339,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
             pieces.append(_dense_output(again))
     if again.status != "finished":
         reached = Event(EXHAUSTED if again.status == "running" else BREAKDOWN, float(again.t), tuple(again.y.tolist()))
-        return _Joined([p.t_old for p in pieces], pieces) if pieces else piece, reached
+        return _PiecewiseOutput([p.t_old for p in pieces], pieces) if pieces else piece, reached
     index = list(phase.system.guards).index(guard)
     part = (when - start) / whole
     inner = max(part - 1e-4, 0.0)
@@ -352,7 +352,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
         if abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(t) or t + correction <= start:
             break
         t, y = float(t + correction), _runge_kutta(rhs, t, y, correction)
-    return _Joined([p.t_old for p in pieces], pieces), Event(guard, t, tuple(y.tolist()))
+    return _PiecewiseOutput([p.t_old for p in pieces], pieces), Event(guard, t, tuple(y.tolist()))
 
 
 def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
@@ -365,7 +365,7 @@ def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Still:
+class _ConstantOutput:
     """Dense output of a phase without a step: it stays where it is."""
 
     state: tuple[float, ...]
@@ -375,7 +375,7 @@ class _Still:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Joined:
+class _PiecewiseOutput:
     """Dense output over several steps that begin at `starts`: times (n,) ↦ states (variables, n)."""
 
     starts: Sequence[float]

@@ -12,7 +12,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-class Pool:
+class IntegratorPool:
     """Equal integrators, as many as were ever in use at once.
 
     An integrator holds the time, state and parameters of the phase that it is at, so that no other phase may use it

@@ -11,10 +11,10 @@ from math import inf, ulp
 
 import numpy as np
 
-from ..ahead import Expansion, good_part
+from ..defect_check import Expansion, good_part
 from ..modes import Phase
 from ..system import System
-from .pool import Pool
+from .pool import IntegratorPool
 from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIED, Event, Segment
 
 try:
@@ -22,8 +22,8 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
-    from .conversion import build, converted, guards, nothing_on_disk, small, variables
-    from .leaving import Left, leave
+    from .conversion import build, convert, guards, nothing_on_disk, small, variables
+    from .first_step import FirstStep, leave
 
     AVAILABLE = True
     # What it compiled heyoka keeps for another of the same text, up to 2 GB; here equal systems are one.
@@ -50,16 +50,18 @@ CHUNK = 1000
 
 
 @lru_cache(maxsize=128)
-def compiled(system: System, tolerance: float, real: type = float, optimised: bool = False) -> Pool:
+def integrators_of(system: System, tolerance: float, real: type = float, optimised: bool = False) -> IntegratorPool:
     """The compiled integrators of a system, with one terminal event for each guard; `optimised` whatever that takes,
     for thousands of runs."""
     decided = (tolerance, real.__name__, hy.__version__, build(), *(("optimised",) if optimised else ()))
-    return Pool(lambda: system.kept("integrator", decided, lambda: _compiled(system, tolerance, real, optimised)))
+    return IntegratorPool(
+        lambda: system.kept("integrator", decided, lambda: _compile(system, tolerance, real, optimised))
+    )
 
 
-def _compiled(system: System, tolerance: float, real: type, optimised: bool):
+def _compile(system: System, tolerance: float, real: type, optimised: bool):
     known = variables(system)
-    equations = [(known[v], converted(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
+    equations = [(known[v], convert(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
     events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards(system)]
     # A product in quadruple precision is a call of a library: steps written out compile thirty times as long, and run
@@ -79,12 +81,12 @@ def _compiled(system: System, tolerance: float, real: type, optimised: bool):
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     """Compile the phase's equations for that tolerance."""
-    compiled(phase.system, tolerance_of(rtol))
+    integrators_of(phase.system, tolerance_of(rtol))
 
 
 def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
     """Compile the phase's equations in quadruple precision."""
-    compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
+    integrators_of(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
 
 
 @lru_cache(maxsize=256)
@@ -99,7 +101,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     for. Where a step may pass something over, or the loop finds no event to end at, they are taken one by one at once.
     """
     tolerance = tolerance_of(rtol)
-    integrators = compiled(phase.system, tolerance)
+    integrators = integrators_of(phase.system, tolerance)
     ended = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
     if ended is None:
         return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
@@ -110,21 +112,21 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
 
 def _again(phase: Phase, t: float, y, end: float, tolerance: float, ended: float, steps: int):
     """Times and dense output of a phase that the compiled loop carried to its end, in so many steps."""
-    integrators = compiled(phase.system, tolerance)
+    integrators = integrators_of(phase.system, tolerance)
     again = integrators.call(_one_by_one, phase, t, y, end, float, tolerance, most_steps=steps)
     return np.append(again.times[:-1], ended), again.states
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """The same in quadruple precision, start and end of the phase rounded to double; `rtol` is not looked at."""
-    integrators = compiled(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
+    integrators = integrators_of(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
     return integrators.call(_one_by_one, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
 
 
 def _at_once(integrator, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
     """What ends the phase and after how many steps, by heyoka's own loop; None where that does not tell."""
     _parametrise(integrator, phase, float)
-    left = _left(integrator, phase, t, y, end, float, tolerance)
+    left = _leave(integrator, phase, t, y, end, float, tolerance)
     if left.guard:
         return None
     outcome = int(integrator.step(min(end - left.time, left.longest))[0])
@@ -154,7 +156,7 @@ def _one_by_one(
 ) -> Segment:
     """The phase with all its steps."""
     _parametrise(integrator, phase, real)
-    left = _left(integrator, phase, t, y, end, real, tolerance)
+    left = _leave(integrator, phase, t, y, end, real, tolerance)
     guard = left.guard
     times, coefficients = ([t, left.time], [integrator.tc.astype(float)]) if left.steps else ([t], [])
     last, longest, tries = real(end), real(left.longest), 0
@@ -171,11 +173,11 @@ def _one_by_one(
             if int(outcome) not in (SUCCESS, TIME_LIMIT):
                 guard = _guard(int(outcome), phase)
                 if guard is None:
-                    return _broken(phase, times, coefficients, y)
+                    return _breakdown(phase, times, coefficients, y)
             elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
-                return _broken(phase, times, coefficients, y)
+                return _breakdown(phase, times, coefficients, y)
     event = Event(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
-    return Segment.of(phase, np.array(times), _Dense(times, coefficients, y), event, len(coefficients))
+    return Segment.of(phase, np.array(times), _TaylorOutput(times, coefficients, y), event, len(coefficients))
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
@@ -200,19 +202,19 @@ def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
     return outcome, tries
 
 
-def _broken(phase: Phase, times, coefficients, y) -> Segment:
+def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
     """The segment up to the last finite state, where numbers stopped being finite."""
     steps = len(coefficients) - 1
     # Towards a singularity the coefficients of quadruple precision outgrow doubles while the state is still finite.
     while steps > 1 and not np.all(np.isfinite(coefficients[steps - 1])):
         steps -= 1
-    states = _Dense(times[: steps + 1], coefficients[:steps], y)
+    states = _TaylorOutput(times[: steps + 1], coefficients[:steps], y)
     last = times[steps]
     event = Event(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
 
 
-def _left(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> Left:
+def _leave(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> FirstStep:
     """The phase's start, left by its own Taylor polynomial; the integrator stands there then."""
     _set(integrator, t, y, real)
     integrator.step(real(0.0), True)
@@ -234,7 +236,7 @@ def _set(integrator, t: float, y, real: type) -> None:
         integrator.reset_cooldowns()
 
 
-class _Dense:
+class _TaylorOutput:
     """The steps' own Taylor polynomials, t ↦ states (variables, n).
 
     Two arrays and no closures: of 10⁵ phases each object is one more that the garbage collector walks through.
@@ -262,7 +264,7 @@ class _Dense:
 
 
 @lru_cache(maxsize=16)
-def _rows(dense: _Dense, i: int) -> tuple[float, list[list[float]]]:
+def _rows(dense: _TaylorOutput, i: int) -> tuple[float, list[list[float]]]:
     """When one step starts, and its polynomials from the highest power down, without what vanishes there."""
     own = dense.by_power[:, :, i]
     used = max(np.flatnonzero(own.any(axis=1)), default=0) + 1

@@ -10,8 +10,8 @@ import matplotlib
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from ...drawing.files import Drawn, save
-from ...drawing.style import FAINT, STYLE, Looks
+from ...drawing.figure_files import FigureEntry, save
+from ...drawing.style import FAINT, STYLE, LineStyles
 from ...running.records import REFERENCE
 from .measure import SCENES, stages
 
@@ -24,7 +24,7 @@ _WORDS = (
 )
 
 
-def draw(rows: Sequence[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
+def draw(rows: Sequence[dict[str, Any]], folder: Path) -> Iterator[FigureEntry]:
     """Write one figure for each scene; yields the entries of the figures."""
     with matplotlib.rc_context(STYLE):
         for scene in SCENES:
@@ -36,7 +36,7 @@ def draw(rows: Sequence[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
 def _figure(scene: str, rows: Sequence[dict[str, Any]]) -> Figure:
     names = [stage.effect for stage in stages(scene)]
     figure, (above, below) = plt.subplots(2, 1, figsize=(8.0, 6.0), sharex=True, height_ratios=(3, 2))
-    looks = Looks((row["solver"], row["route"]) for row in rows)
+    looks = LineStyles((row["solver"], row["route"]) for row in rows)
     solver_routes = sorted(
         {(row["solver"], row["route"]) for row in rows if row["outcome"] == "done"},
         key=lambda w: (w[0] != REFERENCE, w),

@@ -33,13 +33,13 @@ from cases import (
 from cases import curves as c
 from cases.library import circle
 
-from ...running.calls import Calls, Keep
-from ...running.clock import UNTIMED, Contestant, Timing
+from ...running.calls import Calls, StorePolicy
 from ...running.experiment import offers
 from ...running.records import REFERENCE
 from ...running.solvers import solver
-from ...running.tasks import timed
-from ...running.timings import time_together
+from ...running.tasks import run_on_clock
+from ...running.timing.clock import UNTIMED, Contestant, Timing
+from ...running.timing.timings import time_together
 
 # Wall-clock budget in seconds for the timings of a scene: a stage takes milliseconds in the reference, and up to a
 # second in an engine.
@@ -57,7 +57,7 @@ class Stage(NamedTuple):
     case: Case
 
 
-class Probe(NamedTuple):
+class StageResult(NamedTuple):
     """A solver's result for a stage: outcome and reason, setting, end (s, m), path (s, m), and work done."""
 
     outcome: str
@@ -75,7 +75,7 @@ class Probe(NamedTuple):
 def stages(scene: str) -> tuple[Stage, ...]:
     """The stages of a scene of `SCENES`, from gravity alone to all its effects."""
     make, effects = SCENES[scene]
-    cases = [replace(make(_merged(effects[: i + 1])), name=f"{scene}, stage {i}") for i in range(len(effects))]
+    cases = [replace(make(_merge(effects[: i + 1])), name=f"{scene}, stage {i}") for i in range(len(effects))]
     return tuple(Stage(_name(e, effects[:i]), case) for i, (e, case) in enumerate(zip(effects, cases, strict=True)))
 
 
@@ -84,7 +84,7 @@ def _name(effect: Effect, before: Sequence[Effect]) -> str:
     return "static friction" if again else type(effect).__name__
 
 
-def _merged(effects: Sequence[Effect]) -> tuple[Effect, ...]:
+def _merge(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     """The effects, with each later effect of the same class replacing the earlier one."""
     return tuple({type(effect): effect for effect in effects}.values())
 
@@ -121,18 +121,18 @@ SCENES: dict[str, tuple[Callable[[tuple[Effect, ...]], Case], tuple[Effect, ...]
 # --- results ----------------------------------------------------------------------------------------------------------
 
 
-def probe(case: Case, name: str, route: str, setting: Setting) -> Probe:
+def probe(case: Case, name: str, route: str, setting: Setting) -> StageResult:
     """Run one stage by one route of a solver."""
     try:
-        motion = timed(solver(name), case, route, setting)
+        motion = run_on_clock(solver(name), case, route, setting)
     except NotSupported as refusal:
-        return Probe("refused", str(refusal), setting)
+        return StageResult("refused", str(refusal), setting)
     path = np.linspace(motion.t[0], motion.t[-1], 201)
     state = motion(path)
     x, y = np.asarray(state.x), np.asarray(state.y)
     if not np.all(np.isfinite([x, y])):
-        return Probe("wrong", "its motion is not finite", setting)
-    return Probe(
+        return StageResult("wrong", "its motion is not finite", setting)
+    return StageResult(
         "done", "", setting, (float(motion.t[-1]), float(motion.x[-1]), float(motion.y[-1])),
         (path, x, y), motion.status, len(motion.transitions), motion.cost.evaluations,
         motion.cost.wall_s + motion.cost.setup_s,
@@ -144,7 +144,7 @@ def _middle(ladder: Sequence[Setting]) -> Setting:
 
 
 @lru_cache
-def compiled(case: Case) -> tuple[int, int]:
+def compiled_size(case: Case) -> tuple[int, int]:
     """Operation count of the case's largest compiled mode of contact (rates and events, after elimination of common
     subexpressions), and the largest number of events monitored in a mode."""
     import sympy as sp
@@ -162,16 +162,16 @@ def compiled(case: Case) -> tuple[int, int]:
 
 # --- costs ------------------------------------------------------------------------------------------------------------
 
-Who = tuple[int, str, str]  # stage, solver, route
+RouteKey = tuple[int, str, str]  # stage, solver, route
 
 
 def measure(solvers: Sequence[str], budget: float, calls: Calls) -> list[dict[str, Any]]:
     """The rows of all scenes: one for each stage and route, timed within `budget` wall-clock seconds per scene."""
     with calls.alone() as alone:
-        return [row for scene in SCENES for row in _priced(scene, solvers, budget, calls, alone)]
+        return [row for scene in SCENES for row in _price(scene, solvers, budget, calls, alone)]
 
 
-def _priced(scene: str, solvers: Sequence[str], budget: float, calls: Calls, alone: Calls) -> Iterator[dict[str, Any]]:
+def _price(scene: str, solvers: Sequence[str], budget: float, calls: Calls, alone: Calls) -> Iterator[dict[str, Any]]:
     """The rows of a scene, timed in the only running worker `alone`; for the second scene its imports are done."""
     probes = dict(_probes(scene, solvers, calls))
     cases = [stage.case for stage in stages(scene)]
@@ -186,29 +186,31 @@ def _priced(scene: str, solvers: Sequence[str], budget: float, calls: Calls, alo
         yield _row(scene, key, probes, timings)
 
 
-def _probes(scene: str, solvers: Sequence[str], calls: Calls) -> Iterator[tuple[Who, Probe]]:
+def _probes(scene: str, solvers: Sequence[str], calls: Calls) -> Iterator[tuple[RouteKey, StageResult]]:
     """The result of every route for every stage."""
     cases = [stage.case for stage in stages(scene)]
     labels = [case.label for case in cases]
-    todo: list[tuple[Who, tuple]] = []
+    todo: list[tuple[RouteKey, tuple]] = []
     for (label, name), of_routes in offers(cases, solvers, calls).items():
         for offer in of_routes:
             key = (labels.index(label), name, offer.route)
             if offer.outcome or not offer.settings:
-                yield key, Probe(offer.outcome or "refused", offer.reason or "it offers no setting for this case")
+                yield key, StageResult(offer.outcome or "refused", offer.reason or "it offers no setting for this case")
             else:
                 todo.append((key, (cases[key[0]], name, offer.route, _middle(offer.settings))))
-    answers = calls.all(f"effects {scene}", probe, [call for _, call in todo], limit=LIMIT, keep=Keep())
+    answers = calls.all(f"effects {scene}", probe, [call for _, call in todo], limit=LIMIT, keep=StorePolicy())
     for (key, call), answer in zip(todo, answers, strict=True):
-        yield key, answer.value if answer.outcome == "done" else Probe(*answer.failure, call[3])
+        yield key, answer.value if answer.outcome == "done" else StageResult(*answer.failure, call[3])
 
 
-def _row(scene: str, key: Who, probes: dict[Who, Probe], timings: dict[Who, Timing]) -> dict[str, Any]:
+def _row(
+    scene: str, key: RouteKey, probes: dict[RouteKey, StageResult], timings: dict[RouteKey, Timing]
+) -> dict[str, Any]:
     stage, name, route = key
     current, case = probes[key], stages(scene)[stage].case
     before = probes.get((stage - 1, name, route))
     timing, first = timings.get(key, UNTIMED), timings.get((0, name, route), UNTIMED)
-    operations, events = compiled(case) if name == REFERENCE else (nan, nan)
+    operations, events = compiled_size(case) if name == REFERENCE else (nan, nan)
     return {
         "scene": scene,
         "effect": stages(scene)[stage].effect,
@@ -234,7 +236,7 @@ def _row(scene: str, key: Who, probes: dict[Who, Probe], timings: dict[Who, Timi
     }
 
 
-def change(before: Probe, now: Probe) -> float:
+def change(before: StageResult, now: StageResult) -> float:
     """The largest distance (m) of the centre from the motion without the effect; after its end, a motion stays put."""
     if not (before.path and now.path):
         return nan

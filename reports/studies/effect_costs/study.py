@@ -44,7 +44,18 @@ TABLES = {
     )
 }
 # Columns shown in the terminal.
-_SHOWN = ("scene", "effect", "solver", "route", "outcome", "cpu_s", "cpu_to_first", "operations", "events", "change_m")
+_TERMINAL_COLUMNS = (
+    "scene",
+    "effect",
+    "solver",
+    "route",
+    "outcome",
+    "cpu_s",
+    "cpu_to_first",
+    "operations",
+    "events",
+    "change_m",
+)
 
 
 def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
@@ -61,4 +72,4 @@ def summary(findings: Sequence[dict[str, Any]]) -> str:
     """The columns that fit on a screen."""
     from tabulate import tabulate
 
-    return tabulate([[row[name] for name in _SHOWN] for row in findings], _SHOWN, floatfmt=".3g")
+    return tabulate([[row[name] for name in _TERMINAL_COLUMNS] for row in findings], _TERMINAL_COLUMNS, floatfmt=".3g")

@@ -13,9 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ...drawing.files import Drawn, file_name, save
+from ...drawing.figure_files import FigureEntry, file_name, save
 from ...drawing.style import STYLE
-from .measure import QUANTITIES, Cell, Grid, advice, by_route
+from .measure import QUANTITIES, ErrorCell, Grid, advice, by_route
 
 _WORDS = (
     "The parts of an error",
@@ -25,10 +25,10 @@ _WORDS = (
     "result.",
 )
 # The third quantity would repeat the second: a motion that loses energy ends at another position.
-_SHOWN = ("first_transition_time", "energy_lost")
+_QUANTITIES = ("first_transition_time", "energy_lost")
 
 
-def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
+def draw(cells: Sequence[ErrorCell], folder: Path) -> Iterator[FigureEntry]:
     """Write a figure for each case with a grid; yields the entries of the figures."""
     with matplotlib.rc_context({**STYLE, "axes.grid": False}):
         for case in dict.fromkeys(cell.case for cell in cells if cell.setting.keys()):
@@ -45,10 +45,10 @@ def maps(grids: dict[str, Grid], title: str) -> Figure:
     """A figure with a row of maps for each quantity and a column for each route."""
     widths = [max(4, len(_columns(grid))) for grid in grids.values()]
     figure, axes = plt.subplots(
-        len(_SHOWN), len(grids), figsize=(0.44 * sum(widths) + 2.0, 6.2), layout="constrained", squeeze=False,
+        len(_QUANTITIES), len(grids), figsize=(0.44 * sum(widths) + 2.0, 6.2), layout="constrained", squeeze=False,
         width_ratios=widths,
     )  # fmt: skip
-    for quantity, line in zip(_SHOWN, axes, strict=True):
+    for quantity, line in zip(_QUANTITIES, axes, strict=True):
         sizes = [_size(grid, place, quantity) for grid in grids.values() for place in grid.cells]
         positive = [size for size in sizes if isfinite(size) and size > 0.0]
         norm = LogNorm(min(positive), max(positive)) if positive and min(positive) < max(positive) else None

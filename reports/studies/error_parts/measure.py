@@ -24,12 +24,12 @@ from adapters import Setting
 from cases import Case, Trajectory, mechanics
 
 from ...judging import ledger
-from ...running.calls import Calls, Keep
+from ...running.calls import Calls, StorePolicy
 from ...running.experiment import find_truths, offers
+from ...running.processes.worker_process import CallResult
 from ...running.records import Offer, Truth
-from ...running.serving import Answer
 from ...running.solvers import solver
-from ...running.tasks import reading_of, timed, true_motion
+from ...running.tasks import reading_of, run_on_clock, true_motion
 
 QUANTITIES = {"first_transition_time": "s", "energy_lost": "J", "final_centre": "m"}
 # The cases of a default report: the paper's application, in which facets, stiffness and regularisation all matter, and
@@ -44,7 +44,7 @@ _LAST_STEPS = 2.5
 
 
 @dataclass(frozen=True)
-class Cell:
+class ErrorCell:
     """One setting of a grid and its outcome: "right", "wrong", "refused", "crashed" or "timed_out".
 
     `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN if there is none.
@@ -62,22 +62,22 @@ class Cell:
 # --- measuring --------------------------------------------------------------------------------------------------------
 
 
-def measure(cases: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[Cell]:
+def measure(cases: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[ErrorCell]:
     """Run every grid of every route of the solvers on every case."""
     truths = find_truths(cases, calls)
     by_label = {case.label: case for case in cases}
-    cells: list[Cell] = []
+    cells: list[ErrorCell] = []
     todo: list[tuple[Case, str, str, Setting, Truth]] = []
     for (label, name), of_routes in offers(cases, solvers, calls, "grid").items():
         for offer in of_routes:
             outcome, reason = _excuse(offer, truths[label])
             if outcome:
-                cells.append(Cell(label, name, offer.route, Setting.of(), outcome, reason))
+                cells.append(ErrorCell(label, name, offer.route, Setting.of(), outcome, reason))
             todo += [
                 (by_label[label], name, offer.route, setting, truths[label])
                 for setting in (() if outcome else offer.settings)
             ]
-    answers = calls.all("error parts", errors, todo, limit=LIMIT_SECONDS, keep=Keep())
+    answers = calls.all("error parts", errors, todo, limit=LIMIT_SECONDS, keep=StorePolicy())
     return cells + [_cell(call, answer) for call, answer in zip(todo, answers, strict=True)]
 
 
@@ -90,14 +90,14 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str]:
     return ("", "") if offer.settings else ("refused", "its model has no parameter except the step")
 
 
-def _cell(call: tuple, answer: Answer) -> Cell:
+def _cell(call: tuple, answer: CallResult) -> ErrorCell:
     case, name, route, setting, _ = call
-    return Cell(case.label, name, route, setting, *(answer.value if answer.outcome == "done" else answer.failure))
+    return ErrorCell(case.label, name, route, setting, *(answer.value if answer.outcome == "done" else answer.failure))
 
 
 def errors(case: Case, name: str, route: str, setting: Setting, truth: Truth) -> tuple[str, str, dict[str, np.ndarray]]:
     """One run of the grid, in a worker: outcome, reason, and its signed errors by quantity."""
-    motion = timed(solver(name), case, route, setting)
+    motion = run_on_clock(solver(name), case, route, setting)
     matched = ledger.match(truth.transitions, reading_of(case, motion).transitions)
     first = next((row.error for row in matched if row.event == 1 and row.verdict != "spurious"), nan)
     wrong = [row.verdict for row in matched if row.verdict != "matched"]
@@ -129,7 +129,7 @@ def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.nd
 class Grid:
     """A route's cells by the indices of their values on each parameter's scale, coarse to fine; `h` is first."""
 
-    def __init__(self, cells: Sequence[Cell]):
+    def __init__(self, cells: Sequence[ErrorCell]):
         values: dict[str, list] = {}
         for cell in cells:
             for parameter, value in dict(cell.setting).items():
@@ -169,7 +169,7 @@ class Grid:
         return [at + (parameter == other) for other, at in zip(self.parameters, place, strict=True)]
 
 
-class Parts(NamedTuple):
+class ErrorParts(NamedTuple):
     """An error's parts, which add up to `total`, along the direction of the total error; in the quantity's unit.
 
     `parameter_parts`: the part of each model parameter with all others at their finest, defined like the model part.
@@ -183,7 +183,7 @@ class Parts(NamedTuple):
     parameter_parts: dict[str, float]
 
 
-def parts(grid: Grid, place: Sequence[int], quantity: str) -> Parts:
+def parts(grid: Grid, place: Sequence[int], quantity: str) -> ErrorParts:
     """The parts of the error at a place of the grid."""
     total = grid.error(place, quantity)
     size = float(np.linalg.norm(total))
@@ -198,7 +198,7 @@ def parts(grid: Grid, place: Sequence[int], quantity: str) -> Parts:
     whole, corner = float(np.dot(total, direction)), float(np.dot(base, direction))
     step_part, model_part = along(["h"]), along(model)
     single = {parameter: along([parameter]) for parameter in model}
-    return Parts(whole, corner, step_part, model_part, whole - corner - step_part - model_part, single)
+    return ErrorParts(whole, corner, step_part, model_part, whole - corner - step_part - model_part, single)
 
 
 def advice(grid: Grid, place: Sequence[int], quantity: str) -> tuple[str, str]:
@@ -218,7 +218,7 @@ def advice(grid: Grid, place: Sequence[int], quantity: str) -> tuple[str, str]:
     return ("all" if helps else "none"), " ".join(worse)
 
 
-def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
+def rows(cells: Sequence[ErrorCell]) -> list[dict[str, Any]]:
     """One row per case, route, quantity and setting; one per unsupported route."""
     table_rows = []
     for key, group in by_route(cells).items():
@@ -226,13 +226,13 @@ def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
         grid = Grid(group)
         for quantity in QUANTITIES if grid.parameters else ("",):
             for cell in group:
-                row = {**common, "quantity": quantity, "setting": _varied(grid, cell.setting)}
-                row |= _told(grid, cell, quantity)
+                row = {**common, "quantity": quantity, "setting": _vary(grid, cell.setting)}
+                row |= _reason(grid, cell, quantity)
                 table_rows.append({**row, "outcome": cell.outcome, "reason": cell.reason})
     return table_rows
 
 
-def _told(grid: Grid, cell: Cell, quantity: str) -> dict[str, Any]:
+def _reason(grid: Grid, cell: ErrorCell, quantity: str) -> dict[str, Any]:
     if not grid.parameters:
         blank = {name: nan for name in ("total", "finest_error", "step_part", "model_part", "interaction")}
         return {**blank, "model_parts": "", "turn_next": "", "makes_worse": ""}
@@ -244,14 +244,14 @@ def _told(grid: Grid, cell: Cell, quantity: str) -> dict[str, Any]:
     return {**numbers, "model_parts": words, "turn_next": turn, "makes_worse": worse}
 
 
-def _varied(grid: Grid, setting: Setting) -> Setting:
+def _vary(grid: Grid, setting: Setting) -> Setting:
     """The setting reduced to the parameters that differ within the grid."""
     return Setting.of(**{parameter: setting[parameter] for parameter in setting.keys() if parameter in grid.parameters})
 
 
-def by_route(cells: Sequence[Cell]) -> dict[tuple[str, str, str], list[Cell]]:
+def by_route(cells: Sequence[ErrorCell]) -> dict[tuple[str, str, str], list[ErrorCell]]:
     """The cells of each case, solver and route."""
-    groups: dict[tuple[str, str, str], list[Cell]] = {}
+    groups: dict[tuple[str, str, str], list[ErrorCell]] = {}
     for cell in cells:
         groups.setdefault((cell.case, cell.solver, cell.route), []).append(cell)
     return groups

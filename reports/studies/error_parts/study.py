@@ -9,7 +9,7 @@ from ...running.calls import Calls
 from .. import Request
 from . import measure
 from .figure import draw as draw
-from .measure import Cell
+from .measure import ErrorCell
 
 TITLE = "The parts of an error"
 QUESTION = (
@@ -42,11 +42,11 @@ TABLES = {
 }
 
 
-def run(request: Request, calls: Calls) -> list[Cell]:
+def run(request: Request, calls: Calls) -> list[ErrorCell]:
     """The cells of all grids."""
     return measure.measure(request.cases_or(measure.CASES), request.engines, calls)
 
 
-def rows(cells: list[Cell]) -> dict[str, list[dict[str, Any]]]:
+def rows(cells: list[ErrorCell]) -> dict[str, list[dict[str, Any]]]:
     """The table of parts."""
     return {"error_parts": measure.rows(cells)}

@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib
 from matplotlib import pyplot as plt
 
-from ...drawing.files import Drawn, save
+from ...drawing.figure_files import FigureEntry, save
 from ...drawing.style import STYLE, logarithmic, ordinal
 from .measure import FORMULATIONS
 
@@ -22,7 +22,7 @@ _WORDS = (
 )
 
 
-def draw(rows: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
+def draw(rows: list[dict[str, Any]], folder: Path) -> Iterator[FigureEntry]:
     """Write the figure to the folder; yields its entry."""
     names = list(dict.fromkeys(row["scene"] for row in rows))
     with matplotlib.rc_context(STYLE):

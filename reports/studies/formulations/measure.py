@@ -27,7 +27,7 @@ from reference.minimal.modes import Regime, phase
 from reference.paper.augmented import assemble, constraints, solve_augmented
 from reference.paper.kinematics import Kinematics, U, kinematics
 
-from ...running.calls import Calls, Keep
+from ...running.calls import Calls, StorePolicy
 
 FORMULATIONS = (
     "ten coordinates",
@@ -45,7 +45,7 @@ BAUMGARTE = 50.0
 _CORRECTIONS = 2
 
 
-class Answer(NamedTuple):
+class Integration(NamedTuple):
     """A run: times, the ten coordinates at the steps' ends (10, n), evaluations of (27), CPU seconds."""
 
     t: np.ndarray
@@ -83,22 +83,22 @@ def _ellipse_in_ellipse(friction: CoulombFriction | None, slip: float, duration:
 # --- the formulations -------------------------------------------------------------------------------------------------
 
 
-def solve(case: Case, mode: Mode, formulation: str, rtol: float) -> Answer:
+def solve(case: Case, mode: Mode, formulation: str, rtol: float) -> Integration:
     """The case in one mode from start to end by one of `FORMULATIONS`; raises FloatingPointError if it breaks down."""
     if formulation.endswith("eliminated"):
         prepare(phase(case, Regime(mode)))  # derivations count as set-up, like the building of an engine's model
     began = time.process_time()
     if formulation.startswith("independent"):
         t, states, evaluations = _independent(case, mode, rtol, formulation.endswith("eliminated"))
-        return Answer(t, _completed(case, states), evaluations, time.process_time() - began)
+        return Integration(t, _complete(case, states), evaluations, time.process_time() - began)
     stabilise = BAUMGARTE if formulation == "ten with Baumgarte" else 0.0
 
     def rates(t, y):
         return np.concatenate([y[5:], _accelerations(case, mode, t, y, stabilise)])
 
-    correct = _projected if formulation == "ten with projection" else None
+    correct = _project if formulation == "ten with projection" else None
     t, states, evaluations = _march(rates, _start(case), case, rtol, correct)
-    return Answer(t, states, evaluations, time.process_time() - began)
+    return Integration(t, states, evaluations, time.process_time() - began)
 
 
 def _independent(case: Case, mode: Mode, rtol: float, eliminated: bool):
@@ -141,7 +141,7 @@ def _start(case: Case) -> np.ndarray:
     return np.array([s.x, s.y, s.theta, s.xi1, s.xi2, s.vx, s.vy, s.omega, s.xi1_dot, s.xi2_dot])
 
 
-def _completed(case: Case, states: np.ndarray) -> np.ndarray:
+def _complete(case: Case, states: np.ndarray) -> np.ndarray:
     """The ten coordinates computed from the independent ones by (5), (6), (8), (9)."""
     x, y, theta = pose(case, states[0], states[1])
     rest = [plate_rates(case, state) for state in states.T]
@@ -178,7 +178,7 @@ def _accelerations(case: Case, mode: Mode, t: float, y: np.ndarray, stabilise: f
     return np.linalg.solve(matrix, right)[:5]
 
 
-def _projected(case: Case, y: np.ndarray) -> np.ndarray:
+def _project(case: Case, y: np.ndarray) -> np.ndarray:
     """The nearest state in contact: positions by Newton's method with least change, then velocities by one solve."""
     y = y.copy()
     for _ in range(_CORRECTIONS):
@@ -196,7 +196,7 @@ def _projected(case: Case, y: np.ndarray) -> np.ndarray:
 def measure(tolerances: Sequence[float], calls: Calls) -> list[dict[str, Any]]:
     """One row per scene, formulation and tolerance."""
     requests = [(name, formulation, rtol) for name in SCENES for formulation in FORMULATIONS for rtol in tolerances]
-    answers = calls.all("formulations", drift, requests, keep=Keep())
+    answers = calls.all("formulations", drift, requests, keep=StorePolicy())
     return [
         dict(zip(("scene", "formulation", "rtol"), call, strict=True))
         | (answer.value | {"outcome": "done", "reason": ""} if answer.outcome == "done" else _nothing(*answer.failure))

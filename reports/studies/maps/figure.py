@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...drawing.files import Drawn, save
+from ...drawing.figure_files import FigureEntry, save
 from ...running.records import REFERENCE
 from ...sweeping import maps
 from ...sweeping.folder import Folder
@@ -14,7 +14,7 @@ from ...sweeping.run import ROWS
 from .measure import MARKS, Map
 
 
-def draw(findings: list[Map], folder: Path) -> Iterator[Drawn]:
+def draw(findings: list[Map], folder: Path) -> Iterator[FigureEntry]:
     """Write the figures to the folder; yields their entries."""
     for each in findings:
         kind = ROWS if each.solver == REFERENCE else f"{each.solver}.{each.route}"

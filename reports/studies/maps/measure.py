@@ -10,12 +10,12 @@ from pyarrow import parquet
 
 from reference.sweeping import Plan, plan
 
-from ...running.calls import Calls, Keep
+from ...running.calls import Calls, StorePolicy
 from ...running.records import REFERENCE
 from ...running.solvers import routes
 from ...sweeping import parts
 from ...sweeping.maps import Mark, kind
-from ...sweeping.parts import Work
+from ...sweeping.parts import SweepWork
 from ...sweeping.run import scene
 
 # The paper's coefficients, with release at ξ₁ = 0, which its text does not state.
@@ -26,7 +26,7 @@ CHUNK, FEW = 4000, 50
 # Time limit of a part, in seconds.
 PATIENCE = 600.0
 # A plan contains only the name of its case, so the key also contains the code that defines the case.
-_KEEP = Keep(of=lambda work, start, stop: (work, start, stop, scene(work.plan)))
+_KEEP = StorePolicy(of=lambda work, start, stop: (work, start, stop, scene(work.plan)))
 
 
 class Map(NamedTuple):
@@ -59,13 +59,13 @@ def _plan(mus: int, starts: int) -> Plan:
     return plan("disc_in_circle", {"mu": f"0.01:0.4:{mus}", "xi1": f"0:1.5:{starts}"})
 
 
-def some_rows(work: Work, start: int, stop: int) -> np.ndarray:
+def some_rows(work: SweepWork, start: int, stop: int) -> np.ndarray:
     """The bytes of a part as an array, the form that the store accepts."""
     return np.frombuffer(parts.perform(work, start, stop), dtype=np.uint8)
 
 
 def _map(sweep_plan: Plan, solver: str, route: str, length: int, calls: Calls) -> Map:
-    work = Work(sweep_plan, solver, route)
+    work = SweepWork(sweep_plan, solver, route)
     pieces = [(start, min(start + length, len(sweep_plan))) for start in range(0, len(sweep_plan), length)]
     title = f"map of {' '.join(filter(None, (solver, route)))}"
     answers = calls.all(title, some_rows, [(work, *piece) for piece in pieces], limit=PATIENCE, keep=_KEEP)
@@ -73,9 +73,9 @@ def _map(sweep_plan: Plan, solver: str, route: str, length: int, calls: Calls) -
     failures = tuple(a.failure[1] for a in answers if a.outcome != "done")
     for (start, stop), answer in zip(pieces, answers, strict=True):
         if answer.outcome != "done":  # one row per scenario, so that none is missing
-            rows = [parts.failed(work, i, *answer.failure) for i in range(start, stop)]
+            rows = [parts.failure_text(work, i, *answer.failure) for i in range(start, stop)]
             tables = [parquet.read_table(pa.BufferReader(row)) for row in rows]
-            contents[start] = parts.packed(pa.concat_tables(tables))
+            contents[start] = parts.pack(pa.concat_tables(tables))
     return Map(solver, route, sweep_plan, contents, failures)
 
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ...analysis.columns import Table
-from ...drawing.files import Drawn
+from ...drawing.figure_files import FigureEntry
 from ...running.calls import ASKING_SECONDS, Calls
+from ...running.processes.worker_process import CallResult
 from ...running.records import REFERENCE
-from ...running.serving import Answer
 from ...running.solvers import names as all_solvers
 from ...running.solvers import solver
 from .. import Request
@@ -66,7 +66,7 @@ def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
     return [row for name, answer in zip(engines, answers, strict=True) for row in _rows_of(name, answer)]
 
 
-def _rows_of(name: str, answer: Answer) -> list[dict[str, Any]]:
+def _rows_of(name: str, answer: CallResult) -> list[dict[str, Any]]:
     if answer.outcome == "done":
         return answer.value
     outcome, reason = answer.failure
@@ -78,7 +78,7 @@ def rows(findings: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
     return {"meanings": findings}
 
 
-def draw(findings: list[dict[str, Any]], folder: Path) -> Iterator[Drawn]:
+def draw(findings: list[dict[str, Any]], folder: Path) -> Iterator[FigureEntry]:
     """Write no figure: the study is a table."""
     yield from ()
 

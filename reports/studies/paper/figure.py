@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from reference.paper.application import slip_end
 
-from ...drawing.files import Drawn, save
+from ...drawing.figure_files import FigureEntry, save
 from ...drawing.style import FAINT, STYLE, logarithmic, ordinal
 from .measure import COEFFICIENTS, FIGURED, QUANTITIES, Paper
 
@@ -95,7 +95,7 @@ _PICTURES: tuple[tuple[str, Callable[[Paper], Figure], str, str], ...] = (
 )
 
 
-def draw(findings: Paper, folder: Path) -> Iterator[Drawn]:
+def draw(findings: Paper, folder: Path) -> Iterator[FigureEntry]:
     """Write the figures to the folder; yields their entries."""
     for name, make, title, caption in _PICTURES:
         yield save(make(findings), folder, name, "", title, caption)

@@ -14,7 +14,7 @@ import cases
 import reference
 from cases import Mode, Trajectory
 from reference.paper.application import rolls_beyond, slip_end
-from reference.paper.lines import LINES
+from reference.paper.equation_list import LINES
 
 from ...running.records import Row
 

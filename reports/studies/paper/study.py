@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...analysis.columns import Table
-from ...running.calls import Calls, Keep
+from ...running.calls import Calls, StorePolicy
 from .. import Request
 from .figure import draw as draw
 from .measure import Paper, measure
@@ -50,7 +50,7 @@ TABLES = {
 
 def run(request: Request, calls: Calls) -> Paper:
     """All findings, computed in one call."""
-    (answer,) = calls.all("the paper", measure, [()], keep=Keep())
+    (answer,) = calls.all("the paper", measure, [()], keep=StorePolicy())
     if answer.outcome != "done":
         raise RuntimeError(answer.reason)
     return answer.value

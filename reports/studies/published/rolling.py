@@ -21,7 +21,7 @@ _SLIP = sqrt((_SPIN * _R) ** 2 + _V0**2)
 _UX, _UZ = _SPIN * _R / _SLIP, _V0 / _SLIP
 
 
-def _bowled() -> Case:
+def _bowl() -> Case:
     along = _V0 * _UZ
     effects = (Gravity(9.8), CoulombFriction(0.12), Unilateral())
     plate = Plate(circle(_R), 6.35, 0.0296)
@@ -67,7 +67,7 @@ def _bowling() -> Publication:
         "github.com/RobotLocomotion/drake, multibody/benchmarks/bowling_ball/test/bowling_ball_analytical_solution_test"
         ".cc, BowlingBallSlidingToRolling (numbers of MotionGenesis), commit 7302312",
         "its test's bounds on the largest difference from the closed form",
-        _bowled,
+        _bowl,
         tuple(numbers),
         whole=True,
     )

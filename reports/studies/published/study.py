@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...analysis.columns import Table
-from ...drawing.files import Drawn
-from ...running.calls import Calls, Keep
+from ...drawing.figure_files import FigureEntry
+from ...running.calls import Calls, StorePolicy
 from ...running.records import Row
 from .. import Request
 from . import COLUMNS, PUBLICATIONS
@@ -30,7 +30,7 @@ def of_one(index: int) -> list[Row]:
 
 def run(request: Request, calls: Calls) -> list[Row]:
     """The rows of all publications; one that could not be computed has a row with the reason."""
-    answers = calls.all("published numbers", of_one, [(i,) for i in range(len(PUBLICATIONS))], keep=Keep())
+    answers = calls.all("published numbers", of_one, [(i,) for i in range(len(PUBLICATIONS))], keep=StorePolicy())
     table_rows: list[Row] = []
     for publication, answer in zip(PUBLICATIONS, answers, strict=True):
         if answer.outcome == "done":
@@ -46,6 +46,6 @@ def rows(findings: list[Row]) -> dict[str, list[Row]]:
     return {"published": findings}
 
 
-def draw(findings: list[Row], folder: Path) -> Iterator[Drawn]:
+def draw(findings: list[Row], folder: Path) -> Iterator[FigureEntry]:
     """Write no figure: the study is a table."""
     yield from ()

@@ -21,7 +21,7 @@ from reference.paper.closed_form import sliding_disc_in_circle
 from . import in_c
 
 # First slip phases are timed at the coarsest tolerance that reaches this error, s; whole motions at this tolerance.
-ACHIEVED, RTOL = 1e-9, 1e-9
+FIRST_SLIP_ERROR, RTOL = 1e-9, 1e-9
 COEFFICIENTS = (0.01, 0.1, 0.2)
 
 
@@ -37,17 +37,17 @@ def contestants() -> dict[str, Program]:
     programs: dict[str, Program] = {}
     for mu in COEFFICIENTS:
         if taylor.AVAILABLE:
-            programs[f"heyoka on (35), first slip, mu={mu}"] = _reached(mu, closed_form_by_heyoka)
+            programs[f"heyoka on (35), first slip, mu={mu}"] = _coarsest_program(mu, closed_form_by_heyoka)
         for nodes in (16, 32, 64, 128, 256, 512):
             plain_c = in_c.first_slip(mu, nodes)
             if plain_c is None:
                 break
             programs[f"plain C, first slip, mu={mu}"] = Program(plain_c, plain_c() - _exact(mu))
-            if abs(plain_c() - _exact(mu)) <= ACHIEVED:
+            if abs(plain_c() - _exact(mu)) <= FIRST_SLIP_ERROR:
                 break
         for method in reference.METHODS:
-            programs[f"{method}, first slip, mu={mu}"] = _reached(mu, partial(first_slip, method=method))
-            programs[f"simulate by {method}, first slip, new mu={mu}"] = _reached(
+            programs[f"{method}, first slip, mu={mu}"] = _coarsest_program(mu, partial(first_slip, method=method))
+            programs[f"simulate by {method}, first slip, new mu={mu}"] = _coarsest_program(
                 mu, partial(whole_call, method=method)
             )
     valley = scenes()["cosine valley, 2 s"]
@@ -59,8 +59,8 @@ def contestants() -> dict[str, Program]:
             if method != reference.METHODS[0] and name == "superellipse on hill":
                 continue  # this scene tests the search, which is the same for all methods
             programs[f"{method}, {name}"] = Program(integration(case, method))
-            programs[f"simulate by {method}, {name}"] = Program(partial(simulate_anew, case, method))
-            programs[f"{method} with decisions and second contacts, {name}"] = Program(decided(case, method))
+            programs[f"simulate by {method}, {name}"] = Program(partial(simulate_new_case, case, method))
+            programs[f"{method} with decisions and second contacts, {name}"] = Program(decision_program(case, method))
     return programs
 
 
@@ -86,7 +86,7 @@ def _exact(mu: float) -> float:
     return float(sliding_disc_in_circle("1", "0.1", str(mu), "9.81").time)
 
 
-def _reached(mu: float, make: Callable[[float, float], Callable[[], float]]) -> Program:
+def _coarsest_program(mu: float, make: Callable[[float, float], Callable[[], float]]) -> Program:
     """`make(mu, tolerance)` at the coarsest power of ten that reaches the error."""
     return _reaching(_exact(mu), partial(make, mu))
 
@@ -96,7 +96,7 @@ def _reaching(exact: float, make: Callable[[float], Callable[[], float]]) -> Pro
     for digits in range(5, 15):
         run = make(10.0**-digits)
         error = run() - exact
-        if abs(error) <= ACHIEVED:
+        if abs(error) <= FIRST_SLIP_ERROR:
             break
     return Program(run, error)
 
@@ -154,24 +154,24 @@ def whole_call(mu: float, rtol: float, method: str) -> Callable[[], float]:
     return run
 
 
-def simulate_anew(case: cases.Case, method: str) -> int:
+def simulate_new_case(case: cases.Case, method: str) -> int:
     """The whole call for a newly made case; returns the number of transitions."""
     again = cases.Case(case.track, case.plate, case.effects, case.start, case.duration)
     return len(reference.simulate(again, rtol=RTOL, method=method).transitions)
 
 
-def decided(case: cases.Case, method: str) -> Callable[[], int]:
+def decision_program(case: cases.Case, method: str) -> Callable[[], int]:
     """All phases, decisions and the search for second contacts; returns the number of transitions."""
     start = start_state(case)
     regime = solve.first_regime(case, start)
     _, integrate = solve.INTEGRATORS[method]
-    return lambda: len(solve.solved(case, regime, start, RTOL, integrate)[1])
+    return lambda: len(solve.solve_motion(case, regime, start, RTOL, integrate)[1])
 
 
 def integration(case: cases.Case, method: str) -> Callable[[], int]:
     """Only the integration of the same phases, each from its start; returns their number."""
     start = start_state(case)
     _, integrate = solve.INTEGRATORS[method]
-    segments, _, _ = solve.solved(case, solve.first_regime(case, start), start, RTOL, integrate)
+    segments, _, _ = solve.solve_motion(case, solve.first_regime(case, start), start, RTOL, integrate)
     phase_starts = [(s.phase, s.start, s.states(np.array([s.start]))[:, 0].tolist()) for s in segments]
     return lambda: len([integrate(now, t, y, case.duration, RTOL) for now, t, y in phase_starts])

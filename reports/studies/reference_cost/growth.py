@@ -47,7 +47,7 @@ def case_of(growth: Growth, size: int) -> cases.Case:
     return cases.Case(case.track, case.plate, case.effects, case.start, growth.unit_s * size)
 
 
-class Grown(NamedTuple):
+class GrowthRow(NamedTuple):
     """The cost of one size: CPU seconds of the call, CPU seconds of the call and its samples, transitions, steps, and
     growth of the process's memory (MB, including samples)."""
 
@@ -64,7 +64,7 @@ def _again(calls: int, seconds: float) -> bool:
     return seconds < LONG and (calls < CALLS or seconds < BRIEF)
 
 
-def measure(growth: Growth, size: int) -> Grown:
+def measure(growth: Growth, size: int) -> GrowthRow:
     """Measure one size in the calling process."""
     reference.simulate(case_of(growth, 1), rtol=RTOL).t  # noqa: B018 - compiled and imported before the clock starts
     case = case_of(growth, size)
@@ -82,4 +82,4 @@ def measure(growth: Growth, size: int) -> Grown:
         samples.append(time.process_time() - start)
     memory_mb = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - memory_before) / 1024.0
     assert motion is not None
-    return Grown(min(calls), min(samples), len(motion.transitions), motion.cost.steps, memory_mb, motion.status)
+    return GrowthRow(min(calls), min(samples), len(motion.transitions), motion.cost.steps, memory_mb, motion.status)

@@ -15,15 +15,15 @@ import cases
 from adapters import Setting
 
 from ...analysis.columns import Table
-from ...running.calls import Answer, Calls
-from ...running.clock import UNTIMED, Contestant, Entry, Timing, take_turns, timing
+from ...running.calls import CallResult, Calls
 from ...running.records import REFERENCE
+from ...running.timing.clock import UNTIMED, ClockEntry, Contestant, Timing, take_turns, timing
 from .. import Request
-from . import cold, growth
+from . import growth, process_start
 from .contestants import COEFFICIENTS, RTOL, contestants
 
 if TYPE_CHECKING:
-    from ...drawing.files import Drawn
+    from ...drawing.figure_files import FigureEntry
 
 TITLE = "What the reference costs"
 QUESTION = (
@@ -91,7 +91,7 @@ _PATIENCE = 300.0
 _LONGEST = 600.0
 
 
-class Bar(NamedTuple):
+class CostLimit(NamedTuple):
     """A limit on cost: a contestant may take at most `limit` times the CPU time of the `baseline`."""
 
     contestant: str
@@ -100,14 +100,14 @@ class Bar(NamedTuple):
 
 
 BARS = (
-    *(Bar(f"taylor, first slip, mu={mu}", f"heyoka on (35), first slip, mu={mu}", 2.5) for mu in COEFFICIENTS),
+    *(CostLimit(f"taylor, first slip, mu={mu}", f"heyoka on (35), first slip, mu={mu}", 2.5) for mu in COEFFICIENTS),
     *(
-        Bar(f"simulate by taylor, first slip, new mu={mu}", f"heyoka on (35), first slip, mu={mu}", 60.0)
+        CostLimit(f"simulate by taylor, first slip, new mu={mu}", f"heyoka on (35), first slip, mu={mu}", 60.0)
         for mu in COEFFICIENTS
     ),
-    Bar("simulate by taylor, disc in circle, 5 s", "taylor, disc in circle, 5 s", 2.0),
-    Bar("taylor with decisions and second contacts, cosine valley, 2 s", "taylor, cosine valley, 2 s", 4.0),
-    Bar("taylor with decisions and second contacts, superellipse on hill", "taylor, superellipse on hill", 4.0),
+    CostLimit("simulate by taylor, disc in circle, 5 s", "taylor, disc in circle, 5 s", 2.0),
+    CostLimit("taylor with decisions and second contacts, cosine valley, 2 s", "taylor, cosine valley, 2 s", 4.0),
+    CostLimit("taylor with decisions and second contacts, superellipse on hill", "taylor, superellipse on hill", 4.0),
 )
 # Limits in CPU seconds: the whole call of the disc's five seconds, `import reference`, the first motion of a process.
 WHOLE, CALL = "simulate by taylor, disc in circle, 5 s", 1.2e-3
@@ -126,7 +126,7 @@ _DECIDING = (
     "Of 180 µs, the two phases take 65 (35 of them integration), the first decision 20, the equations of two modes for "
     "a new case 25, making and checking the case 20, the answer 8."
 )
-KNOWN: dict[str, str] = {
+EXPLANATIONS: dict[str, str] = {
     **{f"taylor, first slip, mu={mu}": _LEAVING for mu in COEFFICIENTS},
     **{f"simulate by taylor, first slip, new mu={mu}": _DECIDING for mu in COEFFICIENTS},
     "simulate by taylor, disc in circle, 5 s": (
@@ -137,7 +137,7 @@ KNOWN: dict[str, str] = {
 }
 
 
-class Found(NamedTuple):
+class CostRows(NamedTuple):
     """Rows of the first three tables, and CPU seconds of `import reference`."""
 
     hot: list[dict[str, Any]]
@@ -146,20 +146,20 @@ class Found(NamedTuple):
     import_s: float = nan
 
 
-def run(request: Request, calls: Calls) -> Found:
+def run(request: Request, calls: Calls) -> CostRows:
     """Run all timings one after the other, without other load."""
     budget = FULL_BUDGET if request.full else BUDGET
     sizes = [(g, size) for g in growth.GROWTHS for size in (g.all_sizes if request.full else g.sizes)]
-    labels = cold.labels(request.full)
+    labels = process_start.labels(request.full)
     with calls.alone() as alone:
         (hot,) = alone.all("timings", timings, [(budget,)], limit=budget + _PATIENCE)
-        (import_answer,) = alone.all("import", cold.imported, [()])
-        first = alone.all("first motions", cold.first_motion, [(label,) for label in labels])
+        (import_answer,) = alone.all("import", process_start.import_seconds, [()])
+        first = alone.all("first motions", process_start.first_motion, [(label,) for label in labels])
     growth_answers = []
     for size in sizes:
         with calls.alone() as alone:  # a process for each: memory freed by one would hide what the next takes
             growth_answers += alone.all("growing motions", growth.measure, [size], limit=_LONGEST)
-    return Found(
+    return CostRows(
         _hot_rows(hot),
         _growth_rows(sizes, growth_answers),
         [_cold_row(label, answer) for label, answer in zip(labels, first, strict=True)],
@@ -173,12 +173,12 @@ def timings(budget: float) -> dict[str, tuple[Timing, float]]:
     for name, program in programs.items():
         # The case is only a label here.
         contestant = Contestant(cases.load("disc_in_circle"), REFERENCE, name, Setting.of(rtol=RTOL), 1e-3)
-        entries.append(Entry(contestant, lambda: None, lambda model, run=program.run: run()))  # type: ignore[misc]
+        entries.append(ClockEntry(contestant, lambda: None, lambda model, run=program.run: run()))  # type: ignore[misc]
     loop = take_turns(entries, time.perf_counter() + budget)
     return {e.contestant.route: (timing(e, loop), programs[e.contestant.route].error) for e in entries if e.repeats}
 
 
-def _hot_rows(answer: Answer) -> list[dict[str, Any]]:
+def _hot_rows(answer: CallResult) -> list[dict[str, Any]]:
     """Rows of warm contestants; the ratio of the fastest is one."""
     if answer.outcome != "done":
         return [_row("all", UNTIMED, reason=answer.failure[1])]
@@ -192,12 +192,12 @@ def _row(name: str, t: Timing, ratio: float = nan, error: float = nan, reason: s
     return {"contestant": name, **times, "ratio": ratio, **counts, "error_s": error, "reason": reason}
 
 
-def _growth_rows(sizes: list[tuple[growth.Growth, int]], answers: list[Answer]) -> list[dict[str, Any]]:
+def _growth_rows(sizes: list[tuple[growth.Growth, int]], answers: list[CallResult]) -> list[dict[str, Any]]:
     growth_rows = []
     least: dict[str, tuple[int, float]] = {}
     for (what, size), answer in zip(sizes, answers, strict=True):
         is_done = answer.outcome == "done"
-        size_cost = answer.value if is_done else growth.Grown(nan, nan, 0, 0, nan, answer.failure[1])
+        size_cost = answer.value if is_done else growth.GrowthRow(nan, nan, 0, 0, nan, answer.failure[1])
         fewest, first_s = least.setdefault(what.quantity, (size, size_cost.call_s))
         unit_s = (size_cost.call_s - first_s) / (size - fewest) if size > fewest else nan
         growth_rows.append(
@@ -208,13 +208,13 @@ def _growth_rows(sizes: list[tuple[growth.Growth, int]], answers: list[Answer]) 
     return growth_rows
 
 
-def _cold_row(label: str, answer: Answer) -> dict[str, Any]:
+def _cold_row(label: str, answer: CallResult) -> dict[str, Any]:
     is_done = answer.outcome == "done"
-    start_cost = answer.value if is_done else cold.Cold(nan, nan)
+    start_cost = answer.value if is_done else process_start.ProcessStart(nan, nan)
     return {"case": label, **start_cost._asdict(), "reason": "" if is_done else answer.failure[1]}
 
 
-def rows(findings: Found) -> dict[str, list[dict[str, Any]]]:
+def rows(findings: CostRows) -> dict[str, list[dict[str, Any]]]:
     """The tables of costs, and the table of limits."""
     return {
         "reference_cost": findings.hot,
@@ -224,7 +224,7 @@ def rows(findings: Found) -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def bars(findings: Found) -> list[dict[str, Any]]:
+def bars(findings: CostRows) -> list[dict[str, Any]]:
     """Each limit with the measured value; "not timed" if the value or its baseline is missing."""
     cpu_s = {row["contestant"]: row["cpu_s"] for row in findings.hot}
     bar_rows = [
@@ -251,9 +251,9 @@ def _dearer(units: list[float]) -> float:
 def _bar(what: str, baseline: str, limit: float, value: float) -> dict[str, Any]:
     outcome = "not timed" if isnan(value) else "pass" if value <= limit else "fail"
     row = {"what": what, "beside": baseline, "limit": limit, "measured": value, "outcome": outcome}
-    return row | {"remark": KNOWN.get(what, "") if outcome == "fail" else ""}
+    return row | {"remark": EXPLANATIONS.get(what, "") if outcome == "fail" else ""}
 
 
-def draw(findings: Found, folder: Path) -> Iterator[Drawn]:
+def draw(findings: CostRows, folder: Path) -> Iterator[FigureEntry]:
     """Write no figure: the study is a few numbers."""
     return iter(())

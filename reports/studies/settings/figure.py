@@ -8,9 +8,9 @@ from pathlib import Path
 import matplotlib
 from matplotlib import pyplot as plt
 
-from ...drawing.files import Drawn, save
-from ...drawing.style import FAINT, STYLE, Looks, logarithmic
-from .measure import QUANTITIES, Cell, points
+from ...drawing.figure_files import FigureEntry, save
+from ...drawing.style import FAINT, STYLE, LineStyles, logarithmic
+from .measure import QUANTITIES, SettingCell, points
 
 _WORDS = (
     "Whether every rung is worth its cost",
@@ -19,12 +19,12 @@ _WORDS = (
 )
 
 
-def draw(cells: Sequence[Cell], folder: Path) -> Iterator[Drawn]:
+def draw(cells: Sequence[SettingCell], folder: Path) -> Iterator[FigureEntry]:
     """Write one figure with a row for each quantity and a column for each route; yields its entry."""
     findings = {route_key: route_points for route_key, route_points in points(cells).items() if route_points}
     if not findings:
         return
-    looks = Looks(findings)
+    looks = LineStyles(findings)
     with matplotlib.rc_context(STYLE):
         figure, axes = plt.subplots(
             len(QUANTITIES), len(findings), figsize=(3.2 * len(findings), 5.6), layout="constrained", squeeze=False

@@ -20,10 +20,10 @@ from cases import Case
 from ...judging import ledger
 from ...running.calls import Calls
 from ...running.experiment import find_truths, offers
+from ...running.processes.worker_process import CallResult
 from ...running.records import Offer, Truth
-from ...running.serving import Answer
 from ...running.solvers import solver
-from ...running.tasks import reading_of, timed
+from ...running.tasks import reading_of, run_on_clock
 
 # Slip that ends, that begins, and that begins at once; on a line, in a circle and on a hill; with a turning load.
 CASES = (
@@ -47,7 +47,7 @@ LIMIT_SECONDS = 120.0
 _PLACES = {"rung": "ladder", "grid": "grid"}
 
 
-class Cell(NamedTuple):
+class SettingCell(NamedTuple):
     """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU time of the fastest run, errors (s).
 
     If a route offers no setting, it has one cell with the place "ladder" or "grid". `reason`: why there is no motion.
@@ -64,7 +64,7 @@ class Cell(NamedTuple):
     reason: str = ""
 
 
-class Point(NamedTuple):
+class SettingPoint(NamedTuple):
     """A setting over all cases: geometric means of its relative cost and errors, and the number of right cases."""
 
     place: str
@@ -75,20 +75,20 @@ class Point(NamedTuple):
     cases: int
 
 
-def measure(case_list: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[Cell]:
+def measure(case_list: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[SettingCell]:
     """Run ladder and grid of every route on every case, one run at a time; a failure is a cell with the reason.
 
     Cases without transitions have no errors to compare.
     """
     truths, by_label = find_truths(case_list, calls), {case.label: case for case in case_list}
-    cells: list[Cell] = []
+    cells: list[SettingCell] = []
     todo: list[tuple[str, tuple[Case, str, str, Setting, Truth]]] = []
     for table_kind, word in (("ladder", "rung"), ("wide_grid", "grid")):
         for (label, name), of_routes in offers(case_list, solvers, calls, table_kind).items():
             case, truth = by_label[label], truths[label]
             for offer in of_routes if truth.failure or truth.transitions else ():
                 outcome, reason = _excuse(offer, truth, word)
-                failed_cell = Cell(label, name, offer.route, _PLACES[word], Setting.of(), outcome, reason=reason)
+                failed_cell = SettingCell(label, name, offer.route, _PLACES[word], Setting.of(), outcome, reason=reason)
                 if outcome and not any(cell[:3] == failed_cell[:3] for cell in cells):
                     cells.append(failed_cell)
                 for place, setting in enumerate(() if outcome else offer.settings):
@@ -108,12 +108,12 @@ def _excuse(offer: Offer, truth: Truth, word: str) -> tuple[str, str]:
     return ("", "") if offer.settings or word == "grid" else ("refused", "it offers no setting for this case")
 
 
-def _cell(place: str, call: tuple[Case, str, str, Setting, Truth], answer: Answer) -> Cell:
+def _cell(place: str, call: tuple[Case, str, str, Setting, Truth], answer: CallResult) -> SettingCell:
     case, name, route, setting, _ = call
     if answer.outcome == "done":
-        return Cell(case.label, name, route, place, setting, *answer.value)
+        return SettingCell(case.label, name, route, place, setting, *answer.value)
     outcome, reason = answer.failure
-    return Cell(case.label, name, route, place, setting, outcome, reason=reason)
+    return SettingCell(case.label, name, route, place, setting, outcome, reason=reason)
 
 
 def run_setting(
@@ -121,7 +121,7 @@ def run_setting(
 ) -> tuple[str, float, tuple[float, ...]]:
     """Outcome, CPU time (s) of the fastest of some runs, and errors; in a worker."""
     module = solver(name)
-    motion, seconds = timed(module, case, route, setting), list[float]()
+    motion, seconds = run_on_clock(module, case, route, setting), list[float]()
     for _ in range(REPEATS):
         model = module.build(case, route, setting)
         start = process_time()
@@ -134,9 +134,9 @@ def run_setting(
     return ("wrong" if wrong else "right"), min(seconds), (first, every)
 
 
-def points(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
+def points(cells: Sequence[SettingCell]) -> dict[tuple[str, str], list[SettingPoint]]:
     """For each solver and route, the settings that ran in all cases: rungs and grid, by place."""
-    by_route: dict[tuple[str, str], list[Point]] = {}
+    by_route: dict[tuple[str, str], list[SettingPoint]] = {}
     for route_key in dict.fromkeys(cell[1:3] for cell in cells):
         route_cells = [cell for cell in cells if cell[1:3] == route_key and isfinite(cell.cpu_s)]
         usual = {case: median(c.cpu_s for c in route_cells if c.case == case) for case in {c.case for c in route_cells}}
@@ -150,9 +150,9 @@ def points(cells: Sequence[Cell]) -> dict[tuple[str, str], list[Point]]:
     return by_route
 
 
-def _point(cells: Sequence[Cell], usual: dict[str, float]) -> Point:
+def _point(cells: Sequence[SettingCell], usual: dict[str, float]) -> SettingPoint:
     errors = tuple(_mean([max(c.errors[i], LEAST_ERROR) for c in cells]) for i in range(len(QUANTITIES)))
-    return Point(
+    return SettingPoint(
         cells[0].place,
         tuple(c.setting for c in cells),
         _mean([max(c.cpu_s, 1e-9) / max(usual[c.case], 1e-9) for c in cells]),
@@ -166,7 +166,7 @@ def _mean(values: Sequence[float]) -> float:
     return exp(sum(map(log, values)) / len(values))
 
 
-def beats(candidate: Point, other: Point) -> bool:
+def beats(candidate: SettingPoint, other: SettingPoint) -> bool:
     """Whether a setting beats another (see the module) and is right in at least as many cases."""
     if candidate.right < other.right:
         return False
@@ -175,7 +175,7 @@ def beats(candidate: Point, other: Point) -> bool:
     return (cost <= 1 / MARGIN and max(shares) <= 1.0) or (cost <= 1.0 and max(shares) <= 1 / MARGIN**2)
 
 
-def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
+def rows(cells: Sequence[SettingCell]) -> list[dict[str, Any]]:
     """A row for every rung and every setting of a grid; for a rung also the setting that beats it, if there is one.
 
     A setting without a motion in some case has a row with the reason in the first such case.
@@ -206,7 +206,7 @@ def rows(cells: Sequence[Cell]) -> list[dict[str, Any]]:
     return table_rows + [_failed_row(cell) for cell in reversed(failed_cells.values())]
 
 
-def _failed_row(cell: Cell) -> dict[str, Any]:
+def _failed_row(cell: SettingCell) -> dict[str, Any]:
     return {
         "solver": cell.solver,
         "route": cell.route,

@@ -10,10 +10,10 @@ from ...analysis.columns import Table
 from ...running.calls import Calls
 from .. import Request
 from . import measure
-from .measure import Cell
+from .measure import SettingCell
 
 if TYPE_CHECKING:
-    from ...drawing.files import Drawn
+    from ...drawing.figure_files import FigureEntry
 
 TITLE = "Whether every rung is worth its cost"
 QUESTION = (
@@ -44,17 +44,17 @@ TABLES = {
 }
 
 
-def run(request: Request, calls: Calls) -> list[Cell]:
+def run(request: Request, calls: Calls) -> list[SettingCell]:
     """The cells of all ladders and grids."""
     return measure.measure(request.cases_or(measure.CASES), request.engines, calls)
 
 
-def rows(cells: list[Cell]) -> dict[str, list[dict[str, Any]]]:
+def rows(cells: list[SettingCell]) -> dict[str, list[dict[str, Any]]]:
     """The table of settings."""
     return {"settings": measure.rows(cells)}
 
 
-def summary(cells: list[Cell]) -> str:
+def summary(cells: list[SettingCell]) -> str:
     """The rungs as text for the terminal; the grid is only in the table."""
     from tabulate import tabulate
 
@@ -74,7 +74,7 @@ def summary(cells: list[Cell]) -> str:
     return tabulate(rungs, headers="keys", floatfmt=".3g", tablefmt="plain")
 
 
-def draw(cells: list[Cell], folder: Path) -> Iterator[Drawn]:
+def draw(cells: list[SettingCell], folder: Path) -> Iterator[FigureEntry]:
     """Write the figure of errors against costs."""
     from .figure import draw as draw_figure
 

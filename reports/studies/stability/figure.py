@@ -12,8 +12,8 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from ...drawing.files import Drawn, save
-from ...drawing.style import STYLE, Looks
+from ...drawing.figure_files import FigureEntry, save
+from ...drawing.style import STYLE, LineStyles
 from ...running.records import REFERENCE
 from . import measure
 from .measure import Stability
@@ -43,7 +43,7 @@ _STEP_WORDS = (
 )
 
 
-def draw(stability: Stability, folder: Path) -> Iterator[Drawn]:
+def draw(stability: Stability, folder: Path) -> Iterator[FigureEntry]:
     """Write both figures to the folder; yields their entries."""
     if not stability.cases:
         return
@@ -124,7 +124,7 @@ def steps(stability: Stability) -> Figure:
     brackets = [b for b in stability.unstable if isfinite(b.works) or isfinite(b.fails)]
     durations = {case.label: case.duration for case in stability.cases}
     figure, ax = plt.subplots(figsize=(7.4, 0.9 + 0.26 * max(len(brackets), 1)), layout="constrained")
-    looks = Looks((b.solver, b.route) for b in brackets)
+    looks = LineStyles((b.solver, b.route) for b in brackets)
     for y, b in enumerate(brackets):
         colour, whole = looks.colour(b.solver), durations[b.case]
         if isfinite(b.works):

@@ -22,18 +22,18 @@ from reference import certification
 
 from ...judging import residuals
 from ...judging.residuals import Residuals
-from ...running.calls import Calls, Keep
+from ...running.calls import Calls, StorePolicy
 from ...running.experiment import hopeless, offers
+from ...running.processes.worker_process import CallResult
 from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error
-from ...running.serving import Answer
 from ...running.tasks import attempt, find_truth, in_catalogue, judge, true_motion
 from . import sensitivity, step_limit
-from .sensitivity import Conditioning, Spread
+from .sensitivity import Conditioning, Sensitivity
 
 # A right motion's centre stays within 1/100 of its path from the truth's: visually the same motion.
 RIGHT = 1e-2
 # A slip below this fraction of the motion's speed is rounding for a reading of samples (`slip_phases.ROUNDING`).
-UNSEEN = 1e-9
+NEGLIGIBLE_SLIP = 1e-9
 # One unit in the last place may move the centre by at most this fraction of its path: beyond it, engines closer to the
 # truth than that displacement would be ranked by noise.
 CHAOTIC = 1e-6
@@ -51,7 +51,7 @@ _RUNGS = (2,)
 SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
 
 
-class Scene(NamedTuple):
+class HardScene(NamedTuple):
     """The data of a case before any engine runs; `motion`: the true motion, sampled, None if there is none.
 
     `visible`: the truth without slips that a reading of samples cannot distinguish from rounding; engines are compared
@@ -62,7 +62,7 @@ class Scene(NamedTuple):
     visible: Truth
     motion: Trajectory | None
     conditioning: Conditioning
-    spread: Spread
+    spread: Sensitivity
 
     @property
     def chaotic(self) -> str:
@@ -79,7 +79,7 @@ class Stability:
     """The findings of the study: scenes by case label, runs with their residuals, and the unstable steps."""
 
     cases: tuple[Case, ...]
-    scenes: dict[str, Scene]
+    scenes: dict[str, HardScene]
     runs: tuple[tuple[Run, Residuals], ...]
     unstable: tuple[step_limit.Bracket, ...]
 
@@ -96,9 +96,13 @@ def atlas(full: bool) -> tuple[Case, ...]:
 def measure(case_list: Sequence[Case], solvers: Sequence[str], full: bool, calls: Calls) -> Stability:
     """Run the cases through the solvers; every failure is a row."""
     limit = _FULL_LIMIT if full else _LIMIT
-    answers = calls.all("scenes", scene_of, [(case,) for case in case_list], limit=limit + _DERIVING, keep=Keep())
+    answers = calls.all(
+        "scenes", scene_of, [(case,) for case in case_list], limit=limit + _DERIVING, keep=StorePolicy()
+    )
     scenes = {case.label: _scene(answer) for case, answer in zip(case_list, answers, strict=True)}
-    runs = [_unknown(case, answer) for case, answer in zip(case_list, answers, strict=True) if answer.outcome != "done"]
+    runs = [
+        _unknown_row(case, answer) for case, answer in zip(case_list, answers, strict=True) if answer.outcome != "done"
+    ]
     failed_cases = {run.case for run, _ in runs}
     # The longest first: a long one at the end would run alone.
     all_offers = offers(sorted(case_list, key=lambda case: -case.duration), solvers, calls)
@@ -111,17 +115,18 @@ def measure(case_list: Sequence[Case], solvers: Sequence[str], full: bool, calls
             runs += rows_without_run
             (reference_calls if name == REFERENCE else todo).extend(more)
     reference_calls.reverse()  # the paper's matrix at fine tolerances takes longest
-    runs += _assessed(
-        calls.all("reference", assess_own, reference_calls, limit=limit + _DERIVING, keep=Keep()), reference_calls
+    runs += _assess(
+        calls.all("reference", assess_own, reference_calls, limit=limit + _DERIVING, keep=StorePolicy()),
+        reference_calls,
     )
     # Rung by rung: if the coarse rung of a route exceeds its time limit, the next has not started and is skipped.
     todo.sort(key=lambda call: (-call[0].duration, call[0].label, call[4]))
-    runs += _assessed(calls.all("engines", assess, todo, limit=limit, keep=Keep(), skip=hopeless), todo)
+    runs += _assess(calls.all("engines", assess, todo, limit=limit, keep=StorePolicy(), skip=hopeless), todo)
     engines = [name for name in solvers if name != REFERENCE]
     step_calls = [
         (case, name, offer.route, middle)
         for case in case_list
-        if full or case.label in step_limit.LOOKED_AT
+        if full or case.label in step_limit.DEFAULT_CASES
         for name in engines
         for offer in all_offers[case.label, name]
         if (middle := _middle(offer.settings))
@@ -134,7 +139,7 @@ def measure(case_list: Sequence[Case], solvers: Sequence[str], full: bool, calls
     return Stability(tuple(case_list), scenes, tuple(runs), brackets)
 
 
-def scene_of(case: Case) -> Scene:
+def scene_of(case: Case) -> HardScene:
     """A case's truth, its condition numbers and the effect of the last bits of its inputs."""
     spread = sensitivity.spread(case)
     # A hard case of the catalogue without a stored certificate cannot be certified: its witnesses' sequences differ, or
@@ -146,13 +151,13 @@ def scene_of(case: Case) -> Scene:
     motion = None if truth.failure else true_motion(case, truth.method)
     conditioning = sensitivity.conditioning(case, motion) if motion else Conditioning(nan, nan, nan)
     visible = _visible(truth, motion) if motion else truth
-    return Scene(truth, visible, _sampled(motion) if motion else None, conditioning, spread)
+    return HardScene(truth, visible, _sample(motion) if motion else None, conditioning, spread)
 
 
 def _visible(truth: Truth, motion: Trajectory) -> Truth:
     """The truth without phases of slip that never exceed a billionth of the motion's speed."""
     edges = [float(motion.t[0]), *(t.time for t in truth.transitions), float(motion.t[-1])]
-    negligible = UNSEEN * float(np.max(np.hypot(motion.vx, motion.vy)))
+    negligible = NEGLIGIBLE_SLIP * float(np.max(np.hypot(motion.vx, motion.vy)))
     assert truth.first_mode is not None, "a motion has a first mode"
     modes = [truth.first_mode, *(t.after for t in truth.transitions)]
     for i, mode in enumerate(modes):
@@ -203,26 +208,26 @@ def _without_truth(call: tuple, why: str) -> tuple[Run, Residuals]:
     return Run(case.label, name, route, setting, rung, "refused", reason), Residuals()
 
 
-def _sampled(motion: Trajectory) -> Trajectory:
+def _sample(motion: Trajectory) -> Trajectory:
     """A motion sampled at evenly spaced times and at its transitions: enough for comparisons, and small to send."""
     events = [event.time for event in motion.transitions]
     times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SAMPLES), events)
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
 
 
-def _scene(answer: Answer) -> Scene:
+def _scene(answer: CallResult) -> HardScene:
     if answer.outcome == "done":
         return answer.value
     nothing = Truth(failure=answer.failure[1])
-    return Scene(nothing, nothing, None, Conditioning(nan, nan, nan), Spread("", nan, nan))
+    return HardScene(nothing, nothing, None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))
 
 
-def _unknown(case: Case, answer: Answer) -> tuple[Run, Residuals]:
+def _unknown_row(case: Case, answer: CallResult) -> tuple[Run, Residuals]:
     """The row of a case whose scene could not be computed."""
     return Run(case.label, REFERENCE, "", Setting.of(), 0, *answer.failure), Residuals()
 
 
-def _plan(case: Case, name: str, offer: Offer, scene: Scene, full: bool):
+def _plan(case: Case, name: str, offer: Offer, scene: HardScene, full: bool):
     """Rows of settings that cannot be run, and calls for those that can."""
     if not offer.settings:
         outcome, reason = offer.outcome or "refused", offer.reason or "it offers no setting for this case"
@@ -271,20 +276,20 @@ def assess_own(case: Case, name: str, route: str, setting: Setting, rung: int, t
     return assess(case, name, route, setting, rung, truth, true_motion(case, truth.method))
 
 
-def _assessed(answers: Sequence[Answer], calls: Sequence[tuple]) -> list[tuple[Run, Residuals]]:
+def _assess(answers: Sequence[CallResult], calls: Sequence[tuple]) -> list[tuple[Run, Residuals]]:
     """The rows of the calls, including those that failed."""
     pairs = zip(answers, calls, strict=True)
-    return [a.value if a.outcome == "done" else (_failed(call, a), Residuals()) for a, call in pairs]
+    return [a.value if a.outcome == "done" else (_failure(call, a), Residuals()) for a, call in pairs]
 
 
-def _failed(call: tuple, answer: Answer) -> Run:
+def _failure(call: tuple, answer: CallResult) -> Run:
     case, name, route, setting, rung, *_ = call
     return Run(case.label, name, route, setting, rung, *answer.failure)
 
 
 def _brackets(requests: Sequence[tuple], calls: Calls) -> tuple[step_limit.Bracket, ...]:
     """The brackets of the unstable step for the requested cases and routes."""
-    answers = calls.all("unstable steps", step_limit.bracket, requests, limit=step_limit.PATIENCE, keep=Keep())
+    answers = calls.all("unstable steps", step_limit.bracket, requests, limit=step_limit.PATIENCE, keep=StorePolicy())
     return tuple(
         answer.value if answer.outcome == "done" else step_limit.Bracket.unknown(case, name, route, answer.failure[1])
         for (case, name, route, _), answer in zip(requests, answers, strict=True)

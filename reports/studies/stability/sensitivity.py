@@ -69,7 +69,7 @@ def _mode_at(motion: Trajectory, t: float) -> Mode | None:
 # --- the last bit -----------------------------------------------------------------------------------------------------
 
 
-class Spread(NamedTuple):
+class Sensitivity(NamedTuple):
     """Changes by one unit in the last place of the inputs: `sequence` (a sentence if the modes change, otherwise ""),
     the time of a transition (s), and the centre over the motion's extent."""
 
@@ -116,14 +116,14 @@ def neighbours(case: Case, count: int = NEIGHBOURS) -> Iterator[Case]:
         )
 
 
-def spread(case: Case, methods: tuple[str, ...] = reference.METHODS) -> Spread:
+def spread(case: Case, methods: tuple[str, ...] = reference.METHODS) -> Sensitivity:
     """The largest differences between the reference's motions of a case and of its neighbours, by all methods in turn.
 
     Differences below the methods' own errors are invisible: about 30 units in the last place if DOP853 is alone.
     """
     centre = reference.simulate(case, rtol=SPREAD_RTOL, method=methods[0])
     kinds = [(t.before, t.after) for t in centre.transitions]
-    times, largest = np.linspace(0.0, 1.0, 101), Spread("", 0.0, 0.0)
+    times, largest = np.linspace(0.0, 1.0, 101), Sensitivity("", 0.0, 0.0)
     extent = max(float(np.hypot(np.ptp(centre.x), np.ptp(centre.y))), 1e-3 * case.plate.reach)
     try:
         for i, other in enumerate(neighbours(case)):
@@ -132,12 +132,12 @@ def spread(case: Case, methods: tuple[str, ...] = reference.METHODS) -> Spread:
             motion = reference.simulate(other, rtol=rtol, method=method)
             if motion.status != centre.status or [(t.before, t.after) for t in motion.transitions] != kinds:
                 outcome = f"{len(motion.transitions)} transitions ({motion.status})"
-                return Spread(f"{len(kinds)} transitions ({centre.status}) become {outcome}", inf, inf)
+                return Sensitivity(f"{len(kinds)} transitions ({centre.status}) become {outcome}", inf, inf)
             last = min(centre.t[-1], motion.t[-1])
             here, there = centre(times * last), motion(times * last)
             distance = float(np.hypot(here.x - there.x, here.y - there.y).max()) / extent
             late = [abs(a.time - b.time) for a, b in zip(centre.transitions, motion.transitions, strict=True)]
-            largest = Spread("", max(largest.time, *late, 0.0), max(largest.centre, distance))
+            largest = Sensitivity("", max(largest.time, *late, 0.0), max(largest.centre, distance))
     except CaseError as problem:
-        return Spread(f"a neighbouring case is rejected: {problem}", inf, inf)
+        return Sensitivity(f"a neighbouring case is rejected: {problem}", inf, inf)
     return largest

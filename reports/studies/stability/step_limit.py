@@ -14,9 +14,9 @@ from adapters import EngineFailure, Setting
 from cases import Case, Gravity, Load, Trajectory, mechanics
 
 from ...judging import residuals
-from ...judging.soundness import sound
+from ...judging.validation import sound
 from ...running.solvers import solver
-from ...running.tasks import sentence, timed
+from ...running.tasks import run_on_clock, sentence
 
 # A scene without load cannot gain energy; a gain of a tenth of its energy scale is instability, not inaccuracy.
 BLOWN_UP = 0.1
@@ -29,7 +29,7 @@ FEW, MANY = 4, 200_000
 PATIENCE = 60.0
 # The hard scenes for which a default report searches the step: one with nearly conforming contact, one in which the
 # disc slips, rolls and slips again, one whose plate is not a disc.
-LOOKED_AT = ("at_any_size[length=0.001]", "nearly_conforming[gap=0.01]", "degenerate_release[mu=0.3,tilt=0.5]")
+DEFAULT_CASES = ("at_any_size[length=0.001]", "nearly_conforming[gap=0.01]", "degenerate_release[mu=0.3,tilt=0.5]")
 
 
 class Bracket(NamedTuple):
@@ -65,7 +65,7 @@ def bracket(case: Case, name: str, route: str, middle: Setting) -> Bracket:
     return Bracket(case.label, name, route, rest, limit.works, limit.fails, case.duration / limit.fails, limit.how)
 
 
-class Found(NamedTuple):
+class StepLimit(NamedTuple):
     """The largest step that works, the smallest that fails (NaN if there is none), and how it fails."""
 
     works: float
@@ -73,7 +73,7 @@ class Found(NamedTuple):
     how: str
 
 
-def search(failure: Callable[[float], str], h: float, least: float, most: float) -> Found:
+def search(failure: Callable[[float], str], h: float, least: float, most: float) -> StepLimit:
     """Double or halve from `h` until one step works and another fails, within [least, most]; then bisect."""
     how = failure(h)
     works, fails = (nan, h) if how else (h, nan)
@@ -86,20 +86,20 @@ def search(failure: Callable[[float], str], h: float, least: float, most: float)
         how = failure(h)
         works, fails = (works, h) if how else (h, nan)
     if isnan(works):
-        return Found(nan, fails, f"at every step tried: {how}")
+        return StepLimit(nan, fails, f"at every step tried: {how}")
     if isnan(fails):
-        return Found(works, nan, f"no step up to {h:.2g} s is unstable")
+        return StepLimit(works, nan, f"no step up to {h:.2g} s is unstable")
     for _ in range(HALVINGS):
         h = sqrt(works * fails)
         now = failure(h)
         works, fails, how = (works, h, now) if now else (h, fails, how)
-    return Found(works, fails, how)
+    return StepLimit(works, fails, how)
 
 
 def blow_up(module, case: Case, route: str, setting: Setting) -> str:
     """How a run becomes unstable, in a few words; "" if it does not."""
     try:
-        motion = timed(module, case, route, setting)
+        motion = run_on_clock(module, case, route, setting)
     except EngineFailure as problem:
         return str(problem)
     except Exception as problem:

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 import cases
-from adapters.common import exported
+from adapters.common import motion_file
 from cases import Curve, registry
-from reports.judging import soundness
+from reports.judging import validation
 
 from ..harness import Kind
 
@@ -124,8 +124,8 @@ def points(closed: bool):
 
 
 def motion(path: Path):
-    told = exported.trajectory_of(line(), exported.read_table(path))
-    assert soundness.sound(told)
+    told = motion_file.trajectory_of(line(), motion_file.read_table(path))
+    assert validation.sound(told)
     return told
 
 
@@ -160,7 +160,7 @@ def draw(chance):
 FOUND = (
     *((f"case file {text!r}", written(text.encode(), ".py", case_file)) for text in STATEMENTS),
     ("a zip file", written(BYTES[8], ".csv", motion)),
-    ("a folder", lambda: exported.read_table("/")),
-    ("/proc/self/mem", lambda: exported.read_table("/proc/self/mem")),
+    ("a folder", lambda: motion_file.read_table("/")),
+    ("/proc/self/mem", lambda: motion_file.read_table("/proc/self/mem")),
 )
 KIND = Kind("files", draw, 400, 30, FOUND)

@@ -1,0 +1,91 @@
+"""Plates that leave their track and meet it again: where they are nearest to it, which samples of a run are flight."""
+
+from __future__ import annotations
+
+from math import hypot, inf, nan, pi
+
+import numpy as np
+
+from cases import Case, Flight, Impact
+from cases.contact import Contact, find, pose, start_motion
+from cases.nearest import nearest
+
+OFF_TRACK = "The contact stopped pushing and the plate left its track."
+LANDED = "The plate meets its track again, and the case names no Impact."
+# What a curve may raise where its expression has no value (DoesNotFit is one of them): beyond its domain.
+BEYOND = (ValueError, ArithmeticError)
+# A plate that is off its track by more than this part of its size may be nearer to another place of it.
+NEAR = 0.1
+# One that is surely off it by this many of its sizes need not be looked for.
+FAR = 1.0
+
+
+class Follower:
+    """The contact along a motion that begins at the case's start, each found from the one before.
+
+    A plate that may fly is looked for along the whole track once it is well off it; while it cannot have come back its
+    contact is not looked for at all: parameters NaN, and a gap it surely has.
+    """
+
+    def __init__(self, case: Case):
+        self.case, self.flies = case, case.effect(Flight) is not None
+        start = start_motion(case)
+        self.near = (start.xi1, start.xi2)
+        self.size = case.plate.reach
+        # Where the plate was last looked for in flight, and how far off it was.
+        self.seen: tuple[float, float, float] = (nan, nan, nan)
+        self.gap = 0.0
+
+    def __call__(self, x: float, y: float, theta: float) -> Contact:
+        """The contact of a pose; raises one of BEYOND for a plate that is lost and may not fly."""
+        if not self.flies:
+            return self._at(find(self.case, x, y, theta, self.near))
+        x0, y0, theta0 = self.seen
+        # No point of the plate has moved by more than this since.
+        left = self.gap - hypot(x - x0, y - y0) - self.size * abs(theta - theta0)
+        if left > FAR * self.size:
+            return Contact(nan, nan, left)
+        try:
+            contact = find(self.case, x, y, theta, self.near)
+            if contact.gap <= NEAR * self.size:
+                self.gap = 0.0
+                return self._at(contact)
+        except BEYOND:
+            pass
+        other = nearest(self.case, x, y, theta)
+        if other is None:
+            # Beyond an end of the track; it is looked for again when it has moved by its own size.
+            other = Contact(nan, nan, self.size)
+        else:
+            other = self._at(_with_turns(self.case, other, theta))
+        self.seen, self.gap = (x, y, theta), other.gap
+        return other
+
+    def _at(self, contact: Contact) -> Contact:
+        self.near = (contact.xi1, contact.xi2)
+        return contact
+
+
+def _with_turns(case: Case, contact: Contact, theta: float) -> Contact:
+    """Its parameters counted on by whole turns, so that (6) gives θ itself."""
+    xi1, xi2, gap = contact
+    turns = round((float(pose(case, xi1, xi2)[2]) - theta) / (2 * pi))
+    if case.plate.outline.period:
+        return Contact(xi1, xi2 + turns * case.plate.outline.period, gap)
+    return Contact(xi1 - turns * (case.track.period or 0.0), xi2, gap)
+
+
+def flights(gap: np.ndarray, pressed: np.ndarray, clear: float) -> list[tuple[int, int]]:
+    """Stretches of samples [start, stop) in flight: from where the track last pressed to where it does again.
+
+    A stretch counts if the gap (m) exceeds `clear` in it: shorter ones are the hops of a contact that is found by its
+    overlap, once a step. `pressed` tells for each sample whether the track pushes.
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], ~pressed, [False]]).astype(int)))
+    stretches = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    return [(a, b) for a, b in stretches if np.max(gap[a:b], initial=-inf) > clear]
+
+
+def lands_for_good(case: Case) -> bool:
+    """Whether the first landing ends the motion."""
+    return case.effect(Flight) is not None and case.effect(Impact) is None

@@ -1,0 +1,94 @@
+"""Exudyn's constraints: a disc that cannot slip on a straight line, or cannot leave a frictionless guide.
+
+Pure rolling is ObjectJointRollingDisc, which also guides a disc without friction if its tangential part is left out; a
+guide along a circle is a rod from its centre to the disc's (ObjectConnectorDistance). Nothing creeps and nothing gives
+way: the step is the only error. The rod's own output is not the contact's force, so the forces are read from the
+accelerations, for both.
+"""
+
+from __future__ import annotations
+
+import exudyn as exu
+import exudyn.itemInterface as item
+import numpy as np
+
+from cases import Case, CoulombFriction, Flight, PerfectlyRough, Unilateral
+from cases.contact import follow, slip_velocity, start_motion
+from cases.shapes import as_circle, as_line
+
+from ..common.flights import BEYOND
+from ..interface import Setting
+from .system import (
+    ExudynContact,
+    ExudynSystem,
+    SensorData,
+    disc_body,
+    disc_circle,
+    external_forces,
+    ground,
+    node_sensors,
+)
+
+
+def suits(case: Case) -> bool:
+    """Whether a constraint is the engine's model of the case, a disc on a line or a circle."""
+    rough, guided = case.effect(PerfectlyRough) is not None, case.effect(Unilateral) is None
+    return rough or (guided and case.effect(CoulombFriction) is None)
+
+
+def refuses(case: Case) -> str | None:
+    """Why no constraint of the engine models the case, in one sentence, or None."""
+    if case.effect(Flight):
+        return "Exudyn's rolling joint never lets go; a perfectly rough contact that may fly is not among its objects."
+    if case.effect(PerfectlyRough) and as_line(case.track) is None:
+        return "Exudyn's rolling joint is made for straight lines, and this perfectly rough track is none."
+    return None
+
+
+def build(case: Case, setting: Setting) -> ExudynSystem:
+    """The disc with its constraint; a unilateral contact is cut by the reader where the joint would have to pull."""
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    node, disc = disc_body(case, start_motion(case), system)
+    line, circle = as_line(case.track), as_circle(case.track)
+    radius = disc_circle(case).radius
+    if line:
+        # Tangential along the axis, tangential along the track, normal.
+        axes = [0, 1, 1] if case.effect(PerfectlyRough) else [0, 0, 1]
+        normal = [-line.direction[1], line.direction[0], 0.0]
+        system.AddObject(
+            item.ObjectJointRollingDisc(
+                markerNumbers=[ground(system, line.point), disc],
+                constrainedAxes=axes,
+                discRadius=radius,
+                discAxis=[0.0, 0.0, 1.0],
+                planeNormal=normal,
+            )
+        )
+    else:
+        assert circle is not None, "refuses() lets lines and circles alone pass"
+        distance = circle.radius - radius if circle.left else circle.radius + radius
+        system.AddObject(
+            item.ObjectConnectorDistance(markerNumbers=[ground(system, circle.centre), disc], distance=distance)
+        )
+    motion = node_sensors(system, node)
+    kind = exu.OutputVariableType.Coordinates_tt
+    acceleration = system.AddSensor(item.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
+    system.Assemble()
+
+    return ExudynSystem(container, system, motion, acceleration, lambda stored: _read(case, stored))
+
+
+def _read(case: Case, stored: SensorData) -> ExudynContact:
+    """Contact and forces: what acts beside gravity and load is the contact's."""
+    pose, velocity = stored.pose, stored.velocity
+    try:
+        xi1, xi2, gap = follow(case, *pose.T)
+    except BEYOND as problem:
+        nothing = np.empty(0)
+        return ExudynContact(nothing, nothing, nothing, nothing, nothing, nothing, str(problem))
+    tangent, normal = case.track.tangent(xi1), case.track.normal(xi1)
+    (x, y, _), (vx, vy, omega) = pose.T, velocity.T
+    force = (case.plate.mass * stored.force[:, :2] - external_forces(case, stored)).T
+    normal_force, friction_force = np.sum(force * normal, axis=0), np.sum(force * tangent, axis=0)
+    return ExudynContact(xi1, xi2, gap, slip_velocity(case, x, y, vx, vy, omega, xi1), normal_force, friction_force)

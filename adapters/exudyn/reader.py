@@ -1,0 +1,208 @@
+"""How a run of Exudyn is read: what its sensors stored as a Trajectory, and what ended the motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Cost, Curve, Flight, PerfectlyRough, Trajectory, Unilateral
+from cases.contact import start_motion
+
+from ..common.flights import LANDED, OFF_TRACK, flights, lands_for_good
+from ..interface import EngineFailure, Setting
+from .system import ExudynContact, ExudynSystem, SensorData, rough_friction, scales
+
+# Where the normal and the friction force stand in a row of a trajectory; and all that only a contact has.
+_FORCES, _TOUCH = slice(8, 10), slice(7, 12)
+
+
+@dataclass
+class ExudynModel:
+    """A case in the engine; after the run also what it cost and, if the engine gave up, what it said."""
+
+    case: Case
+    route: str
+    setting: Setting
+    system: ExudynSystem
+    cost: Cost = Cost()
+    failure: str | None = None
+
+
+def read(model: ExudynModel) -> Trajectory:
+    """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
+    stored = _sensor_data(model.system)
+    t, contact = stored.t, model.system.contact(stored)
+    known = len(contact.gap)
+    rows = np.column_stack(
+        [t[:known], stored.pose[:known], stored.velocity[:known]]
+        + [contact.slip, contact.normal_force, contact.friction_force, contact.xi1, contact.xi2]
+    )
+    flown = _flown(model.case, model.setting, contact)
+    end = first_ending(model.case, model.setting, rows[:, 0], contact, flown)
+    if end is None and model.failure:
+        raise EngineFailure(f"Exudyn stopped at {t[-1]:.4g} s: {model.failure}.")
+    if end is None and contact.lost:
+        raise EngineFailure(f"Exudyn's plate lost its track: {contact.lost}.")
+    if model.case.effect(Flight):
+        rows = _without_contact(model, rows, flown)
+    if end is not None:
+        rows = _until(rows, end)
+    t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = rows.T
+    return Trajectory(
+        *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
+        status=Trajectory.status if end is None else end.status,
+        reason=Trajectory.reason if end is None else end.reason,
+        cost=model.cost,
+        slip_resolution=_creep(model.case, model.setting, friction_force),
+    )
+
+
+def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
+    """The slip velocity (m/s) of what sticks: none for a constraint, and vreg times friction's share of its scale."""
+    vreg = float(setting.get("vreg", 0.0))
+    if not case.effect(PerfectlyRough):
+        return vreg
+    return vreg * max(1.0, float(np.abs(friction_force).max()) / rough_friction(case))
+
+
+def _sensor_data(system: ExudynSystem) -> SensorData:
+    """The run's arrays; raises EngineFailure where they are no numbers."""
+    pose, velocity = (system.system.GetSensorStoredData(sensor) for sensor in system.motion)
+    force = pose[:, :1] if system.force is None else system.system.GetSensorStoredData(system.force)
+    # An unstable explicit run ends without an error.
+    if not all(np.isfinite(table).all() for table in (pose, velocity, force)):
+        raise EngineFailure("Exudyn's run blew up: its coordinates are not finite numbers.")
+    return SensorData(pose[:, 0], pose[:, 1:4], velocity[:, 1:4], force[:, 1:])
+
+
+class MotionEnd(NamedTuple):
+    """The motion ends between the samples `sample` − 1 and `sample`, after `share` of that step, and why."""
+
+    sample: int
+    share: float
+    status: str
+    reason: str
+
+
+def first_ending(
+    case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact, flown: list[tuple[int, int]]
+) -> MotionEnd | None:
+    """What ends the motion before its time, or None."""
+    endings = [_landing(case, t, contact, flown) if case.effect(Flight) else lift_off(case, setting, t, contact)]
+    endings += [_domain_end("track", case.track, contact.xi1), _domain_end("outline", case.plate.outline, contact.xi2)]
+    return min((end for end in endings if end), key=lambda end: end[:2], default=None)
+
+
+def clear_gap(case: Case, setting: Setting) -> float:
+    """A gap (m) that only a plate which has left its track reaches.
+
+    A penalty contact loses touch for an instant when it is set down without its deflection, and by rounding at a
+    release with N = 0. It then rises by about the deflection m a/k, with what gravity and the track's bend ask for at
+    the start, or by what that does in a step, a h²/2; a plate clear of its track by ten times as much has left, and it
+    left where it was last pressed.
+    """
+    _, acceleration = scales(case)
+    start = start_motion(case)
+    acceleration += (start.vx**2 + start.vy**2) * abs(float(case.track.curvature(start.xi1)))
+    return 10.0 * acceleration * (case.plate.mass / setting["k"] + 0.5 * setting["h"] ** 2)
+
+
+def _flown(case: Case, setting: Setting, contact: ExudynContact) -> list[tuple[int, int]]:
+    """The stretches of samples in flight; none for a contact that may pull."""
+    if case.effect(Unilateral) is None or "k" not in setting:
+        return []
+    return flights(contact.gap, contact.normal_force > 0.0, clear_gap(case, setting))
+
+
+def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact) -> MotionEnd | None:
+    """Where the plate, on its way off the track, stops being pressed; None if it stays, or if the track also pulls."""
+    if case.effect(Unilateral) is None:
+        return None
+    if "k" not in setting:
+        return _pulling(contact)
+    clear = np.flatnonzero(contact.gap > clear_gap(case, setting))
+    if not clear.size:
+        return None
+    pressed = np.flatnonzero(contact.normal_force[: clear[0]] > 0.0)
+    index = int(pressed[-1]) + 1 if pressed.size else 0
+    share = 0.0
+    if index >= 2:
+        (t0, t1, t2), (N0, N1) = t[index - 2 : index + 1], contact.normal_force[index - 2 : index]
+        # A force that does not fall there (a bounce) has no zero to extrapolate to; the last press is the end.
+        share = min(N1 / (N0 - N1) * (t1 - t0) / (t2 - t1), 1.0) if N0 > N1 else 0.0
+    return MotionEnd(index, share, "lift_off", OFF_TRACK)
+
+
+def _landing(case: Case, t: np.ndarray, contact: ExudynContact, flown: list[tuple[int, int]]) -> MotionEnd | None:
+    """Where a plate that no impact is asked of meets its track again: as the gap closed in the last step of flight.
+
+    (In the step that lands the contact brakes the plate already.)
+    """
+    landings = [(start, landing) for start, landing in flown if landing < len(contact.gap)]
+    if not landings or not lands_for_good(case):
+        return None
+    start, landing = landings[0]
+    share = 1.0
+    if landing - start >= 2:
+        (t0, t1, t2), (before, after) = t[landing - 2 : landing + 1], contact.gap[landing - 2 : landing]
+        share = min(after / (before - after) * (t1 - t0) / (t2 - t1), 1.0) if before > after else 1.0
+    return MotionEnd(landing, float(share), "landing", LANDED)
+
+
+def _without_contact(model: ExudynModel, rows: np.ndarray, flown: list[tuple[int, int]]) -> np.ndarray:
+    """The rows with what there is not in flight: no slip and contact parameters, no force.
+
+    An impact has a duration here, some periods of the contact's spring; what lies between two flights for no longer is
+    one, and its force is no contact's of the case.
+    """
+    rows, impact = rows.copy(), 4.0 * pi * sqrt(model.case.plate.mass / model.setting["k"])
+    for (_, landed), (left, _) in pairwise(flown):
+        if rows[left - 1, 0] - rows[landed, 0] <= impact:
+            rows[landed:left, _TOUCH] = np.nan
+    for start, stop in flown:
+        rows[start:stop, _TOUCH] = np.nan
+        rows[start:stop, _FORCES] = 0.0
+    return rows
+
+
+def _pulling(contact: ExudynContact) -> MotionEnd | None:
+    """Where a constraint would begin to pull."""
+    pulled = np.flatnonzero(contact.normal_force < 0.0)
+    if not pulled.size:
+        return None
+    index, share = int(pulled[0]), 0.0
+    if index:
+        before, after = contact.normal_force[index - 1 : index + 1]
+        share = float(before / (before - after))
+    return MotionEnd(index, share, "lift_off", OFF_TRACK)
+
+
+def _domain_end(name: str, curve: Curve, xi: np.ndarray) -> MotionEnd | None:
+    if curve.domain is None or curve.period:
+        return None
+    low, high = curve.domain
+    outside = np.flatnonzero((xi < low) | (xi > high))
+    # Rounding may put the start itself outside; it is on the curve.
+    if not outside.size or not outside[0]:
+        return None
+    before, after = xi[outside[0] - 1 : outside[0] + 1]
+    share = ((high if after > high else low) - before) / (after - before)
+    return MotionEnd(
+        int(outside[0]), float(share), f"{name}_end", f"The contact reached the end of the {name}'s domain."
+    )
+
+
+def _until(rows: np.ndarray, end: MotionEnd) -> np.ndarray:
+    """The rows of the motion up to its end, whose own row lies between two of the run's."""
+    kept = rows[: max(end.sample, 1)]
+    if end.share <= 0.0:
+        return kept
+    last = rows[end.sample - 1] + end.share * (rows[end.sample] - rows[end.sample - 1])
+    # Where contact ends, or has not begun, nothing presses.
+    if end.status in ("lift_off", "landing"):
+        last[_FORCES] = 0.0
+    return np.vstack([kept, last])

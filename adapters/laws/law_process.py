@@ -1,0 +1,143 @@
+"""Laws tried in a process of its own: an adapter that crashes, hangs or prints costs its own verdict and no other."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import time
+from collections.abc import Iterable, Iterator
+from multiprocessing import resource_tracker
+from multiprocessing.connection import Connection
+from typing import Any, NamedTuple
+
+from cases import CaseError
+
+from ..interface import ReturnsOnce, find, returns_once
+
+# Wall seconds that a law may take on a route, and (always) an import: a hundred times what the slowest of ours takes.
+LIMIT_SECONDS = 300.0
+# So many laws of a route are waited for in vain; each would take as long.
+MOST_LATE = 3
+
+# What is longer is no answer.
+_ANSWER_BYTES = 2**20
+
+_SPAWN = multiprocessing.get_context("spawn")
+
+
+class AdapterInfo(NamedTuple):
+    """What an adapter says of itself."""
+
+    name: str
+    routes: tuple[str, ...]
+
+
+class AdapterProcess:
+    """An adapter in a process of its own, which is begun again when it ended. A context manager.
+
+    Raises CaseError or ImportError, as `find` does, for an adapter that is not there.
+    """
+
+    def __init__(self, name: str, limit: float | None = None):
+        self.name, self.limit = name, limit or LIMIT_SECONDS
+        self.face = self._begin()
+
+    def __enter__(self) -> AdapterProcess:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self._end()
+
+    def tried(self, route: str, laws: Iterable[str]) -> Iterator[tuple[str, str, str]]:
+        """Each law with its outcome and reason: those of `judge`, or "crashed" or "timed_out"."""
+        late = 0
+        for law in laws:
+            if late == MOST_LATE:
+                yield law, "timed_out", f"not tried: {late} other laws had no answer on this route"
+                continue
+            outcome, reason = self._ask(route, law)
+            late += outcome == "timed_out"
+            yield law, outcome, reason
+
+    def _begin(self) -> AdapterInfo:
+        self.number = 0
+        self.here, there = _SPAWN.Pipe()
+        self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
+        resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks
+        try:
+            self.process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        there.close()
+        answer = self._answer(LIMIT_SECONDS)
+        if isinstance(answer, Exception):
+            self._end()
+            raise answer
+        if isinstance(answer, AdapterInfo):
+            return answer
+        self._end()
+        raise ImportError(f"the adapter {self.name} {answer[0]} while it is imported: {answer[1]}")
+
+    def _ask(self, route: str, law: str) -> tuple[str, str]:
+        try:
+            if not self.process.is_alive():
+                self._begin()
+            self.number += 1
+            self.here.send((self.number, route, law))
+        except (ImportError, CaseError, OSError) as problem:
+            return "crashed", f"its process could not be begun again: {problem}"
+        return self._answer(self.limit)
+
+    def _answer(self, limit: float) -> Any:
+        """What comes under the number of the last question."""
+        until = time.monotonic() + limit
+        try:
+            while self.here.poll(max(0.0, until - time.monotonic())):
+                number, answer = pickle.loads(self.here.recv_bytes(_ANSWER_BYTES))
+                if number == self.number:
+                    return answer
+            self._end()
+            return "timed_out", f"no answer within {limit:g} s"
+        except Exception:  # the pipe is closed, or holds what is no answer
+            self.process.join(1.0)
+            self._end()
+            return "crashed", f"its process ended with exit code {self.process.exitcode}"
+
+    def _end(self) -> None:
+        self.process.kill()
+        self.process.join()
+
+
+def _serve(name: str, there: Connection) -> None:
+    """The adapter's process: says what there is, then tries what it is asked to."""
+    from . import judge
+
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(quiet, 1)  # what an engine prints is no verdict
+    os.dup2(quiet, 2)
+    own, number = os.getpid(), 0
+
+    def say(answer: Any) -> None:
+        if os.getpid() != own:
+            os._exit(0)  # a process that the adapter forked came back as well: it has nothing to say
+        there.send((number, answer))
+
+    try:
+        adapter = ReturnsOnce(returns_once(find)(name))
+        say(AdapterInfo(str(adapter.NAME), tuple(map(str, adapter.routes))))
+    except (CaseError, ImportError) as problem:
+        say(problem)
+        return
+    except (Exception, SystemExit) as problem:
+        say(ImportError(f"the adapter {name} fails while it is imported: {type(problem).__name__}: {problem}"))
+        return
+    while True:
+        try:
+            number, route, law = there.recv()
+        except EOFError:
+            return
+        (verdict,) = judge(adapter, [law], [route])
+        say((verdict.outcome, verdict.reason.encode("utf-8", "backslashreplace").decode()))

@@ -1,0 +1,64 @@
+"""What all commands share: the parser of their words, and how their exit status and their last line come about."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from collections.abc import Callable, Sequence
+from typing import NoReturn
+
+from .errors import BadValue, CaseError, unknown_name
+
+# Equations in quadruple precision compile in 1.5 GB of address space. In less than 1 GB the BLAS that SciPy brings
+# waits for ever for its buffers while it is imported.
+_ADDRESS_BYTES = 2 * 2**30
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence, by the suite's own error; an option is not guessed from its beginning."""
+
+    def __init__(self, **how):
+        super().__init__(allow_abbrev=False, **how)
+
+    def error(self, message: str) -> NoReturn:
+        """Raises UnknownName for an option that there is not, BadValue for anything else."""
+        stray = message.removeprefix("unrecognized arguments: ")
+        if stray != message:
+            options = [o for action in self._actions for o in action.option_strings if o.startswith("--")]
+            raise unknown_name("option", (stray.split() or [""])[0], options)
+        raise BadValue(f"{message}; see {self.prog} --help")
+
+
+def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
+    """The exit status of a command: what its work returns, or 0; 2 if the request makes no sense, 1 if files cannot be
+    read or written, 130 if it was stopped. What went wrong is printed in one line."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a character that the terminal lacks ends no command
+    try:
+        _check_address_space()
+        return work(list(sys.argv[1:] if argv is None else argv)) or 0
+    except CaseError as problem:
+        print(f"{command}: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"{command}: {problem}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt as stop:
+        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a bar may stand on the line
+        return 130
+
+
+def _check_address_space() -> None:
+    """Raises BadValue if the shell allows less address space than the suite needs."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return
+    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if most != resource.RLIM_INFINITY and most < _ADDRESS_BYTES:
+        raise BadValue(
+            f"the shell limits the address space to {most / 2**30:.2g} GB, and {_ADDRESS_BYTES / 2**30:g} GB are "
+            "needed; type: ulimit -v unlimited"
+        )

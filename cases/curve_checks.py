@@ -1,0 +1,241 @@
+"""Curves that are none: holes, jumps, cusps, curves that meet themselves; told in one sentence when they are made.
+
+A curve is looked at in samples, and closely where its formula says that something happens or where two samples lie
+farther apart than the curve's speed explains.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import sympy as sp
+
+from . import curve_tables, features
+from .curve_tables import SAMPLES, corners, total_turning
+from .errors import BadCurve
+from .expressions import PARAMETER
+
+# Beside a place that the formula names, in spans: a jump shows as a step there, whatever is smooth does not.
+BESIDE = 1e-9
+# A chord so many times as long as the speeds at both ends make it is looked at closely: a smooth curve's is below two.
+LONG_CHORD = 10.0
+# What is left of such a chord after halving its interval thirty times, in parts of the curve's size, is a jump: a slope
+# as steep as that is no track either.
+JUMP = 1e-6
+# Sides of the polygon in which a curve that meets itself is looked for: so many, more to a radian of turning for one
+# that loops often, and at most. The pairs are looked at in blocks of rows.
+FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK = 240, 8.0, 2400, 200
+# Where two sides cross the curve is looked at again in so many pieces of each, so often.
+PIECES, CLOSER = 16, 3
+# With this part of its neighbours, so that two stretches with one between them stay apart.
+AROUND = 0.25
+# Strands of a curve closer than this part of its size are one: a circle run round again misses itself by rounding.
+TOGETHER = 1e-9
+
+
+class CurveToCheck(curve_tables.CurveFormula, Protocol):
+    """What is asked of a curve here: `cases.curves.Curve`, which asks for these checks."""
+
+    @property
+    def expression(self) -> tuple[sp.Expr, sp.Expr]: ...
+    @property
+    def domain(self) -> tuple[float, float] | None: ...
+    @property
+    def period(self) -> float | None: ...
+    def tangent_angle(self, s): ...
+
+
+def check_regular(curve: CurveToCheck) -> None:
+    """Raises BadCurve where the curve or a derivative is not finite, jumps, or stands still."""
+    low, high = curve.domain or (0.0, curve.period or 2 * np.pi * curve.unit)
+    try:
+        places = _places(curve, low, high)
+        jets = curve.jets(places)
+    except Exception as problem:
+        raise BadCurve(f"the curve cannot be evaluated ({problem}); use the functions of cases.curves") from problem
+    bad = ~np.all(np.isfinite(jets), axis=0)
+    if bad.any():
+        raise BadCurve(
+            f"the curve or a derivative is not finite at s = {places[bad][0]:.6g}; give a domain that leaves it out"
+        )
+    speed = np.hypot(jets[2], jets[3])
+    _check_speed(curve, places, speed, int(np.argmin(speed)), "has a cusp (R_p = 0)", sign=1.0)
+    _check_speed(curve, places, speed, int(np.argmax(speed)), "is not finite", sign=-1.0)
+    _check_jumps(curve, places, jets[:2], speed)
+
+
+def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
+    """Even samples, and the places that the formula names, with both sides of each."""
+    named = np.array(features.centres(curve.expression, PARAMETER))
+    beside = BESIDE * (high - low)
+    named = np.concatenate([named - beside, named, named + beside])
+    return np.union1d(np.linspace(low, high, SAMPLES), named[(named > low) & (named < high)])
+
+
+def _check_speed(curve: CurveToCheck, s: np.ndarray, speed: np.ndarray, index: int, what: str, sign: float) -> None:
+    """Raises BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
+    typical = np.median(speed)
+    if not 0.0 < typical < np.inf:
+        raise BadCurve(f"the curve's speed |R_p| is {typical:g} m; give a curve with an extent a double can hold")
+    # Looked at closely only where the samples leave the ordinary; a regular curve's speed varies by a few orders, and
+    # seven of them within one sample's width is a cusp or a pole.
+    if abs(np.log10(speed[index] / typical)) < 2:
+        return
+    from scipy.optimize import minimize_scalar  # slow to import, seldom needed
+
+    low, high = s[max(index - 1, 0)], s[min(index + 1, len(s) - 1)]
+    found = minimize_scalar(
+        lambda v: curve.speed(np.array([v]))[0] ** (2 * sign),
+        bounds=(low, high), method="bounded", options={"xatol": 1e-12 * (high - low)},
+    )  # fmt: skip
+    extreme = curve.speed(np.array([found.x]))[0]
+    if not abs(np.log10(extreme / typical)) < 7:
+        raise BadCurve(f"the curve {what} near s = {found.x:.6g}; give a domain that leaves it out")
+
+
+def _check_jumps(curve: CurveToCheck, s: np.ndarray, points: np.ndarray, speed: np.ndarray) -> None:
+    """Raises BadCurve if two neighbouring samples stay apart however close their parameters come."""
+    chords = np.hypot(*np.diff(points, axis=1))
+    explained = np.diff(s) * np.maximum(speed[1:], speed[:-1])
+    size = float(np.ptp(points, axis=1).max())
+    suspicious = np.flatnonzero((chords > LONG_CHORD * explained) & (chords > JUMP * size))
+    low, high = s[suspicious], s[suspicious + 1]
+    for _ in range(30 if len(suspicious) else 0):  # each towards the half that holds more of its chord
+        middle = 0.5 * (low + high)
+        a, b, c = (curve.point(place) for place in (low, middle, high))
+        first = np.hypot(*(b - a)) >= np.hypot(*(c - b))
+        low, high = np.where(first, low, middle), np.where(first, middle, high)
+    apart = np.hypot(*(curve.point(high) - curve.point(low))) if len(suspicious) else np.zeros(0)
+    if (~(apart <= JUMP * size)).any():
+        worst = int(np.argmax(~(apart <= JUMP * size)))
+        raise BadCurve(
+            f"the curve jumps by {apart[worst]:.3g} m at s = {low[worst]:.6g}; give a domain that leaves it out"
+        )
+
+
+# --- curves that meet themselves --------------------------------------------------------------------------------------
+
+
+def check_simple(curve: CurveToCheck) -> None:
+    """Raises BadCurve if the curve crosses itself or runs over its own course again.
+
+    A closed curve that does neither turns once (Hopf's theorem of turning tangents: known to us, not looked up). A
+    curve without ends is looked at where `Curve.span` shows it, if it is finite there.
+    """
+    turning = total_turning(curve)
+    if not np.isfinite(turning):
+        return
+    low, high = curve.span
+    if curve.period:
+        times = float(curve.tangent_angle(high) - curve.tangent_angle(low)) / (2 * np.pi)
+        if round(abs(times)) > 1:
+            raise BadCurve(
+                f"the closed curve turns {round(abs(times))} times in its period {curve.period:.6g}, so that it meets "
+                "itself; give one round"
+            )
+    # An open curve comes back to itself only if it turns by more than half a turn, a closed one that turns by exactly
+    # one is convex; 0.1 is well below what a loop adds.
+    if turning < (2 * np.pi + 0.1 if curve.period else np.pi):
+        return
+    sides = int(min(MOST_SIDES, max(FEWEST_SIDES, SIDES_A_RADIAN * turning)))
+    # So that symmetric curves do not cross exactly at two corners.
+    grid = corners(curve, sides, offset=0.37 if curve.period else 0.0)
+    met = _meeting(curve, grid)
+    if met:
+        raise BadCurve(f"the curve {met[0]} between s = {met[1]:.4g} and s = {met[2]:.4g}; give a shorter domain")
+
+
+def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] | None:
+    """How and between which parameters the curve meets itself; None if it does not."""
+    polygon = _Polygon.of(curve, grid)
+    if polygon is None:
+        return None
+    size = float(np.ptp(polygon.start, axis=0).max())
+    last = len(polygon.lengths) - 1
+    low, high = (-np.inf, np.inf) if curve.period else (grid[0], grid[-1])
+    for first in range(0, last, BLOCK):
+        rows = slice(first, first + BLOCK)
+        later = np.arange(last + 1)[None] - np.arange(last + 1)[rows, None] >= 2
+        if curve.period and first == 0:
+            later[0, -1] = False  # the first side's neighbour
+        for i, j in zip(*np.nonzero(later & polygon.crossings(rows)), strict=True):
+            if _crosses(curve, (grid[first + i], grid[first + i + 1]), (grid[j], grid[j + 1]), (low, high)):
+                return "crosses itself", float(grid[first + i]), float(grid[j])
+        for i, j in zip(*np.nonzero(later & polygon.beside(rows, TOGETHER * size)), strict=True):
+            if _together(curve, float(grid[first + i]), float(grid[j]), float(grid[j + 1]), size):
+                return "runs over itself", float(grid[first + i]), float(grid[j])
+    return None
+
+
+class _Polygon(NamedTuple):
+    """The sides of a polygon along a curve: ends (n, 2), lengths, directions, how much the curve turns in each."""
+
+    start: np.ndarray
+    end: np.ndarray
+    lengths: np.ndarray
+    directions: np.ndarray
+    turns: np.ndarray
+
+    @classmethod
+    def of(cls, curve: CurveToCheck, grid: np.ndarray) -> _Polygon | None:
+        """The polygon with corners at those parameters; None where it has no finite sides."""
+        points, angles = curve.point(grid).T, curve.tangent_angle(grid)
+        a, b = points[:-1], points[1:]
+        lengths = np.hypot(*(b - a).T)
+        if not np.all(np.isfinite(points)) or not np.all(lengths > 0.0):
+            return None
+        return cls(a, b, lengths, (b - a) / lengths[:, None], np.abs(np.diff(angles)))
+
+    def crossings(self, rows: slice) -> np.ndarray:
+        """Which of those sides cross which of all."""
+        p, q, u, v = self.start[rows, None], self.end[rows, None], self.start[None], self.end[None]
+        return (_side(p, q, u) * _side(p, q, v) < 0) & (_side(u, v, p) * _side(u, v, q) < 0)
+
+    def beside(self, rows: slice, least: float) -> np.ndarray:
+        """Which of those sides begin on or beside which of all, as near as these stray from the curve."""
+        p, u = self.start[rows, None], self.start[None]
+        along = ((p - u) * self.directions[None]).sum(axis=2)
+        off = np.abs(_side(u, self.end[None], p)) / self.lengths[None]
+        strays = self.lengths * (0.25 * self.turns) + least
+        return (along >= -strays) & (along <= self.lengths + strays) & (off <= strays)
+
+
+def _crosses(
+    curve: CurveToCheck, one: tuple[float, float], other: tuple[float, float], ends: tuple[float, float]
+) -> bool:
+    """Whether two stretches of a curve cross whose chords do: strands beside each other may cross as polygons alone.
+
+    Beside a corner chords cross where the curve does so in the next stretch: each is looked at with a part of both its
+    neighbours, within the curve's `ends`.
+    """
+    for _ in range(CLOSER):
+        finer = []
+        for low, high in (one, other):
+            more = AROUND * (high - low)
+            finer.append(np.linspace(max(low - more, ends[0]), min(high + more, ends[1]), PIECES + 1))
+        first, second = (curve.point(grid).T for grid in finer)
+        p, q, u, v = first[:-1, None], first[1:, None], second[None, :-1], second[None, 1:]
+        i, j = np.nonzero((_side(p, q, u) * _side(p, q, v) <= 0) & (_side(u, v, p) * _side(u, v, q) <= 0))
+        if not i.size:
+            return False
+        one, other = ((float(g[k]), float(g[k + 1])) for g, k in zip(finer, (i[0], j[0]), strict=True))
+    return True
+
+
+def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+    return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
+
+
+def _together(curve: CurveToCheck, s: float, low: float, high: float, size: float) -> bool:
+    """Whether the curve's point at s lies on the curve between two later parameters."""
+    here, width = curve.point(s), high - low
+    low, high = low - 0.5 * width, high + 0.5 * width
+    for _ in range(8):  # ever closer around the nearest of seventeen
+        places = np.linspace(max(low, s + width), high, 17)
+        away = np.hypot(*(curve.point(places) - here[:, None]))
+        nearest, step = float(places[np.argmin(away)]), places[1] - places[0]
+        low, high = nearest - step, nearest + step
+        if not away.min() <= size:
+            return False
+    return bool(away.min() <= TOGETHER * size)

@@ -1,0 +1,62 @@
+"""Files that people name: looked at before they are read, read up to a bound, what is wrong told in a sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .errors import BadValue, UnknownName
+
+
+def place(what: str, path: object) -> Path:
+    """The path with ~ written out; raises BadValue, in a sentence that calls it `what`, if no file can have it."""
+    try:
+        found = Path(path).expanduser()  # type: ignore[arg-type]
+        found.exists()
+        found.resolve()
+    except (TypeError, ValueError, RuntimeError, OSError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem).partition("\n")[0]
+        raise BadValue(
+            f"the {what} is {_display_path(path)}, which is no path here ({_display_path(reason)}); give another"
+        ) from None
+    return found
+
+
+def existing(what: str, path: object) -> Path:
+    """The path of an ordinary file that is there; raises BadValue or UnknownName."""
+    found = place(what, path)
+    if not found.exists():
+        raise UnknownName(f"there is no {what} {_display_path(path)}")
+    if not found.is_file():
+        raise BadValue(f"the {what} is {_display_path(path)}, which is no ordinary file; give a file")
+    return found
+
+
+def content(what: str, path: object, most: int) -> bytes:
+    """All of a file of at most `most` bytes; raises BadValue or UnknownName."""
+    found = existing(what, path)
+    try:
+        with found.open("rb") as stream:
+            data = stream.read(most + 1)
+    except OSError as problem:
+        raise BadValue(f"the {what} {_display_path(path)} cannot be read ({problem.strerror}); give another") from None
+    if len(data) > most:
+        raise BadValue(f"the {what} {_display_path(path)} is larger than {most / 2**20:g} MB; give a smaller one")
+    return data
+
+
+def text(what: str, path: object, most: int) -> str:
+    """The same as text in UTF-8, with or without a byte-order mark."""
+    try:
+        found = content(what, path, most).decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise BadValue(
+            f"the {what} {_display_path(path)} is no CSV text ({problem.reason}); write it in UTF-8"
+        ) from None
+    if "\0" in found:
+        raise BadValue(f"the {what} {_display_path(path)} is no CSV text (it holds NUL bytes); write it in UTF-8")
+    return found
+
+
+def _display_path(path: object) -> str:
+    line = repr(str(path) if isinstance(path, Path) else path)
+    return line if len(line) <= 120 else f"{line[:80]} … {line[-30:]}"

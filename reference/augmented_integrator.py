@@ -1,0 +1,209 @@
+"""The paper's matrix as an integrator: (27) filled and solved at every evaluation, in the loop of DOP853.
+
+It is `simulate(case, method="augmented")`. Literal, by `reference.paper`: the rates, the contact forces and the couple,
+slip and spin, and so every guard's value and all that a trajectory says of the contact. Shared with the other
+integrators: which variables a mode carries (those that its constraints leave free), which guards it has, what follows
+an event (`transitions.decide`, impacts, landings), and the steps and the location of events (`dop853`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from cases import Case, CoulombFriction, RollingResistance
+
+from .minimal import modes
+from .minimal.integrators.segment import Segment
+from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
+from .minimal.system import PARADOX, System
+from .paper import contact_forces
+from .paper.augmented import (
+    WITHOUT_SLIP,
+    AugmentedSystem,
+    Solution,
+    condition,
+    fill,
+    flight_acceleration,
+    solution,
+    uniqueness,
+)
+from .paper.kinematics import slip_velocity
+
+# From this condition number on, half of the digits of a double may be lost in the solve, and the reason says so.
+NEARLY_SINGULAR = 1e8
+
+
+_NO_SOLUTION = Solution(np.full(3, np.nan), np.full(2, np.nan), np.full(1, np.nan), np.nan, np.nan, np.nan)
+
+
+class ContactQuantities(NamedTuple):
+    """What a trajectory tells of the contact; forces per mass, as in the eliminated equations."""
+
+    slip: float
+    omega: float
+    normal: float
+    friction: float
+
+
+class LiteralSystem:
+    """One mode's equations by the paper's matrix, behind the interface that DOP853 and the trajectory ask.
+
+    The methods take (t, y, parameters) as those of `System` do; the parameters are the case's own and not looked at.
+    """
+
+    record = ContactQuantities  # what `observed_of_arrays` returns the columns of
+
+    def __init__(self, case: Case, phase: Phase):
+        self.case, self.phase, self.regime = case, phase, phase.regime
+        self.variables, self.positions = phase.system.variables, phase.system.positions
+        self.guards = dict.fromkeys(phase.system.guards)  # their names
+
+    def filled(self, t: float, y: Sequence[float]) -> AugmentedSystem:
+        """(27) at that state of the mode."""
+        mode, side, turn = self.regime
+        return fill(self.case, mode, full_state(self.case, self.phase, y), side, turn, t)
+
+    def rates_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
+        """Rates of the mode's variables; NaN, which no step accepts, where the matrix is singular."""
+        if self.regime == FLIGHT:
+            return [*y[3:], *flight_acceleration(self.case, t, y)]
+        if len(y) == self.positions:  # at rest nothing moves, whatever the forces
+            return [0.0] * len(y)
+        try:
+            filled = self.filled(t, y)
+            accelerations = solution(filled).q2_ddot
+        except np.linalg.LinAlgError:
+            return [np.nan] * len(y)
+        speeds = len(y) - self.positions
+        angle = [filled.k.theta_dot] if self.positions == 3 else []
+        return [*filled.k.q_dot, *angle, *accelerations[:speeds]]
+
+    def guards_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
+        """The guards' values; NaN for those that a singular matrix leaves without."""
+        if not self.guards:
+            return []
+        filled = self.filled(t, y)
+        try:
+            solved = solution(filled)
+        except np.linalg.LinAlgError:
+            solved = _NO_SOLUTION
+        return [_guard(self.case, self.regime, name, filled, solved) for name in self.guards]
+
+    def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
+        """The same at many instants, states of shape (variables, n)."""
+        columns = [self.guards_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
+        return list(np.array(columns).T)
+
+    def load_quantities_of_arrays(self, times: np.ndarray, states: np.ndarray, parameters) -> list[np.ndarray]:
+        """The load's quantities, in which the matrix has no part."""
+        return self.phase.system.load_quantities_of_arrays(times, states, parameters)
+
+    def observed_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
+        """What a trajectory tells, in the order of `ContactQuantities`, each of shape (n,)."""
+        columns = states.T.tolist()
+        if columns and contact_forces.fits(self.case):
+            full = [full_state(self.case, self.phase, y) for y in columns]
+            try:
+                return list(self._observed_at_once(full))
+            except np.linalg.LinAlgError:
+                pass  # one by one, those that are not singular have forces
+        told = [self._observe(t, y) for t, y in zip(times.tolist(), columns, strict=True)]
+        return list(np.array(told).reshape(-1, len(ContactQuantities._fields)).T)
+
+    def _observed_at_once(self, states: Sequence[Sequence[float]]) -> Iterator[np.ndarray]:
+        found, mass = (
+            contact_forces.contacts(self.case, self.regime.mode, states, self.regime.side),
+            self.case.plate.mass,
+        )
+        yield np.zeros(len(states)) if self.regime.mode in WITHOUT_SLIP else found.slip
+        yield from (found.theta_dot, found.normal_force / mass, found.friction_force / mass)
+
+    def _observe(self, t: float, y: Sequence[float]) -> ContactQuantities:
+        filled = self.filled(t, y)
+        slip = 0.0 if filled.rolls else slip_velocity(filled.k)
+        omega = 0.0 if filled.held else filled.k.theta_dot
+        try:
+            solved, mass = solution(filled), self.case.plate.mass
+        except np.linalg.LinAlgError:
+            return ContactQuantities(slip, omega, np.nan, np.nan)
+        return ContactQuantities(slip, omega, solved.normal_force / mass, solved.friction_force / mass)
+
+
+def _guard(case: Case, regime: Regime, name: str, filled: AugmentedSystem, solved: Solution) -> float:
+    """One guard: positive while the mode lasts. Forces per mass, couples over mass and radius of gyration."""
+    k, mass, size = filled.k, case.plate.mass, case.plate.gyration
+    curve, _, end = name.partition("_")
+    if curve in ("track", "outline"):
+        xi, domain = (k.q[0], case.track.domain) if curve == "track" else (k.q[1], case.plate.outline.domain)
+        assert domain is not None  # a curve without ends has no such guard
+        return float(xi - domain[0] if end == "start" else domain[1] - xi)
+    pressing = regime.side * solved.normal_force
+    if name == "normal_force":
+        return pressing / mass
+    if name == "slip":
+        return SLIP_SIGN[regime.mode] * slip_velocity(k)
+    if name == "turn":
+        return (regime.turn or 0) * k.theta_dot * size
+    if name == "fit":
+        return _bend(k.rp, k.rs) - _bend(k.Rp, k.Rs)
+    if name == "painleve":
+        return uniqueness(filled) - PARADOX
+    sense = 1.0 if end == "forward" else -1.0
+    if curve == "cone":
+        friction = case.effect(CoulombFriction)
+        assert friction is not None
+        return (friction.stick * pressing + sense * solved.friction_force) / mass
+    resistance = case.effect(RollingResistance)
+    assert curve == "couple" and resistance is not None
+    return (resistance.arm * pressing + sense * solved.couple) / (mass * size)
+
+
+def _bend(p: np.ndarray, s: np.ndarray) -> float:
+    """A curve's curvature from its first and second derivative, 1/m."""
+    return float((p[0] * s[1] - p[1] * s[0]) / np.hypot(*p) ** 3)
+
+
+def prepare(phase: Phase, rtol: float = 1e-10) -> None:
+    """Compile the curves' derivatives, all that the matrix is filled from."""
+    phase.case.track.jet(phase.case.start.xi1)
+    phase.case.plate.outline.jet(0.0)
+
+
+def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
+    """As `dop853.integrate`, with the paper's matrix in place of the phase's own equations."""
+    from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
+
+    return dop853.integrate(_with_matrix(phase), t, y, end, rtol)
+
+
+class _LiteralPhase(Phase):
+    """A phase whose equations are the paper's matrix."""
+
+    def __reduce__(self):
+        """It travels to another process as the phase it was made of."""
+        return _with_matrix, (modes.phase(self.case, self.regime),)
+
+
+def _with_matrix(now: Phase) -> _LiteralPhase:
+    """The phase with the paper's matrix in place of its own equations."""
+    # All that the loop and the record ask of a system; nothing here is symbolic.
+    return _LiteralPhase(*now._replace(system=cast(System, LiteralSystem(now.case, now))))
+
+
+def warning(segments: Sequence[Segment]) -> str:
+    """A sentence where (27) was nearly singular at a step of a literal motion, else nothing."""
+    worst, when = 0.0, 0.0
+    for segment in segments:
+        system: object = segment.phase.system
+        if not isinstance(system, LiteralSystem) or segment.phase.regime == FLIGHT:
+            continue
+        for t, y in zip(segment.times.tolist(), segment.states(segment.times).T.tolist(), strict=True):
+            now = condition(system.case, system.filled(t, y))
+            if now > worst:
+                worst, when = now, t
+    if worst < NEARLY_SINGULAR:
+        return ""
+    return f"The matrix (27) was nearly singular: its condition reached {worst:.1e} at t = {when:.9g} s."

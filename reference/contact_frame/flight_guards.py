@@ -1,0 +1,187 @@
+"""The plate off its track in the second formulation: hops, flights, what an impact leaves, bouncing that ends."""
+
+from __future__ import annotations
+
+from math import hypot, inf, pi, sqrt
+
+import numpy as np
+
+from cases import Impact, Mode, Transition
+from cases.contact import pose
+
+from . import bouncing, flight, impact, short_flights
+from .bouncing import Bounce
+from .equations import ContactPhase, leaves
+from .motion_state import UNFINISHED, ContactState, EndState, FlightState, LandingState, LiftOff, MotionState
+from .moving import Motion, limits
+from .pairs import Touch, frame
+
+# An impact after which the plate flies is listed if it closes with at least this part of the greatest closing speed
+# since the plate last lay on its track; slower ones belong to bouncing that comes to rest.
+LISTED = 7e-4
+
+# A flight is a hop close to the track if all that acts on the plate turns by no more than this (rad) before it is over.
+SHORT = 1 / 32
+
+# An accumulation's limit is taken when its time is known this well, or when bounces are this short, both in parts of
+# the time in which the plate falls by its own size: nothing of what is left of them is resolved in the motions asked
+# for (they rise by 1e-15 of that size).
+SETTLED = 1e-13
+SHORTEST = 1e-7
+
+# A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: the end
+# of bouncing, at its limit or, where none was found (each ends otherwise than the one before), at once.
+OVER = 2.0**-50
+
+
+def fly(course: MotionState, now: FlightState) -> ContactState | FlightState | EndState:
+    """A flight or a hop, and what follows its landing."""
+    course.work.done += 1
+    hop = _short(course, now.leap) if now.leap and now.leap.short else None
+    if hop is None:
+        course.bounces.clear()  # no bounce of an accumulation yet
+    after = hop or _long(course, now)
+    return land(course, after) if isinstance(after, LandingState) else after
+
+
+def _short(course: MotionState, leap: LiftOff) -> LandingState | None:
+    """A hop close to the track; None if it is not: it lasts longer, or the plate meets the track elsewhere."""
+    found = short_flights.hop(course.scene, course.t, leap.z, leap.turns, leap.lift, leap.lasts, course.rtol)
+    if found is None or course.t + found.duration > course.end:
+        return None
+    if _elsewhere(course, found, leap):
+        return None
+    start, course.t = course.t, course.t + found.duration
+    course.record.flight(start, course.t, lambda times: found.bodies(times - start))
+    return LandingState(found.z, leap.turns, found.lift)
+
+
+def _elsewhere(course: MotionState, found: short_flights.Hop, leap: LiftOff) -> bool:
+    """Whether the plate meets the track in another place during a hop."""
+    around, ends = course.surroundings(), np.array([0.0, found.duration])
+    motion = Motion(found.bodies, ends)
+    x, y, *_ = found.bodies(ends)[:, 0].tolist()
+    own = around.own(sorted((leap.z[0], found.z[0])), sorted((leap.z[1], found.z[1])))
+    some = around.near(x, y, around.reach + limits(motion, *ends).speed * found.duration)
+    some, inside = around.inside(some, own or around.at(*sorted((leap.z[0], found.z[0]))))
+    rest = some.some(~inside)
+    return around.search.first(motion, found.duration, rest, np.zeros(rest.number)) is not None
+
+
+def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
+    """A flight to wherever the outline meets the track."""
+    lasts = now.leap.lasts if now.leap else inf
+    flown = flight.fly(
+        course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts,
+        course.work, now.place,
+    )  # fmt: skip
+    course.t = flown.end
+    for start, until, interpolant in flown.pieces:
+        course.record.flight(start, until, interpolant)
+    if flown.touch is None:
+        return EndState("completed" if course.t >= course.end else UNFINISHED)
+    xi1, xi2, turns = _wound(course, flown.touch)
+    seen = frame(course.scene, flown.touch.body, xi1, xi2)
+    return LandingState([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)
+
+
+def land(course: MotionState, landing: LandingState, flown: bool = True) -> ContactState | FlightState | EndState:
+    """What follows when the outline meets the track; `flown`: whether a flight led there."""
+    scene, effect = course.scene, course.case.effect(Impact)
+    (xi1, xi2, spin, slip), turns = landing.z, landing.turns
+    q = scene.place(xi1, xi2)
+    if q.bend_outline <= q.bend_track:
+        return EndState("no_fit")
+    if effect is None:
+        return EndState("landing")
+    try:
+        result = impact.hit(scene, effect, q, slip, min(landing.lift, 0.0), spin)
+    except impact.ImpactWithoutSolution:
+        return EndState("paradox")
+    if effect.law == "newton" and impact.creates_energy(result):
+        return EndState("energy_gain")
+    z = [xi1, xi2, result.spin, result.slip]
+    course.last_xi1 = xi1
+    course.fastest = max(course.fastest, -landing.lift if flown else 0.0)
+    listed = flown and -landing.lift >= LISTED * course.fastest
+    if result.lift == 0.0:
+        after = _settle(course, z, turns)
+    else:
+        course.bounces.append(Bounce(course.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
+        stepped = listed and not drowns(course, z, turns, result.lift)
+        limit = None if stepped else _accumulation(course, turns)
+        if limit is not None:
+            course.t = limit.time
+            return _settle(course, limit.z, turns)
+        after = leap(course, z, turns, result.lift)
+    if listed and isinstance(after, FlightState):
+        course.transitions.append(Transition(course.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2))
+    return after
+
+
+def _press(course: MotionState, z, turns: int) -> float:
+    """The acceleration (m/s²) that brings a plate back to its track."""
+    return course.scene.forces(course.t, z, ContactPhase(None, None), turns).push
+
+
+def drowns(course: MotionState, z, turns: int, lift: float) -> bool:
+    """Whether a rebound of that speed (m/s) rises no higher than a position's rounding."""
+    q, (x, y) = course.scene.place(z[0], z[1]), course.scene.body(z, turns)[:2]
+    return lift**2 <= 2.0 * _press(course, z, turns) * OVER * (abs(x) + abs(y) + hypot(q.arm_t, q.arm_n))
+
+
+def leap(course: MotionState, z, turns: int, lift: float) -> ContactState | FlightState | EndState:
+    """Flight from the track with a normal velocity."""
+    press = _press(course, z, turns)
+    lasts = 2.0 * lift / press if press > 0.0 else inf
+    if drowns(course, z, turns, lift) or course.t + lasts == course.t:
+        return _settle(course, z, turns)
+    pace = course.scene.pace(course.t, z, turns) + sqrt(max(press, 0.0) / course.scene.reach)
+    leap = LiftOff(z, turns, lift, lasts, lasts * pace <= SHORT)
+    return FlightState(short_flights.body(course.scene, [*z, lift, 0.0], turns), (z[0], z[1]), leap)
+
+
+def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | EndState:
+    """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
+    course.bounces.clear()
+    after = course.touching(z, turns)
+    if after is None:
+        return (
+            FlightState(course.scene.body(z, turns), (z[0], z[1]))
+            if leaves(course.scene, course.t, z, turns)
+            else EndState("paradox")
+        )
+    course.fastest = 0.0
+    course.transitions.append(Transition(course.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
+    return after
+
+
+def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | None:
+    """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
+    found, last = bouncing.limit(course.bounces), course.bounces[-1]
+    if found is None or not course.t < found.time < course.end:
+        return None
+    press = _press(course, last.z, turns)
+    fall = sqrt(course.scene.reach / press) if press > 0.0 else 0.0
+    if course.t - course.bounces[-2].time > SHORTEST * fall:
+        known = found.error <= max(SETTLED * fall, np.spacing(course.t))
+        if not known or course.record.asks_between(course.t, found.time):
+            return None
+
+    def settling(times: np.ndarray) -> np.ndarray:
+        # What is left of the bounces is closer to their limit than anything resolved.
+        part = (times - last.time) / (found.time - last.time)
+        return np.array(last.z)[:, None] + np.outer(np.subtract(found.z, last.z), part)
+
+    course.record.contact(course.t, found.time, settling, turns)
+    return found
+
+
+def _wound(course: MotionState, landing: Touch) -> tuple[float, float, int]:
+    """Contact parameters of a landing on closed curves: the track's nearest to the last, the outline's such that
+    (6) gives the plate's angle; and the whole turns that remain where the outline is open."""
+    track, outline, xi1, xi2 = course.scene.track, course.scene.outline, landing.xi1, landing.xi2
+    if track.period:
+        xi1 += track.period * round((course.last_xi1 - xi1) / track.period)
+    turns = round((landing.body[2] - float(pose(course.case, xi1, xi2)[2])) / (2 * pi))
+    return (xi1, xi2 - turns * outline.period, 0) if outline.period else (xi1, xi2, turns)

@@ -1,0 +1,88 @@
+"""A motion of the second formulation on its way: where the plate is, what has happened so far, and the time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Transition
+
+from .bouncing import Bounce
+from .equations import ContactPhase, ContactScene, decide
+from .sampling import Record
+from .steps import WorkBudget
+from .surroundings import Surroundings
+
+# The status of a motion whose work is used up.
+UNFINISHED = "unfinished"
+
+
+class ContactState(NamedTuple):
+    """The plate on its track: (ξ₁, ξ₂, ω, v), whole turns that θ is ahead of (6), and the phase."""
+
+    z: list[float]
+    turns: int
+    phase: ContactPhase
+
+
+class LiftOff(NamedTuple):
+    """Where a flight left the track: (ξ₁, ξ₂, ω, v), turns, normal velocity; how long a small one lasts (s), and
+    whether it is one."""
+
+    z: list[float]
+    turns: int
+    lift: float
+    lasts: float
+    short: bool
+
+
+class FlightState(NamedTuple):
+    """The plate off its track: (x, y, θ, vx, vy, ω), the contact's parameters if it comes from its track, and the leap
+    that began it, if it began with one."""
+
+    body: list[float]
+    place: tuple[float, float] | None = None
+    leap: LiftOff | None = None
+
+
+class LandingState(NamedTuple):
+    """The plate that has just met its track: (ξ₁, ξ₂, ω, v), turns, and normal velocity."""
+
+    z: list[float]
+    turns: int
+    lift: float
+
+
+class EndState(NamedTuple):
+    """The end of a motion."""
+
+    status: str
+
+
+class MotionState:
+    """One motion on its way: what has happened so far, and the time."""
+
+    def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int, until: float, overlaps: bool):
+        self.case, self.scene = case, ContactScene(case)
+        # An outline without an inside is only its contact arc.
+        self.overlaps = overlaps and bool(case.plate.outline.period)
+        self.rtol, self.looks, self.end = max(rtol, 1e-13), looks, min(case.duration, until)
+        self.record = Record(case, times)
+        self.t, self.work = 0.0, WorkBudget()
+        self.transitions: list[Transition] = []
+        self.bounces: list[Bounce] = []
+        self.fastest = 0.0  # closing speed since the plate last lay on its track
+        self.around: Surroundings | None = None  # sampled when the first flight begins
+        self.last_xi1 = case.start.xi1
+
+    def touching(self, z, turns: int, **known) -> ContactState | None:
+        """Contact at the present instant, if a phase of it is consistent; `known`: what has just been let go."""
+        phase = decide(self.scene, self.t, z, turns, **known)
+        return ContactState(z, turns, phase) if phase else None
+
+    def surroundings(self) -> Surroundings:
+        """The curves as a flight sees them."""
+        if self.around is None:
+            self.around = Surroundings(self.scene, self.last_xi1)
+        return self.around

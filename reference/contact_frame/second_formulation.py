@@ -1,0 +1,293 @@
+"""The second formulation, which certifies the first: the same physics in the moving frame of the contact.
+
+It shares no code with `eliminated`, `augmented`, `transitions` or their integrators: numbers instead of symbols,
+SciPy's `solve_ivp` with its own events, Coulomb's inequality instead of one-sided derivatives. Slow and simple on
+purpose. `equations` has its forces, `aloft` what happens off the track, `course` what is known on the way; here
+phases of contact are integrated, and follow each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from math import inf, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from cases import Case, CaseError, Flight, Mode, Transition
+from cases.contact import start_motion
+
+from . import flight_guards
+from .advancement import TooManyRounds
+from .equations import ContactPhase, leaves, lets_go, rates
+from .motion_state import UNFINISHED, ContactState, EndState, FlightState, LandingState, MotionState
+from .overlap import Overlaps
+from .steps import FrequencyLimitedDOP853, StepFailure
+
+# The rows of an answer's `motions`.
+MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
+
+STOPS = {
+    "painleve": "paradox",
+    "fit": "no_fit",
+    "track": "track_end",
+    "outline": "outline_end",
+    "elsewhere": "second_contact",
+}
+
+# A slip (or rotation) that has just begun is not watched for this part of the motion's own time: an instant located to
+# 1e-13 may still lie inside the cone, where it would first go back by far less than anything resolved here.
+BLIND = 1e-6
+
+# Friction and normal force that are both below this part of the scene's forces when friction reaches its bound have
+# vanished together: the contact ends, and no slip begins.
+VANISHED = 1e-9
+
+# A start's spin or slip that is this part of the other is a few roundings of it.
+NOTHING = 1e-15
+
+# Far more changes than any motion makes while it turns once; a loop without progress is told, not run for ever.
+MOST_CHANGES = 5000
+
+
+class SecondMotion(NamedTuple):
+    """The second formulation's motion: its transitions, how it ended, and what it does at the times asked for.
+
+    `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n), rows as named in `MOTION`. Contact parameters
+    and slip velocity are NaN in flight, everything is after the motion has ended; at an impact: what follows it.
+    """
+
+    transitions: tuple[Transition, ...]
+    status: str
+    end: float
+    states: np.ndarray
+    motions: np.ndarray
+
+
+def solve(
+    case: Case, rtol: float = 1e-10, times=(), looks: int = 60, until: float = inf, overlaps: bool = False
+) -> SecondMotion:
+    """The case's motion by the second formulation, at most `until` that time (s).
+
+    `looks` is how many steps it takes at least while what acts on the plate turns once (`Scene.pace`): events are found
+    by their signs at steps' ends. With `overlaps` a second place in which plate and track meet is looked for too, and
+    ends the motion. One that takes `steps.MOST_WORK` steps and looks is "unfinished" at its `end`. Raises Lost, a
+    FloatingPointError with one sentence, where numbers leave the range of a double, a load has no value, or steps come
+    to nothing.
+    """
+    course = None
+    try:
+        # An overflow or an undefined value would go on as inf or NaN.
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            course = MotionState(case, rtol, np.asarray(times, dtype=float), looks, until, overlaps)
+            return _run(course)
+    except (StepFailure, CaseError):
+        raise
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as problem:
+        raise StepFailure(
+            f"the second formulation's numbers leave the range of a double at t = {course.t if course else 0.0:.9g} s "
+            f"({problem}); give sizes, speeds and coefficients nearer to one"
+        ) from problem
+
+
+def _run(course: MotionState) -> SecondMotion:
+    now: ContactState | FlightState | EndState = _start(course)
+    if isinstance(now, EndState):
+        _at_once(course)
+    changes, counted_until = 0, 0.0
+    while not isinstance(now, EndState):
+        if course.work.used_up:
+            now = EndState(UNFINISHED)
+            break
+        if course.t >= counted_until:
+            changes, counted_until = 0, course.t + _turn(course, now)
+        changes += not (isinstance(now, FlightState) and now.leap)  # rebounds end where they are no longer resolved
+        if changes > MOST_CHANGES:
+            now = EndState("accumulation")
+            break
+        try:
+            now = _contact(course, now) if isinstance(now, ContactState) else flight_guards.fly(course, now)
+        except TooManyRounds:
+            now = EndState(UNFINISHED)
+    if not course.record.finite_until(course.t):
+        raise StepFailure(
+            f"the second formulation's motion is not finite before t = {course.t:.9g} s; give smaller numbers"
+        )
+    return SecondMotion(tuple(course.transitions), now.status, course.t, course.record.states, course.record.motions)
+
+
+def _at_once(course: MotionState) -> None:
+    """Notes the start of a motion that ends there."""
+    begin = start_motion(course.case)
+    if course.case.start.in_contact:
+        z = [begin.xi1, begin.xi2, begin.omega, begin.slip]
+        course.record.contact(0.0, 0.0, lambda times: np.outer(z, np.ones_like(times)), 0)
+    else:
+        body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
+        course.record.flight(0.0, 0.0, lambda times: np.outer(body, np.ones_like(times)))
+
+
+def _turn(course: MotionState, now: ContactState | FlightState) -> float:
+    """How long the plate takes to turn, or to go its own size, s."""
+    body = now.body if isinstance(now, FlightState) else course.scene.body(now.z, now.turns)
+    pace = course.scene.free_pace(course.t, body)
+    return 2 * pi / pace if pace > 0.0 else inf
+
+
+def _start(course: MotionState) -> ContactState | FlightState | EndState:
+    begin = start_motion(course.case)
+    body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
+    # A speed that is a few roundings of the other is none: it would turn back and return within a step unseen.
+    size = sqrt(course.case.plate.inertia / course.case.plate.mass)
+    omega = begin.omega if size * abs(begin.omega) > NOTHING * abs(begin.slip) else 0.0
+    slip = begin.slip if abs(begin.slip) > NOTHING * size * abs(begin.omega) else 0.0
+    z = [begin.xi1, begin.xi2, omega, slip]
+    if course.case.start.in_contact:
+        return course.touching(z, 0) or _without_mode(course, z, 0)
+    if course.case.start.gap > 0.0:
+        return FlightState(body)
+    lift = course.case.start.gap_rate
+    if lift < 0.0 or flight_guards.drowns(
+        course, z, 0, lift
+    ):  # what rises by less than a rounding comes down at once, as fast
+        return flight_guards.land(course, LandingState(z, 0, -abs(lift)), flown=lift < 0.0)
+    return flight_guards.leap(course, z, 0, lift)
+
+
+def _without_mode(course: MotionState, z, turns: int) -> FlightState | EndState:
+    """No phase of contact is consistent: the plate leaves, or rigid contact has no answer (Painlevé)."""
+    return _off(course, z, turns) if leaves(course.scene, course.t, z, turns) else EndState("paradox")
+
+
+def _off(course: MotionState, z, turns: int) -> FlightState | EndState:
+    if course.case.effect(Flight) is None:
+        return EndState("lift_off")
+    course.last_xi1 = z[0]
+    return FlightState(course.scene.body(z, turns), (z[0], z[1]))
+
+
+def _contact(course: MotionState, now: ContactState) -> ContactState | FlightState | EndState:
+    phase, turns = now.phase, now.turns
+    guards = _guards(course, phase, turns)
+    overlaps = Overlaps(course.case, course.surroundings(), turns) if course.overlaps else None
+    if overlaps:
+        guards["elsewhere"] = overlaps.before
+    solution = _integrate(course, now, guards, overlaps)
+    course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
+    fired = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
+    if not fired:
+        return EndState("completed" if course.t >= course.end else UNFINISHED)
+    stop = next((STOPS[name] for name in fired if name in STOPS), None)
+    if stop:
+        return EndState(stop)
+    after: ContactState | FlightState | EndState
+    if _vanishes(course, phase, fired, z, turns):
+        if course.scene.laws.stick == inf and not lets_go(course.scene, course.t, z, phase, turns):
+            return EndState("paradox")
+        after = _off(course, z, turns)
+    else:
+        after = _after(course, phase, fired, z, turns) or _without_mode(course, z, turns)
+    mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
+    if mode is not phase.mode and after != EndState("paradox"):
+        course.transitions.append(Transition(course.t, phase.mode, mode, z[0], z[1]))
+    return after
+
+
+def _vanishes(course: MotionState, phase: ContactPhase, fired: list[str], z, turns: int) -> bool:
+    """Whether the normal force has vanished: by itself, or together with the friction that it bounds."""
+    if "normal_force" in fired:
+        return True
+    if not course.scene.unilateral or not any(name.startswith("cone") for name in fired):
+        return False
+    return _forceless(course, phase, z, turns)
+
+
+def _forceless(course: MotionState, phase: ContactPhase, z, turns: int) -> bool:
+    """Whether the contact's forces have vanished together."""
+    held, scale = course.scene.forces(course.t, z, phase, turns), course.scene.scale(course.t, z, turns)
+    return max(abs(held.friction), abs(held.normal)) <= VANISHED * scale
+
+
+def _after(course: MotionState, phase: ContactPhase, fired: list[str], z, turns: int) -> ContactState | None:
+    """What follows when a guard has fired; sets velocities that have vanished to zero. None: no phase does."""
+    if "side" in fired:
+        return ContactState(z, turns, phase._replace(side=-phase.side))
+    if "slip" in fired:
+        z[3] = 0.0
+    if "turn" in fired:
+        z[2] = 0.0
+    cone = any(name.startswith("cone") for name in fired)
+    couple = any(name.startswith("couple") for name in fired)
+    if couple and not course.scene.unilateral and _forceless(course, phase, z, turns):
+        return ContactState(z, turns, phase._replace(side=-phase.side))  # the couple's bound vanished, and grows again
+    return course.touching(z, turns, may_stick=not cone, may_hold=not couple)
+
+
+def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, Callable]:
+    """Functions of (t, z) that are positive while the phase lasts."""
+    scene, laws = course.scene, course.scene.laws
+
+    def forces(t, z):
+        return scene.forces(t, z, phase, turns)
+
+    guards: dict[str, Callable] = {}
+    if phase.slip == 0 and laws.stick < inf:
+        guards["cone+"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal + f.friction
+        guards["cone-"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal - f.friction
+    if phase.turn == 0 and laws.arm is not None:
+        arm = laws.arm
+        guards["couple+"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal + f.couple
+        guards["couple-"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal - f.couple
+    if phase.slip:
+        guards["slip"] = lambda t, z: phase.slip * z[3]
+    if phase.turn:
+        guards["turn"] = lambda t, z: phase.turn * z[2]
+    if phase.slip or phase.turn:
+        guards["painleve"] = lambda t, z: forces(t, z).inverse_mass
+    if scene.unilateral and not (phase.slip == 0 and laws.stick < inf):
+        # Where friction holds, its cone closes before the normal force vanishes.
+        guards["normal_force"] = lambda t, z: forces(t, z).normal
+    if not scene.unilateral and (phase.slip is not None or phase.turn is not None):
+        guards["side"] = lambda t, z: phase.side * forces(t, z).push
+    guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
+    for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
+        if curve.domain and not curve.period:
+            guards[name] = _inside(i, *curve.domain)
+    return guards
+
+
+def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callable], overlaps: Overlaps | None):
+    scene, phase, turns, start = course.scene, now.phase, now.turns, course.t
+    just_begun = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
+    if not scene.unilateral and _forceless(course, phase, now.z, turns):
+        just_begun |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
+    pace = scene.pace(start, now.z, turns)
+    blind = BLIND / pace if pace > 0.0 else inf
+    events = []
+    for name, guard in guards.items():
+        watched = start + blind if just_begun.get(name) else start
+
+        def event(t, z, guard=guard, watched=watched):
+            return 1.0 if t < watched else guard(t, z)
+
+        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+        events.append(event)
+    solution = solve_ivp(
+        lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, course.end), now.z,
+        method=FrequencyLimitedDOP853, rtol=course.rtol, atol=1e-2 * course.rtol, events=events,
+        dense_output=bool(course.record),
+        pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=course.looks, work=course.work,
+        load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
+        after_step=overlaps.look if overlaps else None, features=scene.in_contact,
+    )  # fmt: skip
+    unfinished = not solution.success and course.work.used_up
+    if not (solution.success or unfinished) or not np.isfinite(solution.y[:, -1]).all():
+        raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
+    course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
+    return solution
+
+
+def _inside(i: int, low: float, high: float):
+    return lambda t, z: min(z[i] - low, high - z[i])

@@ -1,0 +1,92 @@
+"""Short flights close to the track: the contact's frame with a gap.
+
+A bounce of a microsecond rises a picometre, which a pose in metres rounds to ten digits less than it has. So a hop is
+followed in (ξ₁, ξ₂, ω, v, u, γ): contact parameters of the closest pair, spin, slip velocity, and the gap γ with its
+rate u, both of which begin at their own size. With the outline's point straight above the track's and the tangents
+parallel,
+
+    (1 − κ_track γ) ṡ_track − ṡ_outline = v,     κ_track ṡ_track − κ_outline ṡ_outline = ω,     γ̇ = u,
+
+and v̇, u̇ are the acceleration of the outline's point in a frame that turns with the track's tangent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from .equations import ContactScene
+
+# A hop is looked for up to this many times as long as its first estimate.
+LONGEST = 4.0
+
+
+class Hop(NamedTuple):
+    """A hop that has come down: its duration (s), (ξ₁, ξ₂, ω, v) and the gap's rate (< 0) at its end, and its bodies.
+
+    `bodies` maps an array of times since its beginning to (x, y, θ, vx, vy, ω), shape (6, n).
+    """
+
+    duration: float
+    z: list[float]
+    lift: float
+    bodies: Callable[[np.ndarray], np.ndarray]
+
+
+def body(scene: ContactScene, state, turns: int) -> list[float]:
+    """(x, y, θ, vx, vy, ω) of a plate whose closest point is straight above the track."""
+    *z, lift, gap = state
+    x, y, theta, vx, vy, w = scene.body(z, turns)
+    q = scene.place(z[0], z[1])
+    return [x - gap * q.ty, y + gap * q.tx, theta, vx - lift * q.ty, vy + lift * q.tx, w]
+
+
+def rates(scene: ContactScene, t: float, state, turns: int) -> list[float]:
+    """Time derivatives of (ξ₁, ξ₂, ω, v, u, γ) in free flight."""
+    xi1, xi2, w, slip, lift, gap = state
+    q = scene.place(xi1, xi2)
+    ax, ay, spin_pull = scene.pull(t, body(scene, state, turns) if scene.load else None)
+    spin_rate = spin_pull * scene.m / scene.J
+    near = 1.0 - q.bend_track * gap
+    along_track = (w - q.bend_outline * slip) / (q.bend_track - q.bend_outline * near)
+    along_outline = near * along_track - slip
+    turning = q.bend_track * along_track
+    # The outline's material point, and that the point of the outline moves on along it.
+    forward = ax * q.tx + ay * q.ty - spin_rate * q.arm_n - w * w * q.arm_t
+    upward = ay * q.tx - ax * q.ty + spin_rate * q.arm_t - w * w * q.arm_n + w * along_outline
+    return [
+        along_track / q.P, along_outline / q.p, spin_rate,
+        forward + turning * lift, upward - turning * slip, lift,
+    ]  # fmt: skip
+
+
+def hop(scene: ContactScene, t: float, z, turns: int, lift: float, estimate: float, rtol: float) -> Hop | None:
+    """The hop that begins at t from (ξ₁, ξ₂, ω, v) with normal velocity `lift` and lasts about `estimate` seconds.
+
+    None if it has not come down after `LONGEST` times that.
+    """
+
+    def scaled(s, state):
+        return [estimate * rate for rate in rates(scene, t + estimate * s, state.tolist(), turns)]
+
+    def landed(s, state):
+        return state[5] if s > 0.0 else 1.0
+
+    landed.terminal, landed.direction = True, -1  # type: ignore[attr-defined]
+    # Absolute tolerances of the size each has in this hop; time in units of its estimate, which brackets its end well.
+    sizes = np.array([1.0, 1.0, 1.0, 1.0, lift, lift * estimate])
+    solution = solve_ivp(
+        scaled, (0.0, LONGEST), [*z, lift, 0.0], method="DOP853", rtol=rtol, atol=1e-2 * rtol * sizes,
+        events=landed, max_step=0.5, dense_output=True,
+    )  # fmt: skip
+    if not len(solution.t_events[0]):
+        return None
+
+    def bodies(since: np.ndarray) -> np.ndarray:
+        return np.array([body(scene, state, turns) for state in solution.sol(since / estimate).T]).T
+
+    last = solution.y[:, -1]
+    return Hop(estimate * float(solution.t[-1]), last[:4].tolist(), float(last[4]), bodies)

@@ -1,0 +1,139 @@
+"""The augmented system (27) eliminated by hand, symbolically.
+
+In the frame of the common tangent (t along the track, n = U t towards the plate) the tangents of track and outline
+coincide, so (27) splits: the n-component of its first constraint rows holds neither ξ̈₁ nor ξ̈₂ and gives the normal
+force by one division; the t-component and the tangency row then give ξ̈₁ and ξ̈₂. Letters: P = |R_p|, a = R_s·t,
+b = R_s·n, c = R_t·n on the track; p, a, b, c on the outline, turned with the plate; h = θr, the arm to the contact.
+
+There is one function for each set of constraint rows: a contact may slip or not, and, where something resists its
+rotation, turn or not. Forces are taken per mass, so that mass drops out where it does not matter.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import sympy as sp
+
+from .frames import Frame, short
+
+T, X1, X2, U1, U2 = sp.symbols("t xi1 xi2 u1 u2", real=True)
+GYRATION = sp.Symbol("G", positive=True)  # J/m, the square of the radius of gyration
+NORMAL = sp.Symbol("N", real=True)  # the normal force per mass, while it is being eliminated
+ZERO, ONE = sp.Integer(0), sp.Integer(1)
+
+
+class Elimination(NamedTuple):
+    """Symbolic outcome of one mode: accelerations, contact forces (per mass), spin and slip with their rates."""
+
+    u1_dot: sp.Expr
+    u2_dot: sp.Expr
+    normal: sp.Expr
+    friction: sp.Expr
+    omega: sp.Expr
+    omega_dot: sp.Expr
+    slip: sp.Expr
+    slip_dot: sp.Expr
+    couple: sp.Expr  # what resists the rotation, per mass
+    inverse_mass: sp.Expr  # the coefficient of the normal force in its equation, in units of its first term: Painlevé's
+    free_approach: (
+        sp.Expr
+    )  # what the normal force has to balance: how fast the contact would close without any force in it
+
+
+class Torsor(NamedTuple):
+    """The applied force in the frame of the contact and its moment about the centre of mass, per mass."""
+
+    t: sp.Expr
+    n: sp.Expr
+    moment: sp.Expr
+
+
+def spin(f: Frame, h: Frame, u1, u2) -> sp.Expr:
+    """ω, (9)."""
+    return u1 * f.b / f.P - u2 * h.b / h.P
+
+
+def _rates(f: Frame, h: Frame, u1, u2, omega):
+    """What the constraints say of the state: ξ̇₁²a − ξ̇₂²a, and the right-hand sides of (26) in the frame."""
+    along = u1**2 * f.a - u2**2 * h.a
+    C_t = omega**2 * h.ht + along
+    C_n = omega**2 * h.hn - 2 * omega * u2 * h.P - u2**2 * h.b + u1**2 * f.b
+    C_3 = (
+        2 * omega * (u1 * f.a * h.P + u2 * h.a * f.P)
+        - u1**2 * h.P * f.c
+        + u2**2 * f.P * h.c
+        - 2 * u1 * u2 * (f.b * h.a - f.a * h.b)
+    )
+    return along, C_t, short(C_n), short(C_3)
+
+
+def sliding(f: Frame, h: Frame, force: Torsor, ratio, resistance) -> Elimination:
+    """(27) with one multiplier: friction is `ratio` and the couple `resistance` times the normal force."""
+    omega = spin(f, h, U1, U2)
+    along, C_t, C_n, C_3 = _rates(f, h, U1, U2, omega)
+    lever = short(h.ht - h.hn * ratio + resistance)
+    inverse_mass = short(1 + h.ht * lever / GYRATION)
+    free_approach = _free_approach(h, force, C_n)
+    omega_dot = (force.moment + NORMAL * lever) / GYRATION
+    last = resistance * NORMAL, inverse_mass, free_approach
+    motion = _slipping(f, h, force, ratio, (omega, omega_dot), (along, C_t, C_3), last)
+    return _with_normal_force(motion, free_approach / inverse_mass)
+
+
+def translating(f: Frame, h: Frame, force: Torsor, ratio) -> Elimination:
+    """(27) with one multiplier and the row ω̇ = 0: it slips and does not turn; the couple is what that takes."""
+    along, C_t, C_n, C_3 = _rates(f, h, U1, U2, ZERO)
+    couple = -force.moment - NORMAL * short(h.ht - h.hn * ratio)
+    last = couple, ONE, _free_approach(h, force, C_n)
+    motion = _slipping(f, h, force, ratio, (ZERO, ZERO), (along, C_t, C_3), last)
+    return _with_normal_force(motion, C_n - force.n)
+
+
+def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, last) -> Elimination:
+    """ξ̈₁ and ξ̈₂ of a plate that slips, from its normal force and its spin."""
+    (omega, omega_dot), (along, C_t, C_3) = spins, rates
+    sigma = force.t + ratio * NORMAL - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
+    u1_dot = short((C_3 / (f.P * h.P) + omega_dot - sigma * h.curvature) / short(f.P * (f.curvature - h.curvature)))
+    u2_dot = short((u1_dot * f.P - sigma) / h.P)
+    slip = U1 * f.P - U2 * h.P
+    friction = ratio * NORMAL
+    return Elimination(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, sigma + along, *last)
+
+
+def _free_approach(h: Frame, force: Torsor, C_n) -> sp.Expr:
+    return C_n - h.ht * force.moment / GYRATION - force.n
+
+
+def _with_normal_force(motion: Elimination, normal: sp.Expr) -> Elimination:
+    return Elimination(*(sp.sympify(e).xreplace({NORMAL: normal}) for e in motion))
+
+
+def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Elimination:
+    """(27) with the tangential multiplier and the rolling row; ξ̇₂ follows from v = 0."""
+    u2 = U1 * f.P / h.P
+    omega = spin(f, h, U1, u2)
+    along, _, C_n, C_3 = _rates(f, h, U1, u2, omega)
+    # Moments about the contact: neither multiplier appears but for the couple that goes with the normal force.
+    moment = short(
+        force.moment + (h.ht + resistance) * (C_n - force.n) - h.hn * (omega**2 * h.ht - force.t)
+    )  # fmt: skip
+    inertia = GYRATION + h.ht**2 + h.hn**2
+    omega_dot = moment / short(inertia + resistance * h.ht)
+    u1_dot = short((omega_dot + h.curvature * along + C_3 / (f.P * h.P)) / short(f.P * (f.curvature - h.curvature)))
+    u2_dot = (u1_dot * f.P + along) / h.P
+    N = C_n - omega_dot * h.ht - force.n
+    friction = omega**2 * h.ht + omega_dot * h.hn - force.t
+    inverse_mass = short(1 + resistance * h.ht / inertia)
+    free_approach = _free_approach(h, force, C_n)
+    return Elimination(
+        u1_dot, u2_dot, N, friction, short(omega), omega_dot, ZERO, ZERO, resistance * N, inverse_mass, free_approach
+    )
+
+
+def resting(h: Frame, force: Torsor) -> Elimination:
+    """(27) with the rows v̇ = 0 and ω̇ = 0 at rest: the contact carries the whole load."""
+    couple = force.n * h.ht - force.t * h.hn - force.moment
+    return Elimination(
+        ZERO, ZERO, -force.n, -force.t, ZERO, ZERO, ZERO, ZERO, couple, ONE, _free_approach(h, force, ZERO)
+    )

@@ -1,0 +1,156 @@
+"""The first, tiny part of a phase, by its Taylor polynomial alone.
+
+A phase begins with a guard at zero that the decision found to grow, often with the square of time; event detection
+would find that root again, and a cool-down after it would hide the next. So the start is left first. How far its
+polynomial reaches, where it leads and what the guards are there is worked out at once, by machine code.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import exp, inf, isfinite
+from typing import NamedTuple
+
+import heyoka as hy
+import numpy as np
+
+from ..defect_check import Expansion, clear_part
+from ..modes import Phase
+from ..system import System
+from .conversion import build, compile_quickly, convert, guards, variables
+from .segment import BREAKDOWN
+
+# The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
+# leaves zero with the fourth power of time is still well above its own rounding.
+PART = 1e-3
+# Powers that count there: beyond, a term is less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
+NEAR = 8
+# So often that part is shortened tenfold where a guard is not positive at its end: what is left then is rounding.
+SHORTER = 9
+
+
+class FirstStep(NamedTuple):
+    """How a phase's start was left: when (s), with which state, in how many steps (0 or 1), the longest step (s) that
+    may follow, and the guard that is at zero, if one is."""
+
+    time: float
+    state: tuple[float, ...] | list[float]
+    steps: int
+    longest: float
+    guard: str | None = None
+
+
+def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, tolerance: float) -> FirstStep:
+    """The state a little later than t, all guards positive there and half-way; or the guard that is not.
+
+    `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
+    """
+    start = _start(phase.system, coefficients.shape[1])
+    known = (t, phase.size, *phase.lengths, *phase.parameters)
+    part, span = PART, end - t
+    for _ in range(SHORTER):
+        ahead = start(coefficients, (part, span, *known))
+        if not isfinite(ahead.total) and not np.isfinite(coefficients).all():
+            return FirstStep(t, y, 0, inf, BREAKDOWN)
+        if not ahead.guards or not 0.0 < ahead.often < inf:
+            return FirstStep(t, y, 0, ahead.longest)  # nothing moves and nothing presses: no guard leaves zero
+        if phase.checks_steps:
+            clear = clear_part(phase, Expansion(t, ahead.h, coefficients), tolerance)
+            ahead = start(coefficients, (part, clear * ahead.h, *known))
+        # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
+        # until the event lies behind it.
+        if all([value > 0.0 for value in ahead.guards]):
+            return FirstStep(t + ahead.h, ahead.state, 1, ahead.longest)
+        part *= 0.1
+    names = phase.system.guards.names
+    zero = next(i for i, value in enumerate(ahead.guards) if not value > 0.0)
+    return FirstStep(t, y, 0, ahead.longest, names[zero % len(names)])
+
+
+class _SeriesEstimate(NamedTuple):
+    """What a polynomial says: the sum of its coefficients, the longest step (s) that the upper half of them allows, how
+    often (1/s) a term grows to the plate's size or the forces move it so far, the time h (s), the state there, and the
+    guards half-way and there."""
+
+    total: float
+    longest: float
+    often: float
+    h: float
+    state: list[float]
+    guards: list[float]
+
+
+class _FirstPolynomial:
+    """The first polynomial of a system's phases, so many terms, as a compiled function."""
+
+    def __init__(self, system: System, terms: int):
+        decided = (terms, PART, NEAR, hy.__version__, build())
+        self._function = system.kept("start", decided, lambda: _compile(system, terms))
+        self._variables = len(system.variables)
+        self._coefficients = self._variables * terms
+        self._count = self._coefficients + 4 + system.positions + len(system.parameters)
+
+    def __call__(self, coefficients: np.ndarray, known: tuple[float, ...]) -> _SeriesEstimate:
+        """`known` are part, span, t, the plate's size, lengths and parameters; h = min(part/often, span)."""
+        inputs = np.empty(self._count)  # of this call alone: other threads make theirs
+        inputs[: self._coefficients] = coefficients.ravel()
+        inputs[self._coefficients :] = known
+        total, longest, often, h, *told = self._function(inputs).tolist()
+        return _SeriesEstimate(total, longest, often, h, told[: self._variables], told[self._variables :])
+
+
+_start = lru_cache(maxsize=128)(_FirstPolynomial)
+
+
+def _compile(system: System, terms: int):
+    rows = [[hy.expression(f"c_{i:02d}_{k:03d}") for k in range(terms)] for i in range(len(system.variables))]
+    part, span, t, size = map(hy.expression, ("part", "span", "t", "size"))
+    lengths = [hy.expression(f"length_{i}") for i in range(system.positions)]
+    parameters = [hy.expression(f"parameter_{i:03d}") for i in range(len(system.parameters))]
+    known = variables(system)
+    fixed = {hy.par[i]: parameter for i, parameter in enumerate(parameters)}
+
+    def there(expressions, time, state) -> list:
+        """Expressions of time and state, at these."""
+        moved = {known[variable]: value for variable, value in zip(system.variables, state, strict=True)}
+        return hy.subs(list(expressions), moved | fixed | {hy.time: time})
+
+    # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative
+    # to the state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
+    sizes = [[_size(c) for c in row] for row in rows]
+    largest = _largest([hy.expression(1.0), *(row[0] for row in sizes)])
+    powers = range(terms // 2, terms)
+    longest = exp(-2.0) / _largest([(_largest([row[k] for row in sizes]) / largest) ** (1.0 / k) for k in powers])
+    # All terms of positions count: those of even or of odd order vanish in a motion from rest. Where none is left the
+    # forces balance, and a load may change them: they count by the time in which they would move the plate by its size.
+    pressing = [convert(force, known) for force in (system.observed.normal, system.observed.friction)]
+    forces = there(pressing, t, [row[0] for row in rows])
+    grown = [_largest([row[k] / unit for row, unit in zip(sizes, lengths, strict=False)]) for k in range(terms)]
+    often = _largest(
+        [(_largest(list(map(_size, forces))) / size) ** 0.5, *(grown[k] ** (1.0 / k) for k in range(1, terms))]
+    )
+    h = hy.select(hy.lt(part / often, span), part / often, span)
+
+    half, state = ([_horner(row[: NEAR + 1], when) for row in rows] for when in (0.5 * h, h))
+    values = [*there(guards(system), t + 0.5 * h, half), *there(guards(system), t + h, state)]
+    outputs = [hy.sum([c for row in rows for c in row]), longest, often, h, *state, *values]
+    return compile_quickly(outputs, [*(c for row in rows for c in row), part, span, t, size, *lengths, *parameters])
+
+
+def _size(value):
+    return hy.select(hy.lt(value, 0.0), -value, value)
+
+
+def _largest(values: list):
+    found = values[0]
+    for value in values[1:]:
+        found = hy.select(hy.gt(value, found), value, found)
+    return found
+
+
+def _horner(row: list, x):
+    """A polynomial's value, its coefficients from the lowest up."""
+    value = row[-1]
+    for coefficient in row[-2::-1]:
+        value = coefficient + value * x
+    return value

@@ -1,0 +1,88 @@
+"""The first, tiny part of a phase, for many scenarios at once.
+
+A phase begins with a guard at zero that the decision found to grow; an integrator that looks for that guard's zero
+would find it again there, or miss a slip that ends soon after. So the start is left first, by so short a part of the
+motion's own time that two halves of it by the classical Runge–Kutta method are exact to rounding, which is checked.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .decisions import Columns, rows
+
+# The part of the motion's own time that is left: the fifth power of it, by which the method errs, is rounding.
+PART = 1e-3
+# By so many roundings of the state's natural sizes the whole step and its halves may differ.
+ROUNDINGS = 64 * float(np.finfo(float).eps)
+# A slip or a spin of less than this part of the plate's speed is not known to have left zero: it is a difference of
+# speeds that are known to rounding. The slip of the paper's disc let go on the level wall grows to 1e-3 of it here.
+CLEAR = 1e-12
+
+
+class FirstSteps(NamedTuple):
+    """Times (n,) and states (variables, n) after the step; where that is sound."""
+
+    times: np.ndarray
+    states: np.ndarray
+    sound: np.ndarray
+
+
+def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstSteps:
+    """The states a little later than `t`, all guards positive there and half-way."""
+    p = now.system.positions
+    often = _often(now, t, y)
+    h = np.minimum(PART / often, end - t)
+    whole = _runge_kutta(now, t, y, h)
+    half = _runge_kutta(now, t, y, 0.5 * h)
+    later = _runge_kutta(now, t + 0.5 * h, half, 0.5 * h)
+    sizes = [*now.lengths, *(length / h for length in now.lengths)][: len(y)]
+    scale = np.array([np.broadcast_to(size, t.shape) for size in sizes])
+    scale[p:] += np.abs(y[p:])
+    sound = np.isfinite(often) & (often > 0.0) & (h > 0.0)
+    sound &= (np.abs(whole - later) <= ROUNDINGS * (scale + np.abs(y))).all(axis=0)
+    velocities = [name in now.system.condition_rates for name in now.system.guards]
+    for part, state in ((0.5, half), (1.0, later)):
+        speed = np.max([abs(u) / unit for u, unit in zip(state[p:], now.lengths, strict=False)] or [0.0 * t], axis=0)
+        least = np.outer(velocities, CLEAR * now.size * speed)
+        sound &= (rows(now.system.guards_of_arrays(t + part * h, state, now.parameters), len(t)) > least).all(axis=0)
+    return FirstSteps(t + h, later, sound)
+
+
+def _often(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """How fast the state changes, 1/s: by its speeds, its accelerations and the contact's forces."""
+    p = now.system.positions
+    forces = now.system.record(*now.system.observed_of_arrays(t, y, now.parameters))
+    fastest = np.sqrt(np.maximum(np.abs(forces.normal), np.abs(forces.friction)) / now.size)
+    rates = rows(now.system.rates_of_arrays(t, y, now.parameters), len(t))
+    for speed, acceleration, length in zip(y[p:], rates[p:], now.lengths, strict=False):
+        fastest = np.maximum(fastest, np.maximum(np.abs(speed) / length, np.sqrt(np.abs(acceleration) / length)))
+    return fastest
+
+
+def _runge_kutta(now: Columns, t: np.ndarray, y: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """One step of the classical method of order four."""
+
+    def f(time, state):
+        return rows(now.system.rates_of_arrays(time, state, now.parameters), len(t))
+
+    k1 = f(t, y)
+    k2 = f(t + h / 2, y + h / 2 * k1)
+    k3 = f(t + h / 2, y + h / 2 * k2)
+    k4 = f(t + h, y + h * k3)
+    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def course(now: Columns, t: np.ndarray, y: np.ndarray, guard: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of a guard at its zero: its first and second derivative by time there, and its size before, each (n,)."""
+    h = 10.0 * PART / _often(now, t, y)
+    values = []
+    for part in (-2.0, -1.0, 0.0, 1.0, 2.0):
+        there = _runge_kutta(now, t, y, part * h)
+        values.append(rows(now.system.guards_of_arrays(t + part * h, there, now.parameters), len(t))[guard])
+    before, back, here, on, after = values
+    slope = (8.0 * (on - back) - (after - before)) / (12.0 * h)
+    bend = (16.0 * (on + back) - (after + before) - 30.0 * here) / (12.0 * h * h)
+    return slope, bend, np.abs(slope) / _often(now, t, y) + np.abs(here)

@@ -1,0 +1,322 @@
+"""Parameters in, numbers out: what many scenarios of one case are, as columns, without making each as a `Case`.
+
+A case function is Python, so that only calling it tells what a parameter does. It is called for each value of each
+parameter alone; where every number of the scene then depends on one parameter at most, the columns follow, and calls
+at the corners and at random places must give the same to the last bit. Else it is called for every scenario.
+"""
+
+from __future__ import annotations
+
+import dis
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import product
+from types import CodeType, FunctionType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cases import Case, CaseError, CoulombFriction, Gravity, Load, RollingResistance
+from cases.contact import start_motion
+from cases.expressions import constants
+from cases.overlap import first_overlap
+
+from ..minimal.effects import laws
+from .geometry import level_parameters, places
+
+# Up to so many values of one parameter, in parts of the scenarios, each is tried alone: beyond that calling the
+# function for each scenario is as quick.
+FEW = 0.25
+# Of more values so many are tried, the least and the largest among them.
+TRIES = 33
+# So many scenarios at random, besides the corners, must be what the columns say.
+PROBES = 12
+
+Make = Callable[..., Case]  # from parameters to a case; raises CaseError
+
+
+class Structure(NamedTuple):
+    """What scenarios must share to be moved together: one set of equations, and how the start is given."""
+
+    track: Any
+    outline: Any
+    laws: Any
+    ends: tuple
+    kinds: tuple[type, ...]
+    in_contact: bool
+    fitted: bool  # whether ξ₂ follows from θ = 0
+    plain: bool  # whether there is nothing a step could pass over
+
+
+@dataclass(frozen=True, eq=False)
+class ScenarioGroup:
+    """Scenarios of one structure: `rows` of the chunk, and each number of theirs by name, shape (n,).
+
+    `base` is one of them; `same` tells whether all have its curves. `alone(i)` makes the i-th as a case.
+    """
+
+    rows: np.ndarray
+    base: Case
+    same: bool
+    numbers: dict[str, np.ndarray]
+    alone: Callable[[int], Case] = field(repr=False)
+
+    def constants(self, which: str) -> tuple[np.ndarray, ...]:
+        """The sizes of the "track" or the "outline"."""
+        count = len(self.base.track.constants if which == "track" else self.base.plate.outline.constants)
+        return tuple(self.numbers[f"{which}_c{i}"] for i in range(count))
+
+    def only(self, chosen: np.ndarray) -> ScenarioGroup:
+        """Some of them."""
+        numbers = {name: column[chosen] for name, column in self.numbers.items()}
+        return ScenarioGroup(self.rows[chosen], self.base, self.same, numbers, partial(_nth, self.alone, chosen))
+
+
+class RejectedScenario(NamedTuple):
+    """A scenario that no scene can be: its row and the sentence."""
+
+    row: int
+    reason: str
+
+
+def scenes(
+    make: Make, columns: Mapping[str, np.ndarray], even: bool
+) -> tuple[list[ScenarioGroup], list[RejectedScenario]]:
+    """The scenarios with those parameters, `columns` of shape (n,), by structure; and those that cannot be.
+
+    `even`: whether the case's function does the same for all values (`straight`)."""
+    n = len(next(iter(columns.values())))
+
+    def alone(i: int) -> Case:
+        return make(**{name: float(column[i]) for name, column in columns.items()})
+
+    together = _together(make, columns, alone, n, even)
+    if together is not None:
+        return [together], []
+    return _each(alone, n)
+
+
+def structure(case: Case) -> Structure:
+    """What its scenario shares with others that move together."""
+    track, outline = case.track, case.plate.outline
+    ends = tuple((c.domain is None, c.period is None) for c in (track, outline))
+    kinds = tuple(type(effect) for effect in case.effects)
+    fitted = case.start.xi2 is None
+    load = case.effect(Load)
+    features = (track.features, outline.features, load.features if load else None)
+    plain = all(found is None or found.plain for found in features) and not laws(case).checked_quantities
+    return Structure(track.structure, outline.structure, laws(case), ends, kinds, case.start.in_contact, fitted, plain)
+
+
+def numbers(case: Case) -> dict[str, float]:
+    """Every number of a scenario by the name its equations know it by, but for a ξ₂ and θ that follow from the rest."""
+    start, plate = case.start, case.plate
+    known = {"xi1": start.xi1, "slip": start.slip, "omega": start.omega, "duration": case.duration}
+    known |= {"mass": plate.mass, "inertia": plate.inertia}
+    known |= {} if start.xi2 is None else {"xi2": start.xi2}
+    for effect in case.effects:
+        if isinstance(effect, Gravity):
+            known["gx"], known["gy"] = effect.vector
+        elif isinstance(effect, CoulombFriction):
+            known |= {"mu": effect.mu, "mu_stick": effect.stick}
+        elif isinstance(effect, RollingResistance):
+            known["arm"] = effect.arm
+        elif isinstance(effect, Load):
+            known |= {f"load_c{i}": value for i, value in enumerate(constants(effect.expression))}
+    for name, curve in (("track", case.track), ("outline", plate.outline)):
+        known |= {f"{name}_c{i}": value for i, value in enumerate(curve.constants)}
+        if curve.domain:
+            known |= {f"{name}_low": curve.domain[0], f"{name}_high": curve.domain[1]}
+    return known
+
+
+def _place(case: Case) -> dict[str, float]:
+    """The same with ξ₂ and θ."""
+    begun = start_motion(case)
+    return {**numbers(case), "xi2": begun.xi2, "theta": begun.theta}
+
+
+# --- one by one -------------------------------------------------------------------------------------------------------
+
+
+def _each(alone: Callable[[int], Case], n: int) -> tuple[list[ScenarioGroup], list[RejectedScenario]]:
+    """Every scenario made as a case."""
+    groups: dict[Structure, list[tuple[int, dict[str, float], Case]]] = {}
+    bad = []
+    for i in range(n):
+        try:
+            case = alone(i)
+            groups.setdefault(structure(case), []).append((i, _place(case), case))
+        except CaseError as problem:
+            bad.append(RejectedScenario(i, str(problem)))
+        except Exception as problem:  # the function is its author's
+            bad.append(RejectedScenario(i, f"the case cannot be made: {type(problem).__name__}: {problem}"))
+    found = []
+    for members in groups.values():
+        rows = np.array([i for i, _, _ in members])
+        base = members[0][2]
+        same = all((c.track, c.plate.outline) == (base.track, base.plate.outline) for _, _, c in members)
+        columns = {name: np.array([known[name] for _, known, _ in members]) for name in members[0][1]}
+        found.append(ScenarioGroup(rows, base, same, columns, partial(_nth, alone, rows)))
+    return found, bad
+
+
+def _nth(alone: Callable[[int], Case], rows: np.ndarray, i: int) -> Case:
+    return alone(int(rows[i]))
+
+
+# --- all at once ------------------------------------------------------------------------------------------------------
+
+
+class _Column(NamedTuple):
+    """What a parameter does alone: the numbers it changes, each by scenario."""
+
+    changed: dict[str, np.ndarray]
+    tried: bool  # whether each of its values was
+
+
+def _together(make: Make, columns: Mapping[str, np.ndarray], alone, n: int, even: bool) -> ScenarioGroup | None:
+    """The columns of all scenarios; None where that cannot be said without making each."""
+    if n < 4 * PROBES:
+        return None
+    first = {name: float(column[0]) for name, column in columns.items()}
+    try:
+        base = make(**first)
+        known, made = _place(base), structure(base)
+        effects = {name: _alone(make, first, name, columns[name], known, made, even) for name in columns}
+        found = {name: np.full(n, value) for name, value in known.items()}
+        for name, effect in effects.items():
+            if effect is None or any(name in found and not _constant(found[name]) for name in effect.changed):
+                return None  # some number depends on two parameters
+            found |= effect.changed
+        of_place = {name for name, e in effects.items() if e is not None and any(map(_of_place, e.changed))}
+        if len(of_place) > 1 or any(e is not None and not e.tried and not _simple(e) for e in effects.values()):
+            return None
+        same = all(_constant(found[name]) for name in found if name.startswith(("track_", "outline_")))
+        untried = any(not effects[name].tried for name in of_place)  # type: ignore[union-attr]
+        if untried and not _place_again(base, made, found):
+            return None
+        for i in _probes(columns, n):
+            case = alone(i)
+            exact = numbers(case)
+            if structure(case) != made or any(found[name][i] != value for name, value in exact.items()):
+                return None
+    except Exception:
+        return None  # some scenario cannot be: whichever it is, it is found by making each
+    return ScenarioGroup(np.arange(n), base, same, found, alone)
+
+
+def _of_place(number: str) -> bool:
+    """Whether it is one of the start's place or of the curves: whether a plate fits depends on all these at once."""
+    return number in ("xi1", "xi2", "theta") or number.startswith(("track_", "outline_"))
+
+
+def _simple(effect: _Column) -> bool:
+    """Whether a parameter whose values were not all tried changes nothing of the curves."""
+    return not any(name.startswith(("track_", "outline_")) for name in effect.changed)
+
+
+def _constant(column: np.ndarray) -> bool:
+    return bool(np.all(column == column[0]))
+
+
+def _alone(
+    make: Make,
+    first: dict[str, float],
+    name: str,
+    column: np.ndarray,
+    known: dict[str, float],
+    made: Structure,
+    even: bool,
+) -> _Column | None:
+    """What a parameter does while the others stand; None where that cannot be said."""
+    values, which = np.unique(column, return_inverse=True)
+    tried = len(values) <= FEW * len(column)
+    if not tried:
+        if not even:
+            return None
+        values = values[np.linspace(0, len(values) - 1, TRIES).round().astype(int)]
+    made_with = []
+    for value in values.tolist():
+        case = make(**{**first, name: value})
+        if structure(case) != made:
+            return None
+        made_with.append(_place(case))
+    changed = {}
+    for number, value in known.items():
+        column_of = np.array([row[number] for row in made_with])
+        if np.all(column_of == value):
+            continue
+        if tried:
+            changed[number] = column_of[which.reshape(-1)]
+        elif np.all(column_of == values):
+            changed[number] = column
+        elif not (number == "theta" or (number == "xi2" and made.fitted)):
+            return None
+    return _Column(changed, tried)
+
+
+def _place_again(base: Case, made: Structure, found: dict[str, np.ndarray]) -> bool:
+    """Work out ξ₂ and θ for starts that were not all made as cases; whether each of them has room."""
+    track, outline = base.track, base.plate.outline
+    xi1 = found["xi1"]
+    if not made.in_contact:
+        return False
+    if track.domain and not track.period and not np.all((track.domain[0] <= xi1) & (xi1 <= track.domain[1])):
+        return False
+    if made.fitted:
+        found["xi2"] = level_parameters(track, outline, xi1)
+    xi2 = found["xi2"]
+    if not np.isfinite(xi2).all():
+        return False
+    sizes = [tuple(np.full(len(xi1), c) for c in curve.constants) for curve in (track, outline)]
+    f, h = places(track, sizes[0], xi1), places(outline, sizes[1], xi2)
+    if not np.all(h.curvature > f.curvature):
+        return False
+    found["theta"] = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
+    c, s = np.cos(found["theta"]), np.sin(found["theta"])
+    x, y = f.x - (c * h.x - s * h.y), f.y - (s * h.x + c * h.y)
+    return first_overlap(track, outline, x, y, found["theta"], xi1) is None
+
+
+def _probes(columns: Mapping[str, np.ndarray], n: int) -> Iterator[int]:
+    """Scenarios at the corners, as far as there are such, and at random places (always the same)."""
+    ends = [(int(np.argmin(column)), int(np.argmax(column))) for column in columns.values()]
+    yield from dict.fromkeys(i for pair in ends for i in pair)
+    lows_highs = [(column.min(), column.max()) for column in columns.values()]
+    for corner in product(*lows_highs) if len(lows_highs) <= 4 else ():
+        there = np.all([c == v for c, v in zip(columns.values(), corner, strict=True)], axis=0)
+        yield from np.flatnonzero(there)[:1].tolist()
+    yield from np.random.default_rng(n).integers(0, n, PROBES).tolist()
+
+
+def straight(function: Callable) -> bool:
+    """Whether a function, and those of its own module that it calls, has no branch and no loop: what it does for some
+    values it does for all."""
+    waiting, seen = [function], []
+    while waiting:
+        now = waiting.pop()
+        if now in seen:
+            continue
+        seen.append(now)
+        code = getattr(now, "__code__", None)
+        if code is None or any(map(_jumps, _codes(code))):
+            return False
+        called = (now.__globals__.get(name) for part in _codes(code) for name in part.co_names)
+        waiting += [f for f in called if isinstance(f, FunctionType) and f.__module__ == function.__module__]
+    return True
+
+
+_JUMPS = {*dis.hasjrel, *dis.hasjabs}
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
+
+
+def _jumps(code: CodeType) -> bool:
+    return any(step.opcode in _JUMPS for step in dis.get_instructions(code))

@@ -1,0 +1,102 @@
+"""Where a second contact is impossible, for many scenarios at once: by theorems and by energy, without their motions.
+
+A disc's place says all of its pose, so that a stretch of track either has room for it or has not; and a plate that only
+gravity drives never comes to where its potential exceeds the energy it began with.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from cases import Case, Curve, Gravity, Load
+from cases.geometry import pose
+from cases.overlap import first_overlap
+
+from ..minimal.room import fits, fits_everywhere
+from .geometry import energy, places
+from .scenario_values import ScenarioGroup
+
+# Places along a track at which a disc is looked at: a hundredth of the usual track, as `cases.overlap` samples it.
+LOOKS = 2000
+
+
+def one_contact(scenes: ScenarioGroup) -> np.ndarray:
+    """Which scenarios surely touch their track in one place only, (n,); of the others nothing is said."""
+    found = np.zeros(len(scenes.rows), dtype=bool)
+    for some in _of_one_shape(scenes):
+        base, number = scenes.only(some), int(some[0])
+        found[some] = _one_contact(base, scenes.base if scenes.same else scenes.alone(number))
+    return found
+
+
+def _of_one_shape(scenes: ScenarioGroup) -> list[np.ndarray]:
+    """Scenarios by their curves."""
+    n = len(scenes.rows)
+    if scenes.same:
+        return [np.arange(n)]
+    shapes = [c for name, c in sorted(scenes.numbers.items()) if name.startswith(("track_", "outline_"))]
+    _, which = np.unique(np.array(shapes), axis=1, return_inverse=True)
+    order = np.argsort(which.reshape(-1), kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(which.reshape(-1)[order])) + 1)
+
+
+def _one_contact(scenes: ScenarioGroup, base: Case) -> np.ndarray:
+    """The same of scenarios with the curves of `base`."""
+    track, outline, n = base.track, base.plate.outline, len(scenes.rows)
+    if track.features is None and fits(track, outline, *track.span):
+        return np.ones(n, dtype=bool)  # a straight line is the same wherever the plate goes
+    if (track.domain is not None or track.period) and fits_everywhere(base, ()):
+        return np.ones(n, dtype=bool)
+    if base.plate.radius is None or base.effect(Load) is not None or base.effect(Gravity) is None:
+        return np.zeros(n, dtype=bool)
+    return _within(scenes, base, _free(track, outline, float(np.median(scenes.numbers["xi1"]))))
+
+
+@lru_cache(maxsize=16)
+def _free(track: Curve, outline: Curve, near: float) -> np.ndarray:
+    """Places, LOOKS or fewer, on the longest stretch about `near` on which a disc overlaps its track nowhere."""
+    low, high = track.span
+    if track.domain is None and not track.period:
+        low, high = min(low, near - (high - low)), max(high, near + (high - low))
+    if track.period:
+        low, high = near - 0.5 * track.period, near + 0.5 * track.period
+    grid = np.linspace(low, high, LOOKS)
+    middle = int(np.clip(np.searchsorted(grid, near), 1, LOOKS - 1))
+    fits = track.curvature(grid) < outline.curvature(outline.span[0])
+    back = _count(track, outline, grid[middle - 1 :: -1], fits[middle - 1 :: -1])
+    return grid[middle - back : middle + _count(track, outline, grid[middle:], fits[middle:])]
+
+
+def _count(track: Curve, outline: Curve, grid: np.ndarray, fits: np.ndarray) -> int:
+    """In how many places along `grid` there is room one after the other."""
+    count = len(grid) if fits.all() else int(np.argmin(fits))
+    if not count:
+        return 0
+    xi2 = np.full(count, outline.span[0])
+    x, y, theta = pose(track, outline, grid[:count], xi2)
+    found = first_overlap(track, outline, x, y, theta, grid[:count])
+    return count if found is None else found[0]
+
+
+def _within(scenes: ScenarioGroup, base: Case, free: np.ndarray) -> np.ndarray:
+    """Which scenarios stay on the free stretch: all if it is the whole track, else those with too little energy to
+    leave it on either side."""
+    known, track, outline, n = scenes.numbers, base.track, base.plate.outline, len(scenes.rows)
+    if len(free) == LOOKS and (track.domain is not None or track.period):
+        return np.ones(n, dtype=bool)
+    if not len(free):
+        return np.zeros(n, dtype=bool)
+    pull = known["gx"], known["gy"]
+    f, h = (
+        places(track, scenes.constants("track"), known["xi1"]),
+        places(outline, scenes.constants("outline"), known["xi2"]),
+    )
+    has = energy(f, h, known["slip"], known["omega"], pull, known["mass"], known["inertia"])
+    x, y, _ = pose(track, outline, free, np.full(len(free), outline.span[0]))
+    needs = -(np.multiply.outer(pull[0], x) + np.multiply.outer(pull[1], y))  # per mass, wherever it goes
+    beyond = needs > ((has + 1e-9 * np.abs(has)) / known["mass"])[:, None] + 1e-9 * np.abs(needs)
+    before = free[None, :] < known["xi1"][:, None]
+    inside = (free[0] <= known["xi1"]) & (known["xi1"] <= free[-1])
+    return inside & (beyond & before).any(axis=1) & (beyond & ~before).any(axis=1)

@@ -1,0 +1,245 @@
+"""Files of figures: small SVG with text as text and the command that reproduces it; PDF for print.
+
+Matplotlib is imported only when a figure is made, so a report whose figures are all cached does not need it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from html import escape
+from io import BytesIO, StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..running.per_solver import LeftOut
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
+
+# Whether figures are also written as PDF: set once by a command, for all its figures.
+_WRITES_PDF = ContextVar("printed", default=False)
+# Matplotlib's typeface first; the fallbacks are equally wide.
+_TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
+
+
+# File systems limit names to 255 bytes; a figure's name also has a prefix for its kind.
+_READABLE_BYTES, _DIGITS = 150, 8
+
+
+@dataclass(frozen=True)
+class FigureEntry:
+    """A figure in a folder: file name without ending ("" if it failed), label of the case ("" for all), title, caption,
+    and the solvers whose results are omitted because the figure fails with them."""
+
+    name: str
+    case: str
+    title: str
+    caption: str
+    left_out: tuple[LeftOut, ...] = ()
+
+
+def file_name(label: str) -> str:
+    """A case's label as part of a file name: its allowed characters and a digest of the exact label.
+
+    The digest makes names unique, also on file systems that ignore upper and lower case.
+    """
+    readable = "".join(c if c.isalnum() or c in "._-" else "_" for c in label).strip("._")
+    return f"{readable.encode()[:_READABLE_BYTES].decode(errors='ignore')}_{short_digest(label)}"
+
+
+def short_digest(label: str) -> str:
+    """The first digits of the SHA-256 of a label."""
+    return hashlib.sha256(label.encode(errors="surrogatepass")).hexdigest()[:_DIGITS]
+
+
+@contextmanager
+def for_print(enabled: bool = True) -> Iterator[None]:
+    """A context in which figures are also written as PDF, if `enabled`."""
+    before = _WRITES_PDF.set(enabled)
+    try:
+        yield
+    finally:
+        _WRITES_PDF.reset(before)
+
+
+def writes_pdf() -> bool:
+    """Whether figures are also written as PDF; code that draws in another process must pass this on."""
+    return _WRITES_PDF.get()
+
+
+@dataclass(frozen=True)
+class FigureContent:
+    """The contents of a figure's files: SVG text, and bytes of a PNG and a PDF (empty if there is none)."""
+
+    drawn: FigureEntry
+    svg: str
+    png: np.ndarray
+    pdf: np.ndarray
+
+    @classmethod
+    def read(cls, entry: FigureEntry, folder: Path) -> FigureContent:
+        """Read the files of a figure from the folder; empty contents for a figure that failed."""
+        svg, *others = (folder / f"{entry.name}.{kind}" for kind in ("svg", "png", "pdf"))
+        bytes_of = [_bytes(file.read_bytes() if entry.name and file.exists() else b"") for file in others]
+        return cls(entry, svg.read_text(encoding="utf-8") if entry.name else "", *bytes_of)
+
+    def write(self, folder: Path) -> FigureEntry:
+        """Write NAME.svg to the folder (and NAME.png, NAME.pdf); nothing for a figure that failed."""
+        if not self.drawn.name:
+            return self.drawn
+        (folder / f"{self.drawn.name}.svg").write_text(self.svg, encoding="utf-8")
+        for kind, content in (("png", self.png), ("pdf", self.pdf)):
+            if len(content):
+                (folder / f"{self.drawn.name}.{kind}").write_bytes(content.tobytes())
+        return self.drawn
+
+
+def picture(figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False) -> FigureContent:
+    """Convert the figure to SVG (and PNG; inside `for_print` also PDF) and close it."""
+    from matplotlib import pyplot as plt
+
+    text, dots, sheet = StringIO(), BytesIO(), BytesIO()
+    box = _laid_out(figure)
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=box)
+    if png:
+        figure.savefig(dots, format="png", dpi=160, bbox_inches=box)
+    if writes_pdf():
+        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=box)
+    plt.close(figure)
+    entry = FigureEntry(name, case, title, caption)
+    return FigureContent(entry, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
+
+
+def _laid_out(figure: Figure) -> Bbox:
+    """Compute the layout once for all files and return the bounding box in inches.
+
+    Matplotlib's "tight" option would draw the figure once more for this. The viewer draws the text of an SVG in a font
+    that may be 5 % wider, so the box has room for that at the sides.
+    """
+    from matplotlib import rcParams
+
+    engine = figure.get_layout_engine()
+    if engine:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    pad = rcParams["savefig.pad_inches"]
+    return figure.get_tightbbox().padded(2.0 * pad, pad)
+
+
+def _bytes(content: bytes) -> np.ndarray:
+    return np.frombuffer(content, dtype=np.uint8)
+
+
+def save(
+    figure: Figure, folder: Path, name: str, case: str, title: str, caption: str, png: bool = False
+) -> FigureEntry:
+    """Write NAME.svg to the folder (and NAME.png) and close the figure."""
+    return picture(figure, name, case, title, caption, png).write(folder)
+
+
+def embed_command(folder: Path, entry: FigureEntry, command: str) -> None:
+    """Write the command that reproduces a figure into its file; a figure that failed has no file."""
+    if not entry.name:
+        return
+    file = folder / f"{entry.name}.svg"
+    text = file.read_text(encoding="utf-8")
+    start = text.index(">", text.index("<svg")) + 1
+    words = f"<desc>{escape(entry.title)}. Make it again: {escape(command)}</desc>"
+    file.write_text(text[:start] + words + text[start:], encoding="utf-8")
+
+
+def minify(svg: str) -> str:
+    """Shorten an SVG without visible change.
+
+    Coordinates are rounded to a hundredth of a point (in curves to a tenth), shared styles become classes, and
+    metadata is removed.
+    """
+    svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
+    svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{_short(float(m[2]))}"', svg)
+    svg = re.sub(r"\s*\n\s*", "\n", svg)
+    svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # groups are named and never referred to
+    for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
+        svg = svg.replace(f'"{name}"', f'"i{place}"')
+        svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may be the prefix of another
+    svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
+    svg = _bare_groups(_unique_ids(_styles_once(svg)))
+    return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
+
+
+# A path with at least this many points is a curve: its points are close to each other.
+_CURVE = 30
+
+
+def _short(value: float, digits: int = 2) -> str:
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _path(text: str) -> str:
+    """A path through the same points, rounded and with relative coordinates, which take half the characters.
+
+    Curves are rounded to a tenth of a point (a line is ten times as wide), other paths to a hundredth.
+    """
+    words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
+    if not set(filter(str.isalpha, words)) <= set("MLz"):
+        return re.sub(
+            r" (?=[A-Za-z-])|(?<=[A-Za-z]) ", "", " ".join(w if w.isalpha() else _short(float(w)) for w in words)
+        )
+    words_out, before, here = [], "", (0.0, 0.0)
+    digits = 2 if len(words) < 3 * _CURVE else 1
+    for command, x, y in re.findall(r"(z|[ML])(?: ([^\sA-Za-z]\S*) (\S+))?", " ".join(words)):
+        if command == "z":
+            words_out.append("z")
+        else:
+            # Differences of rounded positions, so that rounding errors do not add up.
+            there = round(float(x), digits), round(float(y), digits)
+            shift = there if command == "M" else (there[0] - here[0], there[1] - here[1])
+            pair = f"{_short(shift[0], digits)} {_short(shift[1], digits)}".replace(" -", "-")
+            letter = "M" if command == "M" else "l" if before != "L" else "" if pair.startswith("-") else " "
+            words_out.append(letter + pair)
+            here = there
+        before = command
+    return "".join(words_out)
+
+
+def _unique_ids(svg: str) -> str:
+    """Remove the class of a marker if the path that it repeats has the same class."""
+    classes = dict(re.findall(r'<path id="([^"]*)" d="[^"]*" class="([^"]*)"', svg))
+    return re.sub(
+        r'(<use xlink:href="#([^"]*)"[^>]*?) class="([^"]*)"',
+        lambda m: m[1] if classes.get(m[2]) == m[3] else m[0],
+        svg,
+    )
+
+
+def _bare_groups(svg: str) -> str:
+    """Remove groups without attributes."""
+    parts, bare = [], []
+    for part in re.split(r"(<g\b[^>]*>|</g>)", svg):
+        if part.startswith("<g") and part.endswith("/>"):
+            parts.append(part)  # an empty element
+        elif part.startswith("<g"):
+            bare.append(part == "<g>")
+            parts.append("" if bare[-1] else part)
+        else:
+            parts.append("" if part == "</g>" and bare.pop() else part)
+    return re.sub(r">\n+<", "><", "".join(parts))
+
+
+def _styles_once(svg: str) -> str:
+    """Replace styles that several elements share by classes of a style sheet."""
+    counts = Counter(re.findall(r'style="([^"]*)"', svg))
+    names = {style: f"c{i}" for i, style in enumerate(style for style, count in counts.items() if count > 1)}
+    svg = re.sub(r'style="([^"]*)"', lambda m: f'class="{names[m[1]]}"' if m[1] in names else m[0], svg)
+    sheet = "".join(f".{name}{{{style}}}\n" for style, name in names.items())
+    return svg.replace("</style>", f"\n{sheet}</style>", 1)

@@ -1,0 +1,166 @@
+"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way,
+another unit, a creep that it does not declare.
+
+Pure functions; each gives a sentence, or nothing. Nothing is mended: the motion is judged as it was given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+
+import numpy as np
+
+from cases import Case, Trajectory
+from cases.contact import slip_velocity
+
+# Velocities stand half a step beside the poses if they are so far from there, in steps; and if, moved there, they are
+# off by no more than this part.
+HALF, MENDED = (0.25, 0.75), 0.3
+# An axis is mirrored, or a column in another unit, if the motion read so is off the truth by no more than this part.
+NEARER = 0.1
+# Of fewer samples than these in the truth's time nothing is said.
+LEAST = 3
+
+
+# A plate that turns by less (rad) does not turn: an angle of this size counts as much as all of its way. (By a smaller
+# one the rounding of angles would outweigh every error of places.)
+STILL = 1e-3
+# What should stick creeps if it slips at no more than this part of the motion's fastest slip; of rounding's part of the
+# speed no word is said.
+CREEP, ROUNDING = 0.01, 1e-9
+
+# The signs of x, y and theta in each image of a motion.
+_IMAGES = {
+    "x": (-1, 1, 1),
+    "y": (1, -1, 1),
+    "theta": (1, 1, -1),
+    "x and theta": (-1, 1, -1),
+    "y and theta": (1, -1, -1),
+    "x and y": (-1, -1, 1),
+}
+
+# Columns in units that are common elsewhere: name, unit, and the unit in seconds, metres or radians.
+_UNITS = (
+    *((name, unit, size) for name in ("x", "y") for unit, size in
+      (("millimetres", 1e-3), ("centimetres", 1e-2), ("kilometres", 1e3), ("inches", 0.0254), ("feet", 0.3048))),
+    *(("t", unit, size) for unit, size in
+      (("minutes", 60.0), ("hours", 3600.0), ("milliseconds", 1e-3), ("microseconds", 1e-6))),
+    ("theta", "degrees", pi / 180.0),
+    ("theta", "turns", 2.0 * pi),
+)  # fmt: skip
+
+Columns = Mapping[str, np.ndarray]
+
+
+def half_step(columns: Columns) -> str:
+    """Whether the velocities of a table stand half a step before or after its poses, as semi-implicit steps leave them.
+
+    To first order v(t + s h) = v + s h v̇: the share s is fitted to what the given rates differ by from the slopes of
+    the poses.
+    """
+    t, shifts = columns["t"], dict[str, float]()
+    for rate, name in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
+        if rate in columns:
+            slope = np.gradient(columns[name], t, edge_order=2)
+            shifts[rate] = _shift(columns[rate], slope, np.gradient(slope, t) * np.gradient(t))
+    shifts = {rate: shift for rate, shift in shifts.items() if shift}
+    if not shifts:
+        return ""
+    when = "before" if sum(shifts.values()) < 0.0 else "after"
+    return (
+        f"{', '.join(shifts)} seem to stand half a step {when} the poses, as a semi-implicit step leaves them: slip, "
+        "and what is read from it, is off by what half a step changes; write velocities of the poses' times"
+    )
+
+
+def slip_half_a_step_beside(case: Case, motion: Trajectory) -> str:
+    """Whether the slip that a motion tells stands half a step beside its poses, though its velocities do not."""
+    touches = np.isfinite(motion.xi1) & np.isfinite(motion.slip)
+    t, told = motion.t[touches], motion.slip[touches]
+    if len(t) < 3:
+        return ""
+    moved = (getattr(motion, name)[touches] for name in ("x", "y", "vx", "vy", "omega", "xi1"))
+    own = slip_velocity(case, *moved)
+    shift = _shift(told, own, np.gradient(own, t) * np.gradient(t))
+    if not shift:
+        return ""
+    when = "before" if shift < 0.0 else "after"
+    return (
+        f"slip seems to stand half a step {when} the poses: every transition is off by as much; "
+        "write the slip of the poses' times"
+    )
+
+
+def _shift(told: np.ndarray, own: np.ndarray, growth: np.ndarray) -> float:
+    """By which share of a step a column is beside its samples' times, if that is about half and explains what it is
+    off by; else 0. `growth`: of what it should be, from one sample to the next."""
+    off = told - own
+    # Kinks of the motion are few and large: the middle nine tenths decide.
+    usual = np.abs(off) <= np.quantile(np.abs(off), 0.9)
+    off, growth = off[usual], growth[usual]
+    size = float(growth @ growth)
+    if size == 0.0:
+        return 0.0
+    shift = float(off @ growth) / size
+    left = off - shift * growth
+    mended = left @ left <= MENDED**2 * (off @ off)
+    return shift if HALF[0] <= abs(shift) <= HALF[1] and mended else 0.0
+
+
+def mirror_axis(columns: Columns, truth: Trajectory) -> str:
+    """Whether the poses of a table, with an axis turned round, come much nearer to the truth."""
+    images = {name: dict(zip(("x", "y", "theta"), signs, strict=True)) for name, signs in _IMAGES.items()}
+    name = _much_nearer(columns, truth, images)
+    if not name:
+        return ""
+    verb = "seem" if " and " in name else "seems"
+    return (
+        f"{name} {verb} to be mirrored: turned round, the motion comes much nearer to the truth; give x to the right, "
+        "y upwards, and theta counter-clockwise"
+    )
+
+
+def other_unit(columns: Columns, truth: Trajectory) -> str:
+    """Whether a table, with one column taken for another unit's, comes much nearer to the truth."""
+    images = {f"{name} seems to be in {unit}": {name: factor} for name, unit, factor in _UNITS}
+    seems = _much_nearer(columns, truth, images)
+    return seems and (f"{seems}: read so, the motion comes much nearer to the truth; give seconds, metres and radians")
+
+
+def _much_nearer(columns: Columns, truth: Trajectory, images: Mapping[str, Mapping[str, float]]) -> str:
+    """The image of a table, by factors of its columns, that is nearest to the truth; "" if that is not much nearer than
+    the table itself."""
+    whole = truth(np.linspace(truth.t[0], truth.t[-1], len(columns["t"])))
+    # A turn counts as much as the way that goes with it.
+    size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), STILL)
+
+    @np.errstate(over="ignore", invalid="ignore")  # what is given may be of any size
+    def off(factors: Mapping[str, float]) -> float:
+        t, x, y, theta = (factors.get(name, 1.0) * columns[name] for name in ("t", "x", "y", "theta"))
+        inside = t <= truth.t[-1]
+        if inside.sum() < LEAST:
+            return np.inf
+        true = truth(t[inside])
+        turned = theta[inside] - true.theta
+        turned = size * (turned - 2 * pi * np.round(turned[0] / (2 * pi)))
+        return float(np.sqrt(np.mean(np.hypot(x[inside] - true.x, y[inside] - true.y) ** 2 + turned**2)))
+
+    name = min(images, key=lambda image: off(images[image]))
+    return name if off(images[name]) < NEARER * off({}) else ""
+
+
+def creep(motion: Trajectory, truth: Trajectory) -> str:
+    """Whether the motion slips a little, and more than it declares, for most of the time that the truth rolls."""
+    inside = motion.t <= truth.t[-1]
+    true, slip = truth(motion.t[inside]), np.abs(motion.slip[inside])
+    still = np.abs(true.slip) <= ROUNDING * float(np.max(np.hypot(true.vx, true.vy)))
+    if not np.any(still) or not np.any(np.isfinite(slip[still])):
+        return ""
+    usual, fastest = float(np.nanmedian(slip[still])), float(np.nanmax(slip))
+    if not motion.slip_resolution < usual <= CREEP * fastest:
+        return ""
+    return (
+        f"where the truth rolls it slips at {usual:.1g} m/s as a rule: if that is how its contact creeps, declare it "
+        "(creep, the most of it, in m/s), or it is taken for slip"
+    )

@@ -1,0 +1,1 @@
+"""Processes in which calls run: workers of this machine, and a cluster's."""

@@ -1,0 +1,166 @@
+"""What decides a result, in a form that can be compared: code, versions, machine, the content of a case.
+
+A key says all of it; two results of one key are the same result. What an engine reads from files of its own or from
+the environment is not looked at.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+import platform
+import sys
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from cases import Case, Curve
+from reference import certification
+
+from .. import reference_adapter, versions
+from ..records import REFERENCE
+from . import source_code
+
+Key = dict[str, Any]
+
+# Whose versions can change a digit of any result: arithmetic, code generation, compilers of expressions.
+_PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "heyoka")
+# Characters of an argument that a key spells out, for whoever looks into a file of the store.
+_LONGEST_ARGUMENT = 1000
+
+
+def environment_key(versions: Mapping[str, str], solvers: Iterable[str]) -> Key | None:
+    """Solvers, their versions and adapters, packages, machine; None if one of the solvers did not tell its version."""
+    engines = {name: versions.get(name) for name in solvers}
+    if not all(engines.values()):
+        return None
+    return {"engines": engines, "adapters": {name: adapter_sources(name) for name in engines}, **surroundings()}
+
+
+@lru_cache(maxsize=1)
+def surroundings() -> Key:
+    """What decides every result: Python, packages, machine."""
+    packages = {name: installed_packages(name) for name in _PACKAGES}
+    python = f"{platform.python_implementation()} {sys.version.split()[0]}"
+    return {"python": python, "packages": packages, "machine": machine()}
+
+
+def machine() -> str:
+    """Processor, cores and system: what times, and the last digits of some functions, depend on."""
+    return f"{processor()}, {os.cpu_count()} cores, {platform.machine()}, {platform.system()}"
+
+
+def processor() -> str:
+    """The processor's name."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+@lru_cache(maxsize=64)
+def installed_packages(package: str) -> str:
+    """The version of an installed package."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def digest(told: Any) -> str:
+    """A short name for anything JSON can hold."""
+    text = json.dumps(told, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
+
+
+# --- arguments --------------------------------------------------------------------------------------------------------
+
+
+def of_argument(value: Any) -> Any:
+    """What a call's argument says, in a form that JSON can hold: a digest of what is long.
+
+    None if it has something that cannot be compared, such as a function."""
+    if isinstance(value, Case):
+        return content(value)
+    try:
+        said = plain(value)
+    except TypeError:
+        return None
+    return said if len(json.dumps(said)) <= _LONGEST_ARGUMENT else digest(said)
+
+
+@lru_cache(maxsize=256)
+def content(case: Case) -> str | None:
+    """Digest of all that a case says: curves as expressions, plate, effects, start, duration, parameters.
+
+    None if it has something that cannot be compared, such as a function for a parameter."""
+    try:
+        return digest(plain(case))
+    except TypeError:
+        return None
+
+
+def plain(value: Any) -> Any:
+    """Numbers, texts, formulas and digests of arrays of a record, whatever its kind; TypeError for what has no content
+    to compare."""
+    if isinstance(value, Curve):
+        return ["Curve", [sp.srepr(part) for part in value.expression], plain(value.domain)]
+    if isinstance(value, sp.Basic):
+        return sp.srepr(value)
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return ["ndarray", value.dtype.str, list(value.shape), hashlib.sha256(value.tobytes()).hexdigest()]
+    if value is None or isinstance(value, bool | int | float | str | np.generic):
+        return [type(value).__name__, repr(value)]
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return [type(value).__name__, {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}]
+    if isinstance(value, Mapping):
+        return [[plain(key), plain(v)] for key, v in value.items()]
+    if isinstance(value, tuple | list):
+        return [plain(v) for v in value]
+    raise TypeError(f"{value!r} has no content that can be compared")
+
+
+# --- code -------------------------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=64)
+def sources(module: ModuleType, apart: tuple[ModuleType, ...] = ()) -> str:
+    """Digest of a module's code and of what it imports from the suite or its own package, but for modules `apart`.
+
+    Layout and comments do not count. Imports are read, not made.
+    """
+    return _digest_of(module.__name__, tuple(m.__name__ for m in apart))
+
+
+@lru_cache(maxsize=64)
+def adapter_sources(solver: str) -> str:
+    """The same of the adapter of a solver, found without loading it: an engine is not woken by asking.
+
+    Raises LookupError for a solver without one.
+    """
+    if solver == REFERENCE:
+        return sources(reference_adapter)
+    return _digest_of(source_code.of_adapter(versions.split_version(solver)[0]), ())
+
+
+@lru_cache(maxsize=1)
+def truth_key() -> str:
+    """Digest of the truths kept with the suite. Raises DamagedTruth, before anything is judged by them."""
+    certification.read()
+    return hashlib.sha256(certification.TRUTH.read_bytes()).hexdigest()
+
+
+def _digest_of(module: str, apart: tuple[str, ...]) -> str:
+    return digest(
+        {name: source_code.of(path) for name, path in sorted(source_code.dependency_files(module, apart).items())}
+    )
