@@ -264,6 +264,15 @@ def test_a_rod_runs_into_the_paradox_at_the_angle_of_the_formula(mu, method):
     assert "Painlev" in motion.reason
 
 
+@pytest.mark.skipif("taylor" not in reference.METHODS, reason="quadruple precision is heyoka's")
+def test_quadruple_precision_has_finite_states_up_to_the_paradox():
+    """Its coefficients there are too large for doubles; the states are not."""
+    motion = reference.simulate(cases.load("rod_into_the_paradox", mu=10.0), rtol=1e-14, method="taylor_quadruple")
+    assert motion.status == "paradox"
+    assert motion.theta[-1] == pytest.approx(paradox_angle(10.0), abs=1e-9)
+    assert np.isfinite(motion.xi1).all()
+
+
 @pytest.mark.parametrize("mu", [1.0, 1.3])
 def test_below_four_thirds_a_rod_meets_no_paradox_at_any_angle(mu):
     # The threshold of the slender rod on a point; on a tip of a thousandth of its length it lies a little lower.

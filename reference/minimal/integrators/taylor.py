@@ -168,7 +168,7 @@ def _one_by_one(
             outcome, tried = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
             tries += tried
             longest = real(inf)
-            coefficients.append(integrator.tc.astype(float))
+            coefficients.append(_doubles(integrator.tc))
             times.append(float(integrator.time))
             if int(outcome) not in (SUCCESS, TIME_LIMIT):
                 guard = _guard(int(outcome), phase)
@@ -200,6 +200,17 @@ def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
         outcome, _ = integrator.step(real(part * length), True)
         tries += 1
     return outcome, tries
+
+
+def _doubles(series: np.ndarray) -> np.ndarray:
+    """Coefficients as doubles, 0 for those of quadruple precision that are too large for one.
+
+    Towards a singularity steps are so short that c_k h^k of these is below rounding: heyoka's step is e^-2 of
+    the radius of convergence ρ, and where h is 1e-17 the first such k is 18.
+    """
+    doubles = series.astype(float)
+    doubles[np.isinf(doubles) & (series - series == 0)] = 0.0
+    return doubles
 
 
 def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
