@@ -9,10 +9,12 @@ import re
 
 import pytest
 
+from reports.page.chapters import anchor
+
 from .conftest import CASES
 
 WIDTHS = {"desk": (1440, 900), "tablet": (1024, 768), "phone": (390, 844)}
-DISC = "#case-disc-in-circle-mu-0-2"
+DISC, LINE = (f"#{anchor(label)}" for label in CASES)
 
 
 def chapters(page):
@@ -243,7 +245,7 @@ def test_cases_are_found_by_a_word_and_shown_one_at_a_time(open_page):
     assert shown.count() == 1 and CASES[1] in shown.inner_text()
     shown.locator("a").click()
     assert page.locator("article:visible h3").first.inner_text() == CASES[1]
-    page.wait_for_selector("#case-disc-on-line-mu-0-3 .player[data-time]")
+    page.wait_for_selector(f"{LINE} .player[data-time]")
 
 
 POINTS = {

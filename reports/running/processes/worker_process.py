@@ -91,7 +91,9 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
             return
         if group and canary is None:
             # Made before the first call, when the call's modules have been imported, and no adapter.
-            canary = importlib.import_module(f"{__package__}.canary").Canary(known_run)
+            from ..canary import Canary
+
+            canary = Canary(known_run)
         at_first = at_first or _resident()
         pipe.send_bytes(pickle.dumps((number, BEGUN)))
         # The system's own alarm ends the process even if the parent is gone and the engine holds the interpreter.
