@@ -1,6 +1,10 @@
-"""Other people's engines on the suite's scenes: a module or a package per engine, which imports `cases` and
-nothing else of ours but what engines share (`common`) and what an adapter is (`interface`)."""
+"""Adapters of physics engines to the suite's scenes: one module or package per engine.
 
-from .interface import EngineFailure, Meaning, Setting, engine, engines, other_laws
+An adapter imports `cases`, the code that engines share (`common`) and the definition of an adapter (`interface`), and
+no other part of the suite.
+"""
+
+from .interface import EngineFailure, Meaning, Setting, other_laws
+from .lookup import engine, engines
 
 __all__ = ["EngineFailure", "Meaning", "Setting", "engine", "engines", "other_laws"]

@@ -237,7 +237,7 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
     effort = "quick" if options.quick else "full" if options.full else "default"
     try:
-        own_engines = tuple(adapters.interface.register(file) for file in options.engine)
+        own_engines = tuple(adapters.lookup.register(file) for file in options.engine)
     except ImportError as problem:
         raise BadValue(str(problem)) from problem
     jobs, chosen = whole_jobs(options.jobs), choose_solvers([*(options.solver or solvers()), *own_engines])

@@ -1,15 +1,16 @@
-"""The direction of the arrows inside `cases` and `adapters`: floors that import downwards, and no circles."""
+"""Imports inside `cases`, `reference` and `adapters`: only downwards, and without circles."""
 
 from __future__ import annotations
 
 import ast
 from graphlib import TopologicalSorter
+from importlib.util import resolve_name
 from pathlib import Path
 
 import pytest
 
 from adapters import engines
-from adapters.interface import NO_ADAPTERS
+from adapters.lookup import NO_ADAPTERS
 
 ROOT = Path(__file__).parent.parent
 
@@ -24,7 +25,7 @@ def modules(room: str) -> dict[str, Path]:
 
 
 def imports(name: str, path: Path, known: dict[str, Path]) -> set[str]:
-    """The modules of `known` that a module imports, wherever in it the import stands."""
+    """The modules of `known` that a module imports anywhere in its code, `importlib.import_module("…")` included."""
     package = name if path.stem == "__init__" else name.rpartition(".")[0]
     names = set()
     for node in ast.walk(ast.parse(path.read_text())):
@@ -36,7 +37,18 @@ def imports(name: str, path: Path, known: dict[str, Path]) -> set[str]:
             # `from package import module` imports the module; the package's own names come from the package.
             inside = {f"{base}.{alias.name}" for alias in node.names} & known.keys()
             names |= inside or {base}
+        elif isinstance(node, ast.Call):
+            names |= {importlib_name(node, package)}
     return (names & known.keys()) - {name}
+
+
+def importlib_name(call: ast.Call, package: str) -> str:
+    """The module that a call of `import_module` imports, if its name is a literal; "" for other calls."""
+    function = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+    if function != "import_module" or not isinstance(call.args[0], ast.Constant):
+        return ""
+    name = str(call.args[0].value)
+    return resolve_name(name, package) if name.startswith(".") else name
 
 
 def arrows(room: str) -> dict[str, set[str]]:
@@ -54,10 +66,10 @@ def reached(start: str, graph: dict[str, set[str]]) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("room", ["cases", "adapters"])
+@pytest.mark.parametrize("room", ["cases", "reference", "adapters"])
 def test_room_has_no_circle(room):
     graph = arrows(room)
-    # Everything in a catalogue imports the room's face, as a stranger's case would; the registry finds it by looking.
+    # Cases of the catalogue import `cases`, like a user's case; the registry lists the folder.
     graph = {name: below for name, below in graph.items() if not name.startswith("cases.catalogue")}
     assert list(TopologicalSorter(graph).static_order())
 
@@ -76,10 +88,11 @@ def floor(module: str) -> str:
 
 MAY_IMPORT = {
     "interface": set(),
-    "face": {"interface"},
+    "face": {"interface", "lookup"},
     "common": {"interface"},
     "gate": {"interface"},
-    "laws": {"interface"},
+    "laws": {"interface", "lookup"},
+    "lookup": {"interface", "by_process"},
     "by_process": {"interface", "common"},
     "engine": {"interface", "common"},
 }
@@ -104,6 +117,13 @@ def test_what_is_no_adapter_is_listed_and_every_adapter_is_there():
 def test_the_checks_see_an_arrow_upwards(tmp_path):
     known = {"cases.case": Path(), "cases.geometry": Path()}
     wrong = tmp_path / "geometry.py"
-    for text in ("from .case import Case", "from cases.case import Case", "import cases.case", "from . import case"):
+    for text in (
+        "from .case import Case",
+        "from cases.case import Case",
+        "import cases.case",
+        "from . import case",
+        "importlib.import_module('cases.case')",
+        "import_module('.case', __name__)",
+    ):
         wrong.write_text(f"def late():\n    {text}\n")
         assert imports("cases.geometry", wrong, known) == {"cases.case"}, text

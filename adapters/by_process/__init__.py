@@ -1,10 +1,20 @@
-"""Engines of any language, as executables: a scene goes in on standard input, the motion comes back on standard output.
+"""Engines as executables, in any language: they read a scene on standard input and write the motion to standard output.
 
-`docs/process_protocol.md` has the protocol, `scene.schema.json` beside this file the form of a scene.
+`docs/process_protocol.md` describes the protocol, `scene.schema.json` in this folder the format of a scene.
 """
 
-from .bundle import FOLDER, BundledEngine, bundled_engines
+from .bundle import FOLDER, BundledEngine, adapter_of, bundled_engines
 from .engine import Engine
 from .scene import SCHEMA, VERSION, as_json, scene
 
-__all__ = ["FOLDER", "SCHEMA", "VERSION", "Engine", "BundledEngine", "as_json", "scene", "bundled_engines"]
+__all__ = [
+    "FOLDER",
+    "SCHEMA",
+    "VERSION",
+    "Engine",
+    "BundledEngine",
+    "adapter_of",
+    "as_json",
+    "bundled_engines",
+    "scene",
+]

@@ -24,6 +24,11 @@ def bundled_engines() -> dict[str, Path]:
     return {path.stem: path for path in sorted(FOLDER.iterdir()) if path.is_file() and _is_engine(path)}
 
 
+def adapter_of(path: Path) -> Engine:
+    """The adapter of an executable: of one of the suite's, or of another file."""
+    return (BundledEngine if path.resolve().parent == FOLDER else Engine)(path)
+
+
 def _is_engine(path: Path) -> bool:
     with path.open("rb") as file:
         return file.read(2) == b"#!"

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 from cases import CaseError
 
-from ..interface import ReturnsOnce, find, returns_once
+from ..interface import ReturnsOnce, returns_once
+from ..lookup import find
 
 # Wall seconds that a law may take on a route, and (always) an import: a hundred times what the slowest of ours takes.
 LIMIT_SECONDS = 300.0

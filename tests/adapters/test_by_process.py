@@ -11,7 +11,7 @@ import pytest
 
 import cases
 import reference
-from adapters import by_process, interface
+from adapters import by_process, lookup
 from adapters.by_process import engine as process
 from adapters.by_process.scene import SCHEMA_FILE
 from adapters.common import motion_file
@@ -30,13 +30,13 @@ node = pytest.mark.skipif(shutil.which("node") is None, reason="node is not inst
 @pytest.fixture
 def registered(tmp_path, monkeypatch):
     """Makes a text an executable and an engine; its name."""
-    monkeypatch.setenv(interface.EXECUTABLES, "")
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
 
     def make(name: str, text: str) -> str:
         file = tmp_path / name
         file.write_text(text)
         file.chmod(0o755)
-        return interface.register(file)
+        return lookup.register(file)
 
     return make
 
@@ -48,7 +48,7 @@ def example() -> str:
 
 def row(name: str, label: str = LINE, rung: int = 4):
     case = cases.load(label)
-    setting = interface.engine(name).ladder(case, "process")[rung]
+    setting = lookup.engine(name).ladder(case, "process")[rung]
     return perform(case, name, "process", setting, rung, find_truth(case))
 
 
@@ -231,7 +231,7 @@ def test_what_is_no_executable_or_takes_another_engines_name_is_refused(register
     plain = tmp_path / "plain"
     plain.write_text("text")
     with pytest.raises(BadValue, match="chmod"):
-        interface.register(plain)
+        lookup.register(plain)
     with pytest.raises(BadValue, match="of its own"):
         registered("pymunk", HEAD)
     with pytest.raises(BadValue, match="of its own"):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import cases
 from adapters import EngineFailure
 from adapters.common.half_steps import StepRecord, rates_at_poses, read
-from adapters.interface import engine
+from adapters.lookup import engine
 from cases import Case, Flight, Gravity, Impact, Start, Unilateral, disc, library
 from reports.judging.slip_phases import read_transitions
 from tests.authorities.paper_application import FIRST_TRANSITION

@@ -8,7 +8,8 @@ import pytest
 import cases
 import reference
 from adapters import engine, other_laws
-from adapters.interface import Meaning, engines
+from adapters.interface import Meaning
+from adapters.lookup import engines
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, Plate, RollingResistance, Start, Unilateral, disc
 from cases.effects import IMPACT_LAWS
 from cases.library import ellipse, line

@@ -5,7 +5,7 @@ from importlib.metadata import EntryPoint
 import pytest
 
 import adapters
-from adapters import Setting, interface
+from adapters import Setting, lookup
 from cases import UnknownName
 
 
@@ -15,8 +15,8 @@ def test_an_unknown_engine_is_refused_with_those_there_are():
 
 
 def test_an_installed_package_brings_its_adapter_by_an_entry_point(monkeypatch):
-    point = EntryPoint("theirs", "adapters.pymunk", interface.GROUP)  # any module will do
-    monkeypatch.setattr(interface, "entry_points", lambda group: [point] if group == interface.GROUP else [])
+    point = EntryPoint("theirs", "adapters.pymunk", lookup.GROUP)  # any module will do
+    monkeypatch.setattr(lookup, "entry_points", lambda group: [point] if group == lookup.GROUP else [])
     assert "theirs" in adapters.engines()
     assert adapters.engine("theirs").NAME == "pymunk"
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from adapters.interface import find
 from adapters.laws import LAWS, Verdict, judge
 from adapters.laws.__main__ import main
+from adapters.lookup import find
 from cases import BadValue, UnknownName
 
 ADAPTER = '''
@@ -110,7 +110,7 @@ def test_adapter_is_found_as_a_module_too(adapter_file, monkeypatch):
         (["nowhere.py"], "there is no adapter file 'nowhere.py'"),
         (["FILE", "--law", "friction_torqe"], "there is no law 'friction_torqe'; did you mean friction_torque or"),
         (["FILE", "--route", "assisted"], "there is no route of formula 'assisted'; choose from native"),
-        (["json"], "json is no adapter: it has no NAME, routes,"),
+        (["json"], "json is not an adapter: it lacks NAME, routes,"),
         (["."], "the adapter . fails while it is imported: TypeError: "),
         ([], "the following arguments are required: ADAPTER; see"),
         (["FILE", "--rout", "native"], "there is no option '--rout'; choose from --help, --law, --route"),
@@ -129,7 +129,7 @@ def test_file_that_fails_or_is_no_adapter_is_refused(tmp_path):
     with pytest.raises(BadValue, match="broken.py fails: ZeroDivisionError"):
         find(str(broken))
     (tmp_path / "empty.py").write_text("NAME = 'empty'\n")
-    with pytest.raises(BadValue, match="it has no routes, refuses, ladder, build, run, read, version"):
+    with pytest.raises(BadValue, match="it lacks routes, refuses, ladder, build, run, read, version"):
         find(str(tmp_path / "empty.py"))
     with pytest.raises(UnknownName):
         find(str(tmp_path / "none.py"))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cases
-from adapters import Setting, by_process, interface
+from adapters import Setting, by_process, lookup
 from adapters.by_process.bundle import version_of
 from cases.errors import UnknownName
 from reports.running.processes.workers import WorkerPool
@@ -23,10 +23,10 @@ _ABSENT: dict[str, str] = {}
 @pytest.fixture
 def engine(request, monkeypatch):
     """The engine of that name, or a skip that tells what to install; an absent one is asked for once."""
-    monkeypatch.setenv(interface.EXECUTABLES, "")
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
     if request.param not in _ABSENT:
         try:
-            return interface.register(request.param)
+            return lookup.register(request.param)
         except ImportError as problem:
             _ABSENT[request.param] = str(problem)
     pytest.skip(_ABSENT[request.param])
@@ -42,7 +42,7 @@ def pool():
 def row(pool: WorkerPool, name: str, label: str, h: float = 1e-3) -> Run:
     """The row of a run with steps of at most h, made by a worker as in a build: in its limits and its environment."""
     case = cases.load(label)
-    ladder = interface.engine(name).ladder(case, "process")
+    ladder = lookup.engine(name).ladder(case, "process")
     setting = next(each for each in ladder if not each.is_default and each["h"] <= h)
     ((_, answer),) = pool.run(perform, [(case, name, "process", setting, 4, find_truth(case))])
     assert answer.outcome == "done", answer.failure
@@ -69,7 +69,7 @@ def test_a_disc_on_a_line_rolls_from_where_it_is_known_to(engine, pool):
 
 def rolled(name: str, label: str = "disc_on_incline", **knobs):
     """What an engine tells of a disc that rolls all along: the motion, and the slip (m/s) when it has settled."""
-    case, adapter = cases.load(label), interface.engine(name)
+    case, adapter = cases.load(label), lookup.engine(name)
     model = adapter.build(case, "process", Setting.of(h=1e-3, **knobs))
     adapter.run(model)
     motion = adapter.read(model)
@@ -126,7 +126,7 @@ def test_rigid_friction_leaves_roundings_alone(engine, rounding):
 
 @every_engine
 def test_the_engine_as_it_comes_is_the_first_rung_with_its_own_step(engine):
-    first = interface.engine(engine).ladder(cases.load(PAPER), "process")[0]
+    first = lookup.engine(engine).ladder(cases.load(PAPER), "process")[0]
     assert first.is_default and first["h"] == {"drake": 1e-3, "dartpy": 1e-3, "mujoco": 2e-3}.get(engine, 1 / 60)
 
 
@@ -138,7 +138,7 @@ def test_what_it_was_not_told_is_refused_in_a_sentence(engine, pool):
 
 @every_engine
 def test_its_version_is_the_engine_s_own_and_the_file_s(engine):
-    told = interface.engine(engine).version()
+    told = lookup.engine(engine).version()
     assert engine in told and "sha256" in told
 
 
@@ -149,7 +149,7 @@ def test_an_engine_that_is_not_there_says_what_to_install(monkeypatch, tmp_path)
     try:
         for name in NAMES:
             with pytest.raises(ImportError):
-                interface.register(name)
+                lookup.register(name)
     finally:
         version_of.cache_clear()
 
@@ -157,7 +157,7 @@ def test_an_engine_that_is_not_there_says_what_to_install(monkeypatch, tmp_path)
 def test_all_are_named_and_an_unknown_name_is_none():
     assert NAMES == ["dartpy", "drake", "mujoco", "planck", "rapier"]
     with pytest.raises(UnknownName):
-        interface.find("no_such_engine")
+        lookup.find("no_such_engine")
 
 
 def test_the_first_line_on_standard_error_of_an_engine_that_fails_in_a_worker_is_in_its_row(tmp_path, monkeypatch):
@@ -168,8 +168,8 @@ def test_the_first_line_on_standard_error_of_an_engine_that_fails_in_a_worker_is
         "printf 'RangeError: no memory\\n  at line 1\\n  at line 2\\n' >&2\nexit 1\n"
     )
     engine.chmod(0o755)
-    monkeypatch.setenv(interface.EXECUTABLES, "")
-    interface.register(engine)
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+    lookup.register(engine)
     workers = WorkerPool(1)  # a worker knows the engines of its start
     try:
         found = row(workers, "failing", "disc_on_line[mu=0.1]")

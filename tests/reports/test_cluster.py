@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import cases
-from adapters import Setting, interface
+from adapters import Setting, lookup
 from cases import Cost
 from reports import build
 from reports.running import experiment
@@ -111,7 +111,7 @@ def test_only_what_is_the_same_anywhere_goes_to_a_cluster(keep, goes):
 
 def test_engines_of_a_file_and_a_cluster_are_refused_together(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv(interface.EXECUTABLES, "")  # and again after the test
+    monkeypatch.setenv(lookup.EXECUTABLES, "")  # and again after the test
     engine = tmp_path / "mine"
     engine.write_text("#!/bin/sh\n")
     engine.chmod(0o755)

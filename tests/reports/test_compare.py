@@ -7,7 +7,7 @@ import pytest
 import cases
 import reference
 from adapters.common import motion_file
-from adapters.interface import engine as adapter_of
+from adapters.lookup import engine as adapter_of
 from cases import registry
 from reports import compare, export
 from reports.judging import diagnosis, residuals

@@ -7,7 +7,7 @@ import pytest
 
 import cases
 from adapters import Setting
-from adapters.interface import engines
+from adapters.lookup import engines
 from reference.paper.closed_form import sliding_disc_in_circle
 from reference.sweeping import plan
 from reports import studies

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cases
-from adapters import Setting, interface
+from adapters import Setting, lookup
 from cases import Cost, Mode, Transition
 from reports.running.records import Experiment, Run, Truth
 from reports.running.storage.result_store import Store
@@ -205,7 +205,7 @@ def test_contestants_are_the_right_runs_of_engines_that_the_clock_can_see(monkey
     (one,) = timings.contestants(experiment(*LINES, runs=runs), LINES[0])
     assert one.key == (LINES[0].label, "pymunk", "native", Setting.of(cost=1.0))
     assert one.case == LINES[0] and one.expected_s == pytest.approx(0.03)  # a build and a run
-    assert interface.executables() == {}
+    assert lookup.executables() == {}
 
 
 def test_a_default_report_times_of_each_family_the_variant_with_most_transitions():

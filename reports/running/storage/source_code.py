@@ -16,7 +16,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from adapters.interface import GROUP, NO_ADAPTERS, executables
+from adapters.lookup import GROUP, NO_ADAPTERS, executables
 from cases import compile_cache
 
 # The suite's rooms: their modules and those of a module's own package are followed, no others.

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from adapters.interface import executables
+from adapters.lookup import executables
 from cases import Case
 
 from .. import per_solver
