@@ -115,7 +115,10 @@ def test_a_key_tells_solver_route_setting_versions_and_truth():
         ("machine", lambda: "another"),
         ("processor", lambda: "another"),
         ("os", type("S", (), {"cpu_count": lambda: 1000})),
-        *(("installed_packages", partial(_without, package)) for package in ("numpy", "scipy", "sympy", "mpmath", "heyoka")),
+        *(
+            ("installed_packages", partial(_without, package))
+            for package in ("numpy", "scipy", "sympy", "mpmath", "heyoka")
+        ),
         ("sys", type("S", (), {"version": "3.99.0 (main)"})),
     ],
 )
