@@ -73,7 +73,7 @@ def time(motion: Trajectory, reading: Reading, reach: float) -> float:
             turns = Mode.REST in (event.before, event.after)
             begins = event.before in (Mode.ROLL, Mode.REST)
             total += _hidden(motion.t, np.abs(signals[turns]), _CERTAIN * noise[turns], event.time, begins)
-    return total
+    return float(total)
 
 
 def _gap_at(t: np.ndarray, event: float) -> float:

@@ -14,6 +14,7 @@ from cases import Case, Cost, Mode, Transition
 
 from ..judging.distances import Distance
 from ..judging.ledger import LedgerRow
+from ..judging.score import Scale, Score
 
 REFERENCE = "reference"
 # The motion that runs are compared with is the reference's best method at this tolerance; the times of its transitions
@@ -55,6 +56,8 @@ class Truth:
     samples: dict[str, np.ndarray] = field(default_factory=dict)
     witnesses: tuple[str, ...] = ()
     failure: str = ""
+    scale: Scale | None = None  # what the scores of its runs are measured by
+    friction_sensitivity: float = float("nan")  # the score that 1 % of friction makes
     centre_bar: float = float("nan")  # m; how sure the motion's centre is
 
 
@@ -83,6 +86,11 @@ class Run:
     samples: dict[str, np.ndarray] = field(default_factory=dict)
     off: dict[str, np.ndarray] = field(default_factory=dict)
     when: str = ""
+    score: Score | None = None
+    friction_factor: float = float("nan")
+    grade: str = ""
+    grade_reason: str = ""
+    sequence: str = ""
 
 
 @dataclass(frozen=True)

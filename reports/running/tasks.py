@@ -20,7 +20,11 @@ from adapters import EngineFailure, Setting, gate, other_laws
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, contradiction, stored_or_new
 
-from ..judging import distances, ledger, transitions, validation
+from ..judging import distances, grades, ledger, transitions, validation
+from ..judging.friction_factor import friction_factor
+from ..judging.friction_sensitivity import friction_sensitivity
+from ..judging.null_motions import null_motions
+from ..judging.score import scale_of, score_and_reading
 from ..judging.slip_phases import Reading
 from . import reference_adapter
 from .processes.worker_process import reap, settle
@@ -89,11 +93,13 @@ def find_truth(case: Case) -> Truth:
         again = f'certify it again: python -m reference --only "{case.label}"' if known else "please report the scene"
         return Truth(failure=f"{case.label}: {contradicted}; neither is used; {again}")
     certified = certificate.transitions
+    events = tuple(replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True))
+    scale = scale_of(case, motion, events, null_motions(case))
     return Truth(
         method=method,
-        transitions=tuple(
-            replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True)
-        ),
+        transitions=events,
+        scale=scale,
+        friction_sensitivity=friction_sensitivity(case, motion, scale),
         error_bars=tuple(row[2].bar for row in certified),
         first_mode=motion.first_mode,
         status=motion.status,
@@ -204,21 +210,28 @@ def judge(
 ) -> Run:
     """Compare a sound trajectory with the truth: ledger, distances, right or wrong. `laws`: what the solver says it
     models by another law than the case's; such a run is wrong, and its row tells by which law and by how much."""
-    told = reading_of(case, trajectory)
-    gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
-    matched = ledger.match(truth.transitions, told.transitions, gap)
+    assert truth.scale is not None, "a case with a truth has a scale"
     off = distances.differences(trajectory, motion, case)
+    scored, reading = score_and_reading(case, trajectory, motion, truth.scale, off)
+    friction = friction_factor(case, trajectory, truth.scale.losses, truth.scale.end)
+    gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
+    matched = ledger.match(truth.transitions, reading.transitions, gap)
     away = distances.distance(off)
-    wrong = _faults(case, told, matched, trajectory, motion, truth, away)
+    wrong = _faults(case, reading, matched, trajectory, motion, truth, away)
     if laws:
         wrong = [*laws, f"its centre is off by {away.centre_max:.2g} m at most", *wrong]
     return replace(
         row,
         outcome="wrong" if wrong else "right",
         reason="; ".join(wrong),
-        first_mode=str(told.first_mode),
+        first_mode=str(reading.first_mode),
         ledger=matched,
-        spreads=told.spreads,
+        spreads=reading.spreads,
+        score=scored,
+        friction_factor=friction,
+        grade=grades.grade(scored.off),
+        grade_reason=grades.reason(scored, truth.scale, friction),
+        sequence=grades.sequence_note(scored, truth.scale),
         distance=away,
         samples=_short_text(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
@@ -235,7 +248,7 @@ def reading_of(case: Case, trajectory: Trajectory) -> Reading:
 
 def _faults(
     case: Case,
-    told: Reading,
+    reading: Reading,
     matched: tuple[ledger.LedgerRow, ...],
     trajectory: Trajectory,
     motion: Trajectory,
@@ -245,9 +258,9 @@ def _faults(
     """Why a run is wrong, in phrases; an empty list means right."""
     faults = []
     if (
-        truth.first_mode is not None and told.first_mode != truth.first_mode
+        truth.first_mode is not None and reading.first_mode != truth.first_mode
     ):  # none where no force is consistent at once
-        faults.append(f"begins with {told.first_mode}, not {truth.first_mode}")
+        faults.append(f"begins with {reading.first_mode}, not {truth.first_mode}")
     for verdict in ("missed", "spurious"):
         kinds = [f"{row.before} to {row.after}" for row in matched if row.verdict == verdict]
         if kinds:
