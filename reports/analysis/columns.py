@@ -67,6 +67,17 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "notes": ("its witnesses, or why there is no truth", ""),
     "run_at": ("when it was run, UTC", ""),
     "steps": ("steps the solver took", ""),
+    # scores: shares of the error of ignoring friction's law
+    "off": ("error as a share of the error of ignoring friction's law: the largest of the three scores", "1"),
+    "off_doubt": ("how much of off may be due to the samples of the motion", "1"),
+    "pose_score": ("root-mean-square pose error over that of the nearest null motion", "1"),
+    "mode_score": ("time in another mode than the truth, over the time outside the truth's longest mode", "1"),
+    "slip_score": ("mean error of the slip velocity over that of the nearest null motion", "1"),
+    "creep": ("slip velocity where the truth rolls; empty: it does not roll", "m/s"),
+    "friction_factor": ("friction and other losses over those of the law; empty: not known", "1"),
+    "grade": ("the score in words: excellent, very good, good, rough, poor, unusable", ""),
+    "grade_reason": ("why the motion has its grade", ""),
+    "sequence": ("how the sequence of modes agrees with the truth's", ""),
     # distances from the truth
     "centre_max": ("largest distance of the centre of mass", "m"),
     "angle_max": ("largest difference of the angle", "rad"),

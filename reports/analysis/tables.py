@@ -109,6 +109,7 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "missed": verdicts["missed"],
                 "spurious": verdicts["spurious"],
                 **run.distance._asdict(),
+                **_score_columns(run),
                 "cpu_s": run.cost.cpu_s,
                 "setup_s": run.cost.setup_s,
                 "steps": run.cost.steps,
@@ -116,6 +117,21 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
             }
         )
     return rows
+
+
+def _score_columns(run: Run) -> dict[str, Any]:
+    """The score of a run, its grade and the reason for it."""
+    score = run.score
+    numbers = {
+        "off": score.off if score else nan,
+        "off_doubt": score.doubt if score else nan,
+        "pose_score": score.pose if score else nan,
+        "mode_score": score.mode if score else nan,
+        "slip_score": score.slip if score else nan,
+        "creep": score.creep if score else nan,
+        "friction_factor": run.friction_factor,
+    }
+    return {"grade": run.grade, "grade_reason": run.grade_reason, "sequence": run.sequence, **numbers}
 
 
 def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
