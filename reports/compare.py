@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,6 +55,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from adapters.common.motion_file import REQUIRED_COLUMNS, follow_contact
     from cases.mechanics import energy
 
+    from .judging import grades
     from .judging.residuals import broken_laws, energy_growth
 
     gap = follow_contact(case, {name: getattr(motion, name) for name in REQUIRED_COLUMNS})[2]
@@ -70,17 +72,25 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
         ("largest growth (J)", energy_growth(case, motion)),
     ]
     broken = broken_laws(case, motion, gap)
+    assert run.score is not None, "a motion that is judged has a score"
     return "\n\n".join(
         (
             f"{run.solver} on {case.label}: {run.outcome}{f' ({run.reason})' if run.reason else ''}",
+            grades.summary(run.score, run.friction_factor, run.grade_reason),
             "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=".9g") if ledger else "none, as in the truth"),
             "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
             "Laws broken\n" + ("\n".join(broken) if broken else "none"),
-            f"Slip is told from stick above {motion.slip_resolution:.2g} m/s.",
+            _creep_text(run.score.creep, motion.slip_resolution),
             SHOWN_DIGITS,
         )
     )
+
+
+def _creep_text(creep: float, declared: float) -> str:
+    """The creep of a motion, as measured and as declared."""
+    measured = f"{creep:.2g} m/s" if isfinite(creep) else "not known, since the truth does not roll"
+    return f"Creep where the truth rolls: {measured} (declared: {declared:.2g} m/s)."
 
 
 def _time_text(motion: Trajectory, time: float) -> float:

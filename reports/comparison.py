@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import nan
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import adapters
 from adapters import EngineFailure, Setting
@@ -115,13 +116,20 @@ class Comparison:
         return f"<b>{escape(self.case.label)}</b><table><tr>{head}</tr>{lines}</table>"
 
     def to_frame(self) -> pd.DataFrame:
-        """A row per motion: outcome, error of the first transition (s), distances from the truth (m, rad, m/s)."""
+        """A row per motion: outcome, grade, score, error of the first transition (s), distances from the truth (m, rad,
+        m/s)."""
         import pandas as pd
 
         rows = []
         for run in self.runs:
-            told = {"solver": run.solver, "route": run.route, "outcome": run.outcome, "reason": run.reason}
-            rows.append(told | {"first_transition_error": first_error(run)} | run.distance._asdict())
+            row: dict[str, Any] = {
+                "solver": run.solver,
+                "route": run.route,
+                "outcome": run.outcome,
+                "reason": run.reason,
+            }
+            row |= {"grade": run.grade, "off": run.score.off if run.score else nan, "grade_reason": run.grade_reason}
+            rows.append(row | {"first_transition_error": first_error(run)} | run.distance._asdict())
         return pd.DataFrame(rows)
 
     def plot(self, quantity: str = "slip") -> Picture:

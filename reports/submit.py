@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,15 +36,15 @@ def judge_submission(folder: str | Path) -> tuple[Submission, list[Run]]:
 def _text(submission: Submission, runs: Sequence[Run]) -> str:
     from tabulate import tabulate
 
-    rows = []
+    rows, counted = [], ("matched", "missed", "spurious")
     for run in runs:
-        counts = {
-            verdict: sum(r.verdict == verdict for r in run.ledger) for verdict in ("matched", "missed", "spurious")
-        }
-        error = next((r.error for r in run.ledger if r.event == 1), float("nan"))
-        rows.append((run.case, run.outcome, *counts.values(), error))
-    head = ("case", "outcome", "matched", "missed", "spurious", "first transition's error / s")
-    why = "".join(f"\n\n{run.case}: {run.reason}" for run in runs if run.reason)
+        counts = [sum(r.verdict == verdict for r in run.ledger) for verdict in counted]
+        off, doubt = (run.score.off, run.score.doubt) if run.score else (nan, nan)
+        error = next((r.error for r in run.ledger if r.event == 1), nan)
+        rows.append((run.case, run.outcome, run.grade, off, doubt, run.friction_factor, *counts, error))
+    head = ("case", "outcome", "grade", "off", "± doubt", "friction ×", *counted, "first transition's error / s")
+    reasons = [(run.case, "; ".join(filter(None, (run.grade_reason, run.reason)))) for run in runs]
+    why = "".join(f"\n\n{case}: {reason}" for case, reason in reasons if reason)
     return f"{submission.name}, by {submission.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}{why}"
 
 

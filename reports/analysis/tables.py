@@ -102,6 +102,7 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "setting": run.setting,
                 "outcome": run.outcome,
                 "reason": run.reason,
+                **_score_columns(run),
                 "status": run.status,
                 "first_mode": run.first_mode,
                 "transitions_true": len(experiment.truths[run.case].transitions),
@@ -109,7 +110,6 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "missed": verdicts["missed"],
                 "spurious": verdicts["spurious"],
                 **run.distance._asdict(),
-                **_score_columns(run),
                 "cpu_s": run.cost.cpu_s,
                 "setup_s": run.cost.setup_s,
                 "steps": run.cost.steps,
@@ -122,16 +122,18 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
 def _score_columns(run: Run) -> dict[str, Any]:
     """The score of a run, its grade and the reason for it."""
     score = run.score
-    numbers = {
+    return {
+        "grade": run.grade,
+        "grade_reason": run.grade_reason,
+        "sequence": run.sequence,
         "off": score.off if score else nan,
         "off_doubt": score.doubt if score else nan,
+        "friction_factor": run.friction_factor,
         "pose_score": score.pose if score else nan,
         "mode_score": score.mode if score else nan,
         "slip_score": score.slip if score else nan,
         "creep": score.creep if score else nan,
-        "friction_factor": run.friction_factor,
     }
-    return {"grade": run.grade, "grade_reason": run.grade_reason, "sequence": run.sequence, **numbers}
 
 
 def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
@@ -190,7 +192,7 @@ HOLDS = {
     "transitions": (
         "Every transition of every run: matched, missed, unresolved (a rebound too short for its samples) or spurious"
     ),
-    "trajectories": "Every run: outcome, distance from the truth, cost",
+    "trajectories": "Every run: outcome, grade and score, distance from the truth, cost",
     "convergence": "Observed order of every route",
     "truth": "The certified transitions the runs are judged by",
     "errata": "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",

@@ -26,9 +26,6 @@ LEAST = 3
 # A plate that turns by less (rad) does not turn: an angle of this size counts as much as all of its way. (By a smaller
 # one the rounding of angles would outweigh every error of places.)
 STILL = 1e-3
-# What should stick creeps if it slips at no more than this part of the motion's fastest slip; of rounding's part of the
-# speed no word is said.
-CREEP, ROUNDING = 0.01, 1e-9
 
 # The signs of x, y and theta in each image of a motion.
 _IMAGES = {
@@ -148,19 +145,3 @@ def _much_nearer(columns: Columns, truth: Trajectory, images: Mapping[str, Mappi
 
     name = min(images, key=lambda image: off(images[image]))
     return name if off(images[name]) < NEARER * off({}) else ""
-
-
-def creep(motion: Trajectory, truth: Trajectory) -> str:
-    """Whether the motion slips a little, and more than it declares, for most of the time that the truth rolls."""
-    inside = motion.t <= truth.t[-1]
-    true, slip = truth(motion.t[inside]), np.abs(motion.slip[inside])
-    still = np.abs(true.slip) <= ROUNDING * float(np.max(np.hypot(true.vx, true.vy)))
-    if not np.any(still) or not np.any(np.isfinite(slip[still])):
-        return ""
-    usual, fastest = float(np.nanmedian(slip[still])), float(np.nanmax(slip))
-    if not motion.slip_resolution < usual <= CREEP * fastest:
-        return ""
-    return (
-        f"where the truth rolls it slips at {usual:.1g} m/s as a rule: if that is how its contact creeps, declare it "
-        "(creep, the most of it, in m/s), or it is taken for slip"
-    )

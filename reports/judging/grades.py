@@ -50,6 +50,12 @@ def sequence_note(score: Score, scale: Scale) -> str:
     return f"same sequence down to {duration(score.sequence)}"
 
 
+def summary(score: Score, friction: float, why: str) -> str:
+    """A score in one line: off and its doubt, grade, friction × where it is known, and the reason."""
+    known = [f"friction × {_short(friction)}"] if isfinite(friction) else []
+    return "; ".join([f"off {percent(score.off)} ± {percent(score.doubt)}: {grade(score.off)}", *known, why])
+
+
 def reason(score: Score, scale: Scale, friction: float) -> str:
     """Why a motion has its grade: which of the scores is the largest, and what explains it. `friction`: its friction ×,
     NaN where that is not known."""

@@ -214,7 +214,9 @@ def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Ite
     cap = _MOST_CREEP * scale.fastest_slip
     declared = min(motion.slip_resolution, cap)
     yield transitions.read_motion(case, replace(motion, slip_resolution=declared))
-    multiples = (2.0 * creep, creep, 4.0 * creep) if np.isfinite(creep) else ()
+    # Where the truth's rolls are too short for the creep to be known, slip within its noise may be none.
+    slowest = creep if np.isfinite(creep) else doubts.roughness(motion.t, motion.slip)
+    multiples = (2.0 * slowest, slowest, 4.0 * slowest)
     others = dict.fromkeys(min(threshold, cap) for threshold in (*multiples, 0.0, cap / 8.0, cap))
     # A reading takes long, so only the thresholds are read by which fewer samples are in another mode than the truth.
     wrong = _samples_in_another_mode(motion, scale, [declared, *others])

@@ -122,8 +122,6 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
     run = judge(row, case, motion, true, truth)
     said = [run.reason, diagnosis.half_step(columns), diagnosis.slip_half_a_step_beside(case, motion)]
     said += [diagnosis.mirror_axis(columns, true), diagnosis.other_unit(columns, true)]
-    if any(line.verdict == "missed" for line in run.ledger):
-        said.append(diagnosis.creep(motion, true))
     return replace(run, reason="; ".join(text for text in said if text))
 
 

@@ -189,7 +189,8 @@ def test_tables_have_the_promised_columns(report):
     promised = {
         "transitions": "case,solver,version,route,setting,event,before,after,time,reference_time,error,"
         "truth_error_bar,verdict,reading_doubt",
-        "trajectories": "case,solver,version,route,setting,outcome,reason,status,first_mode,transitions_true,matched,"
+        "trajectories": "case,solver,version,route,setting,outcome,reason,grade,grade_reason,sequence,"
+        "off,off_doubt,friction_factor,pose_score,mode_score,slip_score,creep,status,first_mode,transitions_true,matched,"
         "missed,spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
         "energy_mean,cpu_s,setup_s,steps,run_at",
         "convergence": "case,solver,version,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"

@@ -149,10 +149,11 @@ def creeping(speed: float) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize("how", ["option", "column", "comment"])
-def test_creep_that_is_declared_is_no_slip(tmp_path, capsys, how):
+def test_creep_is_no_slip_declared_or_not(tmp_path, capsys, how):
     frame, name, file = creeping(5e-3), "disc_in_circle[mu=0.2]", tmp_path / "motion.csv"
     status, text, _ = judged(tmp_path, capsys, frame, name)
-    assert status == 0 and "spurious" in text
+    assert status == 0 and [row[-1] for row in ledger(text)] == ["matched"] * 4
+    assert "Creep where the truth rolls: 0.005 m/s (declared: 0 m/s)" in text
     words = [name, str(file)]
     if how == "option":
         words += ["--creep", "5e-3"]
@@ -163,7 +164,13 @@ def test_creep_that_is_declared_is_no_slip(tmp_path, capsys, how):
     assert compare.main(words) == 0
     text = capsys.readouterr().out
     assert [row[-1] for row in ledger(text)] == ["matched"] * 4
-    assert "above 0.005 m/s" in text
+    assert "Creep where the truth rolls: 0.005 m/s (declared: 0.005 m/s)" in text
+
+
+def test_creep_of_a_tenth_of_the_fastest_slip_is_slip(tmp_path, capsys):
+    frame = creeping(0.1 * float(np.abs(creeping(0.0).slip).max()))
+    status, text, _ = judged(tmp_path, capsys, frame, "disc_in_circle[mu=0.2]")
+    assert status == 0 and "spurious" in text
 
 
 @pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])

@@ -7,7 +7,7 @@ from math import inf, nan
 import pytest
 
 from reports.judging.friction_factor import Losses
-from reports.judging.grades import LIMITS, Grade, duration, grade, percent, reason, sequence_note
+from reports.judging.grades import LIMITS, Grade, duration, grade, percent, reason, sequence_note, summary
 from reports.judging.ranking import digits, ranking, reached
 from reports.judging.score import Scale, Score
 
@@ -49,6 +49,11 @@ def test_reason_names_the_largest_score_and_what_explains_it():
     assert "its samples leave 2 % in doubt" in reason(score(0.005, doubt=0.02), SCALE, 1.0)
     modes = Score(0.02, 0.0, 0.01, 0.02, 0.0, nan, 0.0, 1e-3, False)
     assert reason(modes, SCALE, 1.0) == "modes: 10 ms in another mode than the truth"
+
+
+def test_summary_is_one_line():
+    assert summary(score(0.9, 0.01), 60.0, "why") == "off 90 % ± 1 %: unusable; friction × 60; why"
+    assert summary(score(0.0), nan, "why").startswith("off less than 0.0001 % ± less than 0.0001 %: excellent; why")
 
 
 def test_numbers_in_words():
