@@ -25,28 +25,28 @@ MOST_SECONDS, MOST_STEPS, MOST_KNOB = 1e9, 2**53, 1e100
 MOST_WORD, MOST_SENTENCE = 100, 2000
 
 
-def motion(given: Any, case: Case) -> Trajectory:
+def motion(raw: Any, case: Case) -> Trajectory:
     """The motion that an adapter returned of a case, of plain arrays, numbers and words.
 
     Whether it is a motion of the case is judged later. A `dense` output of its own is left out: nothing calls back into
     an adapter. Raises EngineFailure in one sentence that names what is of the wrong type or size.
     """
-    if not isinstance(given, Trajectory):
-        raise EngineFailure(f"it returned {_short_text(given)} in place of a Trajectory")
+    if not isinstance(raw, Trajectory):
+        raise EngineFailure(f"it returned {_short_text(raw)} in place of a Trajectory")
     try:
-        columns: dict[str, Any] = {name: _column(name, getattr(given, name)) for name in ("t", *State._fields)}
+        columns: dict[str, Any] = {name: _column(name, getattr(raw, name)) for name in ("t", *State._fields)}
         length = len(columns["t"])
         for name, column in columns.items():
             if len(column) != length:
                 raise EngineFailure(f"its {name} has {len(column)} samples and its t has {length}; give as many")
         return Trajectory(
             **columns,
-            transitions=_transitions(given.transitions),
-            status=_text("status", given.status, MOST_WORD),
-            reason=_text("reason", given.reason, MOST_SENTENCE),
-            cost=cost(given.cost),
-            slip_resolution=_number("slip_resolution", given.slip_resolution, 0.0, MOST_KNOB),
-            first_mode=None if given.first_mode is None else _mode("first_mode", given.first_mode),
+            transitions=_transitions(raw.transitions),
+            status=_text("status", raw.status, MOST_WORD),
+            reason=_text("reason", raw.reason, MOST_SENTENCE),
+            cost=cost(raw.cost),
+            slip_resolution=_number("slip_resolution", raw.slip_resolution, 0.0, MOST_KNOB),
+            first_mode=None if raw.first_mode is None else _mode("first_mode", raw.first_mode),
             case=case,
         )
     except EngineFailure:
@@ -55,39 +55,39 @@ def motion(given: Any, case: Case) -> Trajectory:
         raise EngineFailure(f"its motion cannot be read: {describe(problem)}") from problem
 
 
-def cost(given: Any) -> Cost:
+def cost(raw: Any) -> Cost:
     """What a run cost, as plain numbers; raises EngineFailure."""
-    if not isinstance(given, Cost):
-        raise EngineFailure(f"its cost is {_short_text(given)}; give a Cost")
+    if not isinstance(raw, Cost):
+        raise EngineFailure(f"its cost is {_short_text(raw)}; give a Cost")
     seconds: dict[str, Any] = {
-        name: _number(f"cost.{name}", getattr(given, name), 0.0, MOST_SECONDS, unknown=True)
+        name: _number(f"cost.{name}", getattr(raw, name), 0.0, MOST_SECONDS, may_be_nan=True)
         for name in ("cpu_s", "wall_s", "setup_s")
     }
-    counts = {name: _whole(f"cost.{name}", getattr(given, name)) for name in ("steps", "evaluations")}
+    counts = {name: _whole(f"cost.{name}", getattr(raw, name)) for name in ("steps", "evaluations")}
     return Cost(**seconds, **counts)
 
 
-def setting(given: Any) -> Setting:
+def setting(raw: Any) -> Setting:
     """A setting of a ladder or a grid, with knobs that are finite numbers and words; raises TypeError or ValueError."""
-    if type(given) is not Setting:
-        raise TypeError(f"{_short_text(given)} is no Setting")
-    for name, value in given.values:
+    if type(raw) is not Setting:
+        raise TypeError(f"{_short_text(raw)} is no Setting")
+    for name, value in raw.values:
         if type(name) is not str or type(value) not in (int, float, str, bool):
             raise TypeError(
                 f"the knob {_short_text(name)} of a setting is {_short_text(value)}; give a number or a word"
             )
         if isinstance(value, int | float) and not abs(value) <= MOST_KNOB:  # NaN is not
             raise ValueError(f"the knob {name} of a setting is {_short_text(value)}; give a finite number")
-    return given
+    return raw
 
 
-def _column(name: str, given: Any) -> np.ndarray:
+def _column(name: str, raw: Any) -> np.ndarray:
     """A column as an array (n,) of its own, with nothing of the adapter's in it."""
-    if not isinstance(given, np.ndarray | list | tuple):
-        raise EngineFailure(f"its {name} is {_short_text(given)}; give an array")
-    if len(given) > MOST_SAMPLES:
+    if not isinstance(raw, np.ndarray | list | tuple):
+        raise EngineFailure(f"its {name} is {_short_text(raw)}; give an array")
+    if len(raw) > MOST_SAMPLES:
         raise EngineFailure(f"its {name} has more than {MOST_SAMPLES:,} samples; give fewer")
-    values = np.array(given, subok=False)
+    values = np.array(raw, subok=False)
     if values.dtype.kind not in "iuf":
         raise EngineFailure(f"its {name} is an array of {values.dtype}; give numbers")
     if values.ndim != 1:
@@ -95,64 +95,60 @@ def _column(name: str, given: Any) -> np.ndarray:
     return values.astype(np.float64)
 
 
-def _transitions(given: Any) -> tuple[Transition, ...]:
-    if not isinstance(given, tuple | list) or len(given) > MOST_TRANSITIONS:
-        raise EngineFailure(f"its transitions are {_short_text(given)}; give a tuple of at most {MOST_TRANSITIONS:,}")
-    return tuple(map(_transition, given))
+def _transitions(raw: Any) -> tuple[Transition, ...]:
+    if not isinstance(raw, tuple | list) or len(raw) > MOST_TRANSITIONS:
+        raise EngineFailure(f"its transitions are {_short_text(raw)}; give a tuple of at most {MOST_TRANSITIONS:,}")
+    return tuple(map(_transition, raw))
 
 
-def _transition(given: Any) -> Transition:
-    if not isinstance(given, Transition):
-        raise EngineFailure(f"a transition is {_short_text(given)}; give a Transition")
+def _transition(raw: Any) -> Transition:
+    if not isinstance(raw, Transition):
+        raise EngineFailure(f"a transition is {_short_text(raw)}; give a Transition")
     return Transition(
-        time=_number("transition's time", given.time, -MOST_SECONDS, MOST_SECONDS),
-        before=_mode("transition's before", given.before),
-        after=_mode("transition's after", given.after),
-        xi1=_number("transition's xi1", given.xi1, -MOST_KNOB, MOST_KNOB, unknown=True),
-        xi2=_number("transition's xi2", given.xi2, -MOST_KNOB, MOST_KNOB, unknown=True),
-        cause=_text("transition's cause", given.cause, MOST_WORD),
+        time=_number("transition's time", raw.time, -MOST_SECONDS, MOST_SECONDS),
+        before=_mode("transition's before", raw.before),
+        after=_mode("transition's after", raw.after),
+        xi1=_number("transition's xi1", raw.xi1, -MOST_KNOB, MOST_KNOB, may_be_nan=True),
+        xi2=_number("transition's xi2", raw.xi2, -MOST_KNOB, MOST_KNOB, may_be_nan=True),
+        cause=_text("transition's cause", raw.cause, MOST_WORD),
     )
 
 
-def _mode(what: str, given: Any) -> Mode:
-    if type(given) is not Mode:
-        raise EngineFailure(f"its {what} is {_short_text(given)}; give a Mode")
-    return given
+def _mode(what: str, raw: Any) -> Mode:
+    if type(raw) is not Mode:
+        raise EngineFailure(f"its {what} is {_short_text(raw)}; give a Mode")
+    return raw
 
 
-def _number(what: str, given: Any, least: float, most: float, unknown: bool = False) -> float:
+def _number(what: str, raw: Any, least: float, most: float, may_be_nan: bool = False) -> float:
     """A number between two bounds, or NaN where it may be `unknown`."""
-    if isinstance(given, bool | np.bool_) or not isinstance(given, int | float | np.integer | np.floating):
-        raise EngineFailure(f"its {what} is {_short_text(given)}; give a number")
+    if isinstance(raw, bool | np.bool_) or not isinstance(raw, int | float | np.integer | np.floating):
+        raise EngineFailure(f"its {what} is {_short_text(raw)}; give a number")
     try:
-        value = float(given)
+        value = float(raw)
     except OverflowError:
         value = float("inf")
-    if not (unknown and isnan(value)) and not (isfinite(value) and least <= value <= most):
-        raise EngineFailure(f"its {what} is {_short_text(given)}; give a number from {least:g} to {most:g}")
+    if not (may_be_nan and isnan(value)) and not (isfinite(value) and least <= value <= most):
+        raise EngineFailure(f"its {what} is {_short_text(raw)}; give a number from {least:g} to {most:g}")
     return value
 
 
-def _whole(what: str, given: Any) -> int:
-    value = _number(what, given, 0, MOST_STEPS)
+def _whole(what: str, raw: Any) -> int:
+    value = _number(what, raw, 0, MOST_STEPS)
     if value != int(value):
         raise EngineFailure(f"its {what} is {value:g}; give a whole number")
     return int(value)
 
 
-def _text(what: str, given: Any, most: int) -> str:
-    if not isinstance(given, str):
-        raise EngineFailure(f"its {what} is {_short_text(given)}; give a text")
-    return str.__str__(given)[:most]
+def _text(what: str, raw: Any, most: int) -> str:
+    if not isinstance(raw, str):
+        raise EngineFailure(f"its {what} is {_short_text(raw)}; give a text")
+    return str.__str__(raw)[:most]
 
 
-def _short_text(given: Any) -> str:
+def _short_text(raw: Any) -> str:
     """What it is, for a sentence; its own text only where that is Python's."""
-    if type(given) in (int, float, str, bool, bytes, type(None)):
-        text = (
-            repr(given)
-            if type(given) is not int or abs(given) < MOST_STEPS
-            else f"a number of {given.bit_length()} bits"
-        )
+    if type(raw) in (int, float, str, bool, bytes, type(None)):
+        text = repr(raw) if type(raw) is not int or abs(raw) < MOST_STEPS else f"a number of {raw.bit_length()} bits"
         return text if len(text) <= MOST_WORD else f"{text[:MOST_WORD]}…"
-    return f"a {type(given).__name__}"
+    return f"a {type(raw).__name__}"

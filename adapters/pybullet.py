@@ -58,11 +58,11 @@ def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
         raise unknown_name("route of pybullet", route, routes)
-    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
-    if {"Flight", "Impact"} & {*strange}:
-        return f"pybullet's plane is put where the plate touches its track: this route has no {' and '.join(strange)}."
-    if strange:
-        return f"This adapter has not told pybullet how to do {' and '.join(strange)}."
+    missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if {"Flight", "Impact"} & {*missing}:
+        return f"pybullet's plane is put where the plate touches its track: this route has no {' and '.join(missing)}."
+    if missing:
+        return f"This adapter has not told pybullet how to do {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pybullet has one friction coefficient for slip and stick."
@@ -75,8 +75,8 @@ def refuses(case: Case, route: str) -> str | None:
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine: the engine as it comes, then the step alone, without damping and overlap."""
-    stretched = max(1.0, case.duration / USUAL_DURATION)
-    return (DEFAULTS, *(Setting.of(h=h * stretched, erp=1.0, slop=0.0, residual=0.0, damping=0.0) for h in STEPS))
+    stretch = max(1.0, case.duration / USUAL_DURATION)
+    return (DEFAULTS, *(Setting.of(h=h * stretch, erp=1.0, slop=0.0, residual=0.0, damping=0.0) for h in STEPS))
 
 
 @dataclass
@@ -146,8 +146,8 @@ def _step(model: PybulletModel, where: dict[str, int]) -> None:
         theta += h * omega
         if k == 0:
             # Half a step's acceleration, a whole step's way.
-            moved = [*(centre + h * now).tolist(), 0.0]
-            pybullet.resetBasePositionAndOrientation(model.plate, moved, [0.0, 0.0, 0.0, 1.0], **where)
+            position = [*(centre + h * now).tolist(), 0.0]
+            pybullet.resetBasePositionAndOrientation(model.plate, position, [0.0, 0.0, 0.0, 1.0], **where)
             pybullet.resetBaseVelocity(model.plate, [vx, vy, 0.0], [0.0, 0.0, omega], **where)
         centre = np.array(pybullet.getBasePositionAndOrientation(model.plate, **where)[0][:2])
 

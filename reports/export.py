@@ -35,13 +35,13 @@ def run(words: Sequence[str]) -> None:
 def export(case: Case, folder: Path, replace: bool = True) -> list[Path]:
     """Write a case into a folder; returns the files. `replace`: whether they may be there; if not, FileExistsError is
     raised."""
-    from adapters.by_process.scene import as_json, sampled, scene
+    from adapters.by_process.scene import as_json, curve_samples, scene
 
     told = {**scene(case), **truth(case)}
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / name for name in FILES]
     write(paths[0], as_json(told, indent=1) + "\n", replace)
-    for path, rows in zip(paths[1:3], sampled(case).values(), strict=True):
+    for path, rows in zip(paths[1:3], curve_samples(case).values(), strict=True):
         _write_csv(path, rows, "s,x,y,normal_x,normal_y,curvature", replace)
     names, rows = motion(case)
     _write_csv(paths[3], rows, ",".join(names), replace, fmt="%.16g")

@@ -24,7 +24,7 @@ Sources: the Box2D manual ("Simulation") and the comments of its headers types.h
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from importlib.metadata import version as installed
+from importlib.metadata import version as package_version
 from typing import Any
 
 import numpy as np
@@ -72,16 +72,16 @@ SLOP, PUSH, SPEED = 0.005, 3.0, 400.0
 
 def version() -> str:
     """The binding's version; it tells no other."""
-    return f"pyb2d3 {installed('pyb2d3')}"
+    return f"pyb2d3 {package_version('pyb2d3')}"
 
 
 def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
         raise unknown_name("route of box2d", route, routes)
-    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
-    if strange:
-        return f"box2d has nothing for {' and '.join(strange)}."
+    missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if missing:
+        return f"box2d has nothing for {' and '.join(missing)}."
     friction, outline = case.effect(CoulombFriction), case.plate.outline
     if friction and friction.stick != friction.mu:
         return "box2d has one friction coefficient for slip and stick."
@@ -96,8 +96,8 @@ def refuses(case: Case, route: str) -> str | None:
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine: the engine as it comes, then step, stiffness and facets together."""
-    stretched = max(1.0, case.duration / USUAL_DURATION)
-    steps = [h * stretched for h in STEPS]
+    stretch = max(1.0, case.duration / USUAL_DURATION)
+    steps = [h * stretch for h in STEPS]
     knobs = dict(substeps=1, scale=SCALE)
     return (
         Setting.of(rung="defaults", **DEFAULTS, **shapes.corners(case, None)),

@@ -55,15 +55,15 @@ def material(case: Case) -> pyb2d3.SurfaceMaterial:
 
 def rotation(angle: float) -> pyb2d3.Rot:
     """The engine's own make_rot is fast and off by up to 1.6e-3 rad."""
-    turned = pyb2d3.Rot()
-    turned.c, turned.s = cos(angle), sin(angle)
-    return turned
+    rot = pyb2d3.Rot()
+    rot.c, rot.s = cos(angle), sin(angle)
+    return rot
 
 
 def angle(body: pyb2d3.Body) -> float:
     """The engine's own angle is fast and off by up to 2.7e-5 rad."""
-    turned = body.rotation
-    return atan2(turned.s, turned.c)
+    rot = body.rotation
+    return atan2(rot.s, rot.c)
 
 
 def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:

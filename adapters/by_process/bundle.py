@@ -65,12 +65,12 @@ class BundledEngine(Engine):
 def version_of(path: Path) -> str:
     """What an executable says of its version; raises ImportError."""
     try:
-        asked = subprocess.run(
+        process = subprocess.run(
             [*BundledEngine.command(path), "--version"], capture_output=True, text=True, timeout=MOST_SECONDS
         )
     except (OSError, subprocess.TimeoutExpired) as problem:
         raise ImportError(f"{path.stem} cannot be started: {problem}", name=path.stem) from problem
-    if asked.returncode:
-        last = asked.stderr.strip().rpartition("\n")[2]
+    if process.returncode:
+        last = process.stderr.strip().rpartition("\n")[2]
         raise ImportError(last or f"{path.stem} does not start", name=path.stem)
-    return asked.stdout.strip()
+    return process.stdout.strip()

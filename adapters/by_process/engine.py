@@ -45,7 +45,7 @@ class ProcessModel:
     """One run: what goes in, and what came out."""
 
     case: Case
-    asked: str
+    scene_text: str
     output: str = ""
     cpu_s: float = nan
 
@@ -82,8 +82,8 @@ class Engine:
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""
-        stretched, longest = max(1.0, case.duration / USUAL_DURATION), case.duration / FEWEST_STEPS
-        steps = dict.fromkeys(min(h * stretched, longest) for h in STEPS[1:])
+        stretch, longest = max(1.0, case.duration / USUAL_DURATION), case.duration / FEWEST_STEPS
+        steps = dict.fromkeys(min(h * stretch, longest) for h in STEPS[1:])
         return Setting.of(rung="defaults", h=min(self.own_step(), longest)), *(Setting.of(h=h) for h in steps)
 
     def own_step(self) -> float:
@@ -97,11 +97,11 @@ class Engine:
     def run(self, model: ProcessModel) -> None:
         """One process; raises NotSupported if it refuses, EngineFailure if it fails, or writes or takes too much."""
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-            given = Path(folder) / "scene.json"
-            given.write_text(model.asked, encoding="utf-8")
-            with given.open("rb") as asked:
+            scene_file = Path(folder) / "scene.json"
+            scene_file.write_text(model.scene_text, encoding="utf-8")
+            with scene_file.open("rb") as scene_text:
                 process = subprocess.Popen(
-                    self.command(self.path), stdin=asked, stdout=out, stderr=err, cwd=folder, preexec_fn=_bound
+                    self.command(self.path), stdin=scene_text, stdout=out, stderr=err, cwd=folder, preexec_fn=_bound
                 )
                 try:
                     status = _wait(process, out.fileno(), err.fileno())
@@ -109,13 +109,13 @@ class Engine:
                     process.kill()
                     process.wait()
             _check_size(out.fileno(), err.fileno())
-            said = _read(err, 2000)
+            message = _read(err, 2000)
             if status == UNSUPPORTED_STATUS:
-                raise NotSupported(said.partition("\n")[0] or "it gave no reason")
+                raise NotSupported(message.partition("\n")[0] or "it gave no reason")
             if status < 0:
-                raise EngineFailure(f"its process was ended by signal {_signal(-status)}{_quote(said)}")
+                raise EngineFailure(f"its process was ended by signal {_signal(-status)}{_quote(message)}")
             if status:
-                raise EngineFailure(f"its process ended with exit status {status}{_quote(said)}")
+                raise EngineFailure(f"its process ended with exit status {status}{_quote(message)}")
             model.output = _read(out, MOST_BYTES)
 
     def read(self, model: ProcessModel) -> Trajectory:
@@ -151,9 +151,9 @@ def _read(file, most: int) -> str:
     return file.read(most).decode("utf-8", errors="replace").strip()
 
 
-def _quote(said: str) -> str:
+def _quote(message: str) -> str:
     """What stands on standard error, to append to a sentence: the first line with a word in it, and the last."""
-    lines = [line.strip() for line in said.splitlines() if any(map(str.isalnum, line))]
+    lines = [line.strip() for line in message.splitlines() if any(map(str.isalnum, line))]
     ends = [lines[0], *lines[-1:]] if len(lines) > 1 else lines
     return f": {' … '.join(line[:_QUOTE_CHARACTERS] for line in ends)}" if ends else ""
 
@@ -161,12 +161,12 @@ def _quote(said: str) -> str:
 def _cost(output: str) -> Cost:
     """What the line `# cost cpu_s=0.01 steps=1000` says; raises EngineFailure for a cost that is none."""
     line = _COST.search(output)
-    told = dict(part.split("=", 1) for part in (line[1].split() if line else ()) if "=" in part)
+    values = dict(part.split("=", 1) for part in (line[1].split() if line else ()) if "=" in part)
     try:
-        cpu, steps = float(told.get("cpu_s", "nan")), float(told.get("steps", "0"))
+        cpu, steps = float(values.get("cpu_s", "nan")), float(values.get("steps", "0"))
     except ValueError as problem:
         raise EngineFailure(f"its cost is no number: {line and line[0][:80]!r}") from problem
-    if cpu < 0.0 or not 0.0 <= steps < 1e15 or not (isfinite(cpu) or "cpu_s" not in told):
+    if cpu < 0.0 or not 0.0 <= steps < 1e15 or not (isfinite(cpu) or "cpu_s" not in values):
         raise EngineFailure(f"its cost makes no sense: {line and line[0][:80]!r}")
     return Cost(cpu_s=cpu, steps=int(steps))
 

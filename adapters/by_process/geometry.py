@@ -15,7 +15,7 @@ from cases import Case
 from cases.contact import start_motion
 from cases.mechanics import gravity
 
-from ..common.facets import shown
+from ..common.facets import visible_span
 
 # Chords of the track, corners of the outline; and of boxes and prisms half the thickness in Z, in plate sizes.
 CHORDS, CORNERS, THIN = 400, 200, 0.25
@@ -34,8 +34,8 @@ def mjcf(case: Case) -> str:
     plate = xml.SubElement(world, "body", name="plate", pos=_text(start.x, start.y, 0), euler=_text(0, 0, start.theta))
     for name, kind, axis in (("x", "slide", (1, 0, 0)), ("y", "slide", (0, 1, 0)), ("theta", "hinge", (0, 0, 1))):
         # A body's joints count in its own frame, which is turned by theta.
-        turned = _turn(axis, -start.theta)
-        xml.SubElement(plate, "joint", name=name, type=kind, axis=_text(*turned))
+        axis_in_body = _turn(axis, -start.theta)
+        xml.SubElement(plate, "joint", name=name, type=kind, axis=_text(*axis_in_body))
     inertia = _text(case.plate.inertia, case.plate.inertia, case.plate.inertia)
     xml.SubElement(plate, "inertial", pos=_text(0, 0, 0), mass=repr(case.plate.mass), diaginertia=inertia)
     if case.plate.radius:
@@ -80,14 +80,14 @@ def sdf(case: Case) -> str:
 
 
 def _collision(link: xml.Element, name: str, pose, kind: str) -> xml.Element:
-    made = xml.SubElement(link, "collision", name=name)
-    xml.SubElement(made, "pose").text = _text(*pose)
-    return xml.SubElement(xml.SubElement(made, "geometry"), kind)
+    collision = xml.SubElement(link, "collision", name=name)
+    xml.SubElement(collision, "pose").text = _text(*pose)
+    return xml.SubElement(xml.SubElement(collision, "geometry"), kind)
 
 
 def _boxes(case: Case, depth: float):
     """(x, y, angle, half length, half height) of boxes whose left faces are the track's chords."""
-    corners = np.array(case.track.point(np.linspace(*shown(case), CHORDS + 1))).T
+    corners = np.array(case.track.point(np.linspace(*visible_span(case), CHORDS + 1))).T
     for (ax, ay), (bx, by) in zip(corners[:-1], corners[1:], strict=True):
         along = np.array([bx - ax, by - ay])
         length = float(np.hypot(*along))

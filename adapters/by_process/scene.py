@@ -17,7 +17,7 @@ import sympy as sp
 from cases import Case, Curve
 from cases.contact import start_motion
 
-from ..common.facets import shown
+from ..common.facets import visible_span
 from . import geometry
 
 SCHEMA, VERSION = "slip-to-roll/scene", 1
@@ -43,7 +43,7 @@ def scene(case: Case) -> dict[str, Any]:
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
-            "points": {name: points(rows) for name, rows in sampled(case).items()},
+            "points": {name: points(rows) for name, rows in curve_samples(case).items()},
             "mjcf": geometry.mjcf(case),
             "sdf": geometry.sdf(case),
         }
@@ -56,17 +56,17 @@ def points(rows: np.ndarray) -> dict[str, list[float]]:
     return {name: column.tolist() for name, column in zip(names, rows.T, strict=True)}
 
 
-def sampled(case: Case) -> dict[str, np.ndarray]:
+def curve_samples(case: Case) -> dict[str, np.ndarray]:
     """Samples of `track` and `outline`, evenly in the parameter.
 
     Of a curved track without ends they cover what the plate may reach; a straight one is known by any two of them.
     """
     track, outline = case.track, case.plate.outline
-    reached = track.span if track.features is None else shown(case)
-    return {"track": _sampled(track, *reached), "outline": _sampled(outline, *outline.span)}
+    limits = track.span if track.features is None else visible_span(case)
+    return {"track": _curve_rows(track, *limits), "outline": _curve_rows(outline, *outline.span)}
 
 
-def _sampled(curve: Curve, low: float, high: float) -> np.ndarray:
+def _curve_rows(curve: Curve, low: float, high: float) -> np.ndarray:
     """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6)."""
     s = np.linspace(low, high, SAMPLES)
     return np.column_stack([s, *curve.point(s), *curve.normal(s), curve.curvature(s)])
@@ -85,6 +85,6 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
-def as_json(told: dict[str, Any], indent: int | None = None) -> str:
+def as_json(content: dict[str, Any], indent: int | None = None) -> str:
     """As text; raises ValueError for a number that JSON does not have."""
-    return json.dumps(finite(told), indent=indent, ensure_ascii=False, allow_nan=False)
+    return json.dumps(finite(content), indent=indent, ensure_ascii=False, allow_nan=False)

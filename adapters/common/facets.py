@@ -64,13 +64,13 @@ def stretch(case: Case) -> Stretch:
     start, plate, pull = start_motion(case), case.plate, gravity(case)
     if case.effect(Load):
         return _everywhere(case)
-    begun = energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * plate.inertia / plate.mass * start.omega**2
+    kinetic_start = energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * plate.inertia / plate.mass * start.omega**2
     # A start off the track is higher, or lower, than the pose of contact there.
     on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
     energy += float(pull @ (on_track - (start.x, start.y)))
     # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
     energy += float(np.hypot(*pull)) * (plate.reach - plate.inner)
-    longest = (np.sqrt(2 * max(energy, begun)) + np.hypot(*pull) * case.duration) * case.duration
+    longest = (np.sqrt(2 * max(energy, kinetic_start)) + np.hypot(*pull) * case.duration) * case.duration
     ways = [_walk(case, start.xi1, way, energy, longest, plate.reach) for way in (-1, 1)]
     (low, back, fast), (high, ahead, faster) = ways
     period = case.track.period
@@ -105,7 +105,7 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     """Farthest parameter reached in one direction, the arc length to it, and the top speed on the way."""
     track, flies = case.track, case.effect(Flight) is not None
     far = FIRST * case.plate.reach / float(track.speed(xi1))
-    bounded = track.period is not None or track.domain is not None
+    limited = track.period is not None or track.domain is not None
     if track.period:
         far = track.period
     elif track.domain:
@@ -117,11 +117,11 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
             point, speed = track.point(s), track.speed(s)
             is_track = np.isfinite(point).all(axis=0) & np.isfinite(speed) & (speed > 0.0)
         if not is_track.all():  # too far out for doubles: it ends before
-            far, bounded = far * max(int(np.argmin(is_track)) - 1, 1) / 2000, True
+            far, limited = far * max(int(np.argmin(is_track)) - 1, 1) / 2000, True
             continue
         run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * far / 2000
         away = np.hypot(*(point - point[:, :1])) if flies else run
-        if bounded or away[-1] > longest + margin:
+        if limited or away[-1] > longest + margin:
             break
         far *= 2.0
     centre = point + case.plate.radius * track.normal(s) if case.plate.radius else point
@@ -133,14 +133,14 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     else:
         last = (len(s) if reachable.all() else max(int(np.argmin(reachable)), 1)) - 1
     # Between two samples, so that it does not depend on where these lie.
-    part = min(_left(kinetic[last : last + 2]), _left(longest - away[last : last + 2]))
+    part = min(_positive_share(kinetic[last : last + 2]), _positive_share(longest - away[last : last + 2]))
     stop = last + part
     run_end = min(float(np.interp(stop, np.arange(len(s)), run)) + margin, float(run[-1]))
     fastest = max(float(np.max(kinetic[: last + 1])), float(np.interp(stop, np.arange(len(s)), kinetic)), 0.0)
     return float(np.interp(run_end, run, s)), run_end, float(np.sqrt(2 * fastest))
 
 
-def _left(values: np.ndarray) -> float:
+def _positive_share(values: np.ndarray) -> float:
     """The part of the way between two samples on which a value stays positive, by a straight line; 1 if all of it, or
     if there is no second sample."""
     if len(values) < 2 or values[1] >= 0.0:
@@ -149,7 +149,7 @@ def _left(values: np.ndarray) -> float:
     return first / (first - second) if np.isfinite(second) else 0.0
 
 
-def shown(case: Case) -> tuple[float, float]:
+def visible_span(case: Case) -> tuple[float, float]:
     """The stretch of the track that an exported scene shows, by its parameters: all of a track with ends or a period;
     of others what the plate can reach, at most `FAR` of its sizes to either side, where places still have digits."""
     track, xi1 = case.track, case.start.xi1

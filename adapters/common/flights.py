@@ -10,8 +10,8 @@ from cases import Case, Flight, Impact
 from cases.contact import Contact, find, pose, start_motion
 from cases.nearest import nearest
 
-OFF_TRACK = "The contact stopped pushing and the plate left its track."
-LANDED = "The plate meets its track again, and the case names no Impact."
+LIFT_OFF_REASON = "The contact stopped pushing and the plate left its track."
+LANDING_REASON = "The plate meets its track again, and the case names no Impact."
 # What a curve may raise where its expression has no value (DoesNotFit is one of them): beyond its domain.
 BEYOND = (ValueError, ArithmeticError)
 # A plate that is off its track by more than this part of its size may be nearer to another place of it.
@@ -33,18 +33,18 @@ class Follower:
         self.near = (start.xi1, start.xi2)
         self.size = case.plate.reach
         # Where the plate was last looked for in flight, and how far off it was.
-        self.seen: tuple[float, float, float] = (nan, nan, nan)
+        self.last_pose: tuple[float, float, float] = (nan, nan, nan)
         self.gap = 0.0
 
     def __call__(self, x: float, y: float, theta: float) -> Contact:
         """The contact of a pose; raises one of BEYOND for a plate that is lost and may not fly."""
         if not self.flies:
             return self._at(find(self.case, x, y, theta, self.near))
-        x0, y0, theta0 = self.seen
+        x0, y0, theta0 = self.last_pose
         # No point of the plate has moved by more than this since.
-        left = self.gap - hypot(x - x0, y - y0) - self.size * abs(theta - theta0)
-        if left > FAR * self.size:
-            return Contact(nan, nan, left)
+        clearance = self.gap - hypot(x - x0, y - y0) - self.size * abs(theta - theta0)
+        if clearance > FAR * self.size:
+            return Contact(nan, nan, clearance)
         try:
             contact = find(self.case, x, y, theta, self.near)
             if contact.gap <= NEAR * self.size:
@@ -58,7 +58,7 @@ class Follower:
             other = Contact(nan, nan, self.size)
         else:
             other = self._at(_with_turns(self.case, other, theta))
-        self.seen, self.gap = (x, y, theta), other.gap
+        self.last_pose, self.gap = (x, y, theta), other.gap
         return other
 
     def _at(self, contact: Contact) -> Contact:
@@ -75,13 +75,13 @@ def _with_turns(case: Case, contact: Contact, theta: float) -> Contact:
     return Contact(xi1 - turns * (case.track.period or 0.0), xi2, gap)
 
 
-def flights(gap: np.ndarray, pressed: np.ndarray, clear: float) -> list[tuple[int, int]]:
+def flights(gap: np.ndarray, pushing: np.ndarray, clear: float) -> list[tuple[int, int]]:
     """Stretches of samples [start, stop) in flight: from where the track last pressed to where it does again.
 
     A stretch counts if the gap (m) exceeds `clear` in it: shorter ones are the hops of a contact that is found by its
     overlap, once a step. `pressed` tells for each sample whether the track pushes.
     """
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], ~pressed, [False]]).astype(int)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], ~pushing, [False]]).astype(int)))
     stretches = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
     return [(a, b) for a, b in stretches if np.max(gap[a:b], initial=-inf) > clear]
 

@@ -20,8 +20,8 @@ from cases.contact import Contact, slip_velocity, start_motion
 from cases.mechanics import gravity
 
 from ..interface import EngineFailure
-from .facets import shown, sway
-from .flights import BEYOND, LANDED, OFF_TRACK, Follower, flights, lands_for_good
+from .facets import sway, visible_span
+from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class _MotionSamples:
     rising: np.ndarray
     after: np.ndarray
     force: np.ndarray
-    pressed: np.ndarray
+    pushing: np.ndarray
     xi1: np.ndarray
     xi2: np.ndarray
     gap: np.ndarray
@@ -81,27 +81,27 @@ class _MotionSamples:
 class _SampleEnd(NamedTuple):
     """How many samples belong to the motion, and what ended it; `time` (s) if that lies before the last of them."""
 
-    kept: int
+    length: int
     status: str = Trajectory.status
     reason: str = Trajectory.reason
     time: float = nan
 
 
-def read(noted: StepRecord) -> Trajectory:
+def read(record: StepRecord) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion.
 
     Where the case has Flight the plate's leaving is no end.
     """
-    case, samples = noted.case, _samples(noted)
-    hop = _hop(noted, samples)
-    flown = flights(samples.gap, samples.pressed, hop)
+    case, samples = record.case, _samples(record)
+    hop = _hop(record, samples)
+    stretches = flights(samples.gap, samples.pushing, hop)
     if case.effect(Flight):
-        for leaves, lands in flown:
+        for leaves, lands in stretches:
             samples.aloft[leaves:lands] = True
-    ending = _ending(noted, samples, flown, hop)
-    samples = _both_sides(samples[: ending.kept])
-    table = _table(noted, samples)
-    creep = _creep(noted, samples[~samples.aloft], table[~samples.aloft, 8])
+    ending = _ending(record, samples, stretches, hop)
+    samples = _both_sides(samples[: ending.length])
+    table = _table(record, samples)
+    creep = _creep(record, samples[~samples.aloft], table[~samples.aloft, 8])
     if np.isfinite(ending.time):
         table = _with_end(table, ending.time)
     t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = table.T
@@ -109,7 +109,7 @@ def read(noted: StepRecord) -> Trajectory:
         *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
         status=ending.status,
         reason=ending.reason,
-        cost=Cost(steps=len(noted.rows)),
+        cost=Cost(steps=len(record.rows)),
         slip_resolution=creep,
     )
 
@@ -117,9 +117,9 @@ def read(noted: StepRecord) -> Trajectory:
 # --- samples ----------------------------------------------------------------------------------------------------------
 
 
-def _samples(noted: StepRecord) -> _MotionSamples:
+def _samples(record: StepRecord) -> _MotionSamples:
     """Everything at the poses' times, up to the first pose without contact; nothing is aloft yet."""
-    case, h, rows = noted.case, noted.h, noted.rows
+    case, h, rows = record.case, record.h, record.rows
     if len(rows) < 3:
         raise EngineFailure("The engine gave fewer than three steps.")
     if not np.isfinite(rows).all():
@@ -127,20 +127,20 @@ def _samples(noted: StepRecord) -> _MotionSamples:
         raise EngineFailure(f"The engine's numbers are not finite from {when:.4g} s on.")
     start, pose, after = start_motion(case), rows[:, :3], rows[:, 3:]
     before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
-    late, ahead = np.full((len(rows), 1), noted.rest * h), h * (1.0 - noted.rest)
+    late, ahead = np.full((len(rows), 1), record.rest * h), h * (1.0 - record.rest)
     late[0] = 0.0
     inertia = np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
-    applied = np.append(gravity(case), 0.0) * inertia + (np.zeros(3) if noted.load is None else noted.load)
-    force = (case.plate.mass * (after - before) / (late + ahead) - applied)[:, :2]
-    rates = rates_at_poses(before, after, case.plate.reach, noted.rest)
-    contacts = (noted.contacts or _follow(case, pose))[: len(rows)]
+    external = np.append(gravity(case), 0.0) * inertia + (np.zeros(3) if record.load is None else record.load)
+    force = (case.plate.mass * (after - before) / (late + ahead) - external)[:, :2]
+    rates = rates_at_poses(before, after, case.plate.reach, record.rest)
+    contacts = (record.contacts or _follow(case, pose))[: len(rows)]
     # As one row of numbers: NumPy takes nine times as long to look into tuples with names.
     xi1, xi2, gap = np.fromiter(chain.from_iterable(contacts), dtype=float).reshape(-1, 3).T
-    kept = slice(len(gap))
+    length = slice(len(gap))
     return _MotionSamples(
-        t=np.linspace(0.0, case.duration, noted.steps + 1)[kept], pose=pose[kept], rates=rates[kept],
-        falling=(before + late * applied / inertia)[kept], rising=(after - ahead * applied / inertia)[kept],
-        after=after[kept], force=force[kept], pressed=_pressing(noted, force, rates)[kept],
+        t=np.linspace(0.0, case.duration, record.steps + 1)[length], pose=pose[length], rates=rates[length],
+        falling=(before + late * external / inertia)[length], rising=(after - ahead * external / inertia)[length],
+        after=after[length], force=force[length], pushing=_pushing(record, force, rates)[length],
         xi1=xi1, xi2=xi2, gap=gap, aloft=np.zeros(len(gap), dtype=bool),
     )  # fmt: skip
 
@@ -155,23 +155,23 @@ def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float, rest: flo
     `size`, m.)
     """
     bend = np.diff(after, 2, axis=0)
-    left, right = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
+    earlier, later = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
     scale = np.array([1.0, 1.0, size])
-    nearer = np.linalg.norm(left * scale, axis=1) < np.linalg.norm(right * scale, axis=1)
-    smaller = np.where(nearer[:, None], left, right)
+    nearer = np.linalg.norm(earlier * scale, axis=1) < np.linalg.norm(later * scale, axis=1)
+    smaller = np.where(nearer[:, None], earlier, later)
     rates = (1.0 - rest) * before + rest * after
     rates[0] = before[0]
     rates[1:] -= 0.5 * rest * (1.0 - rest) * smaller
     return rates
 
 
-def _pressing(noted: StepRecord, force: np.ndarray, rates: np.ndarray) -> np.ndarray:
+def _pushing(record: StepRecord, force: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """Where the contact pushed.
 
     A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
     """
     speed, strength = float(np.abs(rates[:, :2]).max()), np.hypot(*force.T)
-    return strength > 1e-9 * strength.max() + 10 * noted.rounding * noted.case.plate.mass * speed / noted.h
+    return strength > 1e-9 * strength.max() + 10 * record.rounding * record.case.plate.mass * speed / record.h
 
 
 def _follow(case: Case, poses: np.ndarray) -> list[Contact]:
@@ -197,21 +197,21 @@ def _both_sides(samples: _MotionSamples) -> _MotionSamples:
     lasting = at[at < count - 1]
     order = np.sort(np.concatenate([np.arange(count), lasting]))
     first, last = np.searchsorted(order, at), np.searchsorted(order, lasting) + 1
-    bounced = samples.aloft[lasting + 1]
+    rebounds = samples.aloft[lasting + 1]
     both = samples[order]
     both.rates[first], both.aloft[first] = samples.falling[at], True
-    both.rates[last] = np.where(bounced[:, None], samples.rising[lasting], samples.after[lasting + 1])
-    both.aloft[last], both.force[last] = bounced, nan
+    both.rates[last] = np.where(rebounds[:, None], samples.rising[lasting], samples.after[lasting + 1])
+    both.aloft[last], both.force[last] = rebounds, nan
     return both
 
 
-def _table(noted: StepRecord, samples: _MotionSamples) -> np.ndarray:
+def _table(record: StepRecord, samples: _MotionSamples) -> np.ndarray:
     """The columns of a Trajectory, shape (n, 12); in flight there are neither contact parameters, slip nor forces."""
-    case, up, xi1 = noted.case, samples.aloft, samples.xi1
+    case, up, xi1 = record.case, samples.aloft, samples.xi1
     nx, ny = case.track.normal(xi1)
     (x, y, _), (vx, vy, omega), force = samples.pose.T, samples.rates.T, samples.force
     # With the centre moved by what the engine leaves between plate and contact, the lever is the engine's.
-    lever = (1.0 - noted.lever) * samples.gap
+    lever = (1.0 - record.lever) * samples.gap
     slip = slip_velocity(case, x - lever * nx, y - lever * ny, vx, vy, omega, xi1)
     normal_force = force[:, 0] * nx + force[:, 1] * ny
     friction_force = np.sum(force.T * case.track.tangent(xi1), axis=0)
@@ -232,41 +232,41 @@ def _with_end(table: np.ndarray, time: float) -> np.ndarray:
     return np.vstack([table[:-1], last])
 
 
-def _ending(noted: StepRecord, samples: _MotionSamples, flown: list[tuple[int, int]], hop: float) -> _SampleEnd:
+def _ending(record: StepRecord, samples: _MotionSamples, stretches: list[tuple[int, int]], hop: float) -> _SampleEnd:
     """The first of the things that end a motion, or the end of its time."""
-    case, there, asked, gap = noted.case, len(samples.t), noted.steps + 1, samples.gap
-    endings = [_SampleEnd(asked)]
+    case, there, whole_run, gap = record.case, len(samples.t), record.steps + 1, samples.gap
+    endings = [_SampleEnd(whole_run)]
     through = gap < -case.plate.inner
     if through.any():
         endings.append(_SampleEnd(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
     for name, curve, xi in (("track", case.track, samples.xi1), ("outline", case.plate.outline, samples.xi2)):
         if curve.domain and not curve.period:
             # Where there was no contact any more, the next one would have been about as far ahead as the last.
-            xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < there < asked else xi
+            xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < there < whole_run else xi
             up = np.append(samples.aloft, np.zeros(len(xi) - there, dtype=bool))
             outside = ~up & ((xi < curve.domain[0]) | (xi > curve.domain[1]))
             if outside.any():
                 reason = f"The contact reached the end of the {name}'s domain."
                 endings.append(_SampleEnd(int(np.argmax(outside)), f"{name}_end", reason))
-    if there < asked:
+    if there < whole_run:
         endings.append(_SampleEnd(there, "lost_track", "No point of the track is near the plate any more."))
     if not case.effect(Flight) and (gap > hop).any():
-        endings.append(_let_go(noted, samples, int(np.argmax(gap > hop))))
-    landings = [landing for _, landing in flown if landing < there]
+        endings.append(_lift_off(record, samples, int(np.argmax(gap > hop))))
+    landings = [landing for _, landing in stretches if landing < there]
     if landings and lands_for_good(case):
-        endings.append(_touching(noted, gap, landings[0]))
-    return min(endings, key=lambda ending: ending.kept)
+        endings.append(_landing(record, gap, landings[0]))
+    return min(endings, key=lambda ending: ending.length)
 
 
-def _let_go(noted: StepRecord, samples: _MotionSamples, surely: int) -> _SampleEnd:
+def _lift_off(record: StepRecord, samples: _MotionSamples, surely: int) -> _SampleEnd:
     """The lift-off where the force vanishes, after the last sample that pressed, before that `surely` off the track.
 
     The weaker a contact, the more steps lie between two that push; the force over a hop is the push over its steps. It
     is extrapolated by a line through the last six, for no longer than the last hop: another push would have come.
     (An engine with drag of its own never stops pushing; its plate leaves where it is surely off.)
     """
-    last = np.flatnonzero(samples.pressed[: surely + 1])[-7:]
-    ending = _SampleEnd(int(last[-1]) + 1 if last.size else 1, "lift_off", OFF_TRACK)
+    last = np.flatnonzero(samples.pushing[: surely + 1])[-7:]
+    ending = _SampleEnd(int(last[-1]) + 1 if last.size else 1, "lift_off", LIFT_OFF_REASON)
     if len(last) < 3 or last[-1] == surely:
         return ending
     hops, strength = np.diff(last), np.hypot(*samples.force[last[:-1]].T)
@@ -274,10 +274,10 @@ def _let_go(noted: StepRecord, samples: _MotionSamples, surely: int) -> _SampleE
     if slope >= 0.0:
         return ending
     vanishes = float(np.clip(-level / slope, last[-1], min(surely, last[-1] + hops[-1])))
-    return ending._replace(kept=max(int(np.ceil(vanishes)) + 1, 2), time=vanishes * noted.h)
+    return ending._replace(length=max(int(np.ceil(vanishes)) + 1, 2), time=vanishes * record.h)
 
 
-def _touching(noted: StepRecord, gap: np.ndarray, landing: int) -> _SampleEnd:
+def _landing(record: StepRecord, gap: np.ndarray, landing: int) -> _SampleEnd:
     """The landing where the gap closes, as it closes between the last sample in flight and the first that pressed.
 
     A contact that is given to the engine presses at the beginning of the step in which the plate would land; it lands
@@ -285,10 +285,10 @@ def _touching(noted: StepRecord, gap: np.ndarray, landing: int) -> _SampleEnd:
     """
     before, after = gap[landing - 1 : landing + 1]
     share = min(before / (before - after), 2.0) if before > after else 1.0
-    return _SampleEnd(landing + 1, "landing", LANDED, (landing - 1 + share) * noted.h)
+    return _SampleEnd(landing + 1, "landing", LANDING_REASON, (landing - 1 + share) * record.h)
 
 
-def _hop(noted: StepRecord, samples: _MotionSamples) -> float:
+def _hop(record: StepRecord, samples: _MotionSamples) -> float:
     """A gap in metres that only a plate in flight reaches.
 
     An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
@@ -296,21 +296,21 @@ def _hop(noted: StepRecord, samples: _MotionSamples) -> float:
     roundings of it, is a flight. The strongest force of a plate that flies is an impact's; what the bends of track and
     outline ask for takes its place.
     """
-    case, plate = noted.case, noted.case.plate
+    case, plate = record.case, record.case.plate
     if case.effect(Flight):
-        bend = float(np.abs(case.track.curvature(np.linspace(*shown(case), 721))).max())
+        bend = float(np.abs(case.track.curvature(np.linspace(*visible_span(case), 721))).max())
         speed, spin = np.hypot(*samples.rates[:, :2].T).max(), np.abs(samples.rates[:, 2]).max()
         push = bend * float(speed) ** 2 + sway(plate.outline) * float(spin) ** 2
     else:
         push = float(np.hypot(*samples.force.T).max()) / plate.mass
     strongest = float(np.hypot(*gravity(case))) + push
-    return max(1e-6, 1e3 * noted.rounding) * plate.inner + 2.0 * strongest * noted.h**2 + 4.0 * noted.rough
+    return max(1e-6, 1e3 * record.rounding) * plate.inner + 2.0 * strongest * record.h**2 + 4.0 * record.rough
 
 
 # --- what is left where the engine sticks -----------------------------------------------------------------------------
 
 
-def _creep(noted: StepRecord, samples: _MotionSamples, normal_force: np.ndarray) -> float:
+def _creep(record: StepRecord, samples: _MotionSamples, normal_force: np.ndarray) -> float:
     """The slip velocity (m/s) that remains where the engine sticks, in all but one step in a hundred.
 
     It sticks with the velocities of a half step, along a tangent that turns by some angle a in a step: the mean of
@@ -318,7 +318,7 @@ def _creep(noted: StepRecord, samples: _MotionSamples, normal_force: np.ndarray)
     for plates whose outline bends more than the track. And on facets the normal force scatters from step to step:
     where it falls short, so does friction, for one step.
     """
-    case, h = noted.case, noted.h
+    case, h = record.case, record.h
     # Only from one step to the next: a flight between two samples turns by much.
     next_step = np.diff(samples.t) <= 1.5 * h
     turns = np.abs(np.diff(case.track.tangent_angle(samples.xi1)))[next_step]
@@ -329,7 +329,7 @@ def _creep(noted: StepRecord, samples: _MotionSamples, normal_force: np.ndarray)
     ease = 1 / plate.mass + plate.reach**2 / plate.inertia
     missing = h * (friction.mu if friction else 0.0) * scatter * ease
     speed = float(np.hypot(samples.rates[:, 0], samples.rates[:, 1]).max(initial=0.0))
-    lag = _lag(case, samples)[next_step] if noted.contacts is None else np.empty(0)
+    lag = _lag(case, samples)[next_step] if record.contacts is None else np.empty(0)
     return 0.5 * speed * turn**2 + missing + _usual(lag)
 
 

@@ -24,7 +24,7 @@ _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 # 3 ms.
 _LOOK, _LOOK_AT_ALL = 0.25, 1.0
 # Seconds in which processes that are killed are gone; one in the midst of a system call may take that long.
-_GONE = 5.0
+_KILL_SECONDS = 5.0
 # By this signal a supervisor ends whose copy held too much memory: no program of ours or of an engine's sends it.
 TOO_MUCH_MEMORY = signal.SIGRTMAX if hasattr(signal, "SIGRTMAX") else signal.SIGUSR2
 
@@ -36,8 +36,8 @@ def supervise(memory: int, first: Callable[[], None] = lambda: None) -> None:
     hold more than `memory` bytes (the supervisor then ends by the signal TOO_MUCH_MEMORY), all of them are ended.
     `first` is called in the supervisor: to close what is the copy's.
     """
-    watched = {signal.SIGCHLD, signal.SIGTERM}
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, watched)
+    signals = {signal.SIGCHLD, signal.SIGTERM}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
     be_reaper()
     own = os.getpid()
     copy = os.fork()
@@ -47,7 +47,7 @@ def supervise(memory: int, first: Callable[[], None] = lambda: None) -> None:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return
     first()
-    _stay(copy, memory, watched)
+    _stay(copy, memory, signals)
 
 
 def end_with_parent(parent: int, by: int = signal.SIGKILL) -> None:
@@ -70,11 +70,11 @@ def _prctl(option: int, value: int) -> bool:
     return True
 
 
-def _stay(copy: int, memory: int, watched: set[signal.Signals]) -> NoReturn:
+def _stay(copy: int, memory: int, signals: set[signal.Signals]) -> NoReturn:
     """Wait for the copy's end, or end it; then this process ends in the same way."""
-    looked = time.monotonic()
+    last_scan = time.monotonic()
     while True:
-        came = signal.sigtimedwait(watched, _LOOK) if hasattr(signal, "sigtimedwait") else signal.sigwait(watched)
+        came = signal.sigtimedwait(signals, _LOOK) if hasattr(signal, "sigtimedwait") else signal.sigwait(signals)
         status = _reap_child(copy)
         if status is not None:
             _end_all()
@@ -82,8 +82,8 @@ def _stay(copy: int, memory: int, watched: set[signal.Signals]) -> NoReturn:
         if came is not None and (came == signal.SIGTERM or getattr(came, "si_signo", 0) == signal.SIGTERM):
             _end_all()
             _end_as(-signal.SIGTERM)
-        every = time.monotonic() - looked > _LOOK_AT_ALL
-        looked = time.monotonic() if every else looked
+        every = time.monotonic() - last_scan > _LOOK_AT_ALL
+        last_scan = time.monotonic() if every else last_scan
         family = [copy, *descendants(copy)] if every else [copy]
         # Pages that processes share count once; that is slower to learn, and asked only where it may matter.
         if _sum(family, _resident) > memory and _sum(family, _share) > memory:
@@ -95,15 +95,15 @@ def _reap_child(copy: int) -> int | None:
     """Let children that have ended be gone; the status of the copy if it is among them."""
     found = None
     with suppress(ChildProcessError):
-        while (ended := os.waitpid(-1, os.WNOHANG))[0]:
-            if ended[0] == copy:
-                found = ended[1]
+        while (pid_and_status := os.waitpid(-1, os.WNOHANG))[0]:
+            if pid_and_status[0] == copy:
+                found = pid_and_status[1]
     return found
 
 
 def _end_all() -> None:
     """Kill everything below this process, until there is nothing: what is left by its parent becomes its child."""
-    until = time.monotonic() + _GONE
+    until = time.monotonic() + _KILL_SECONDS
     while time.monotonic() < until:
         for process in descendants(os.getpid()):
             with suppress(ProcessLookupError, PermissionError):

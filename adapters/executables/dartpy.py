@@ -2,7 +2,7 @@
 """DART (wheel dartpy): a sphere on a box, a sphere or a ring of boxes, by its boxed LCP after Dantzig.
 
 Its contacts are rigid, its friction is a pyramid, which in the plane is Coulomb's cone; its step is semi-implicit
-Euler. Poses and velocities stand at the same times here, as `World.step` leaves them.
+Euler. Poses and velocities are at the same times here, as after `World.step`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ try:
     import dartpy as dart
     import numpy as np
 except ImportError:
-    plane.not_installed("dartpy")
-plane.tell_version("dartpy")
+    plane.exit_not_available("dartpy")
+plane.print_version("dartpy")
 
-# Of a curved track; friction that no forces exhaust.
+# Chords of a curved track; a friction coefficient that no force exceeds.
 CHORDS, ROUGH = 800, 1e3
-# Its constraint force mixing, DART_CFM of ContactConstraint.cpp: so much of the velocity that friction takes is left.
+# Its constraint force mixing, DART_CFM of ContactConstraint.cpp: the share of slip velocity that friction leaves.
 MIXING = 1e-5
 
 scene = plane.read_scene("DART", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
@@ -31,11 +31,11 @@ radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["s
 if radius is None:
     plane.refuse("DART is given spheres: other outlines would be hulls, whose corners its contact takes one by one.")
 effects, (count, h) = scene["effects"], plane.steps(scene)
-tuned = scene["setting"].get("rung") != "defaults"
+is_tuned = scene["setting"].get("rung") != "defaults"
 mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
 
 
-def shaped(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -> None:
+def add_shape(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -> None:
     """Give a body a shape that collides, with friction and without restitution, somewhere in the body's frame."""
     node = body.createShapeNode(shape)
     place = dart.math.Isometry3()
@@ -44,7 +44,7 @@ def shaped(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -> N
     node.setRelativeTransform(place)
     node.createCollisionAspect()
     node.createDynamicsAspect()
-    # Of two bodies' coefficients the engine takes the smaller.
+    # The engine takes the smaller of the two bodies' coefficients.
     node.getDynamicsAspect().setFrictionCoeff(mu)
     node.getDynamicsAspect().setRestitutionCoeff(0.0)
 
@@ -52,8 +52,8 @@ def shaped(body, shape, x: float = 0.0, y: float = 0.0, angle: float = 0.0) -> N
 world = dart.simulation.World()
 world.setGravity(list(plane.gravity(scene)))
 world.setTimeStep(h)
-if tuned:
-    # As it comes, shapes become meshes; its own detector has spheres and boxes.
+if is_tuned:
+    # The default detector turns shapes into meshes; DART's own detector has spheres and boxes.
     world.getConstraintSolver().setCollisionDetector(dart.collision.DARTCollisionDetector())
 ground = dart.dynamics.Skeleton("track")
 fixed = ground.createWeldJointAndBodyNodePair()[1]
@@ -68,41 +68,41 @@ if track.kind == "line":
     along = (start["x"] - track.x) * cos(track.angle) + (start["y"] - track.y) * sin(track.angle)
     x, y = track.x + along * cos(track.angle), track.y + along * sin(track.angle)
     x, y = x + thick * sin(track.angle), y - thick * cos(track.angle)
-    shaped(fixed, dart.dynamics.BoxShape([4 * way, 2 * thick, 4 * radius]), x, y, track.angle)
+    add_shape(fixed, dart.dynamics.BoxShape([4 * way, 2 * thick, 4 * radius]), x, y, track.angle)
 elif track.kind == "hill":
-    shaped(fixed, dart.dynamics.SphereShape(track.radius), track.x, track.y)
+    add_shape(fixed, dart.dynamics.SphereShape(track.radius), track.x, track.y)
 else:
     for box in plane.chords(scene, CHORDS):
         x, y = box.x + thick * sin(box.angle), box.y - thick * cos(box.angle)
-        shaped(fixed, dart.dynamics.BoxShape([2 * box.half, 2 * thick, 4 * radius]), x, y, box.angle)
+        add_shape(fixed, dart.dynamics.BoxShape([2 * box.half, 2 * thick, 4 * radius]), x, y, box.angle)
 world.addSkeleton(ground)
 plate = dart.dynamics.Skeleton("plate")
 joint, body = plate.createPlanarJointAndBodyNodePair()
 inertia = scene["plate"]["inertia"]
 body.setInertia(dart.dynamics.Inertia(mass, [0.0, 0.0, 0.0], np.diag([inertia] * 3)))
-shaped(body, dart.dynamics.SphereShape(radius))
+add_shape(body, dart.dynamics.SphereShape(radius))
 plate.setPositions([start["x"], start["y"], start["theta"]])
 plate.setVelocities([start["vx"], start["vy"], start["omega"]])
 world.addSkeleton(plate)
 
 
-def touches(pose) -> list[plane.Touch]:
-    """What pushed in the last step: its result keeps the contacts of the step's begin."""
-    found = []
+def touches(pose) -> list[plane.PlaneContact]:
+    """The contacts that pushed in the last step; the result keeps those of the step's beginning."""
+    contacts = []
     for contact in world.getLastCollisionResult().getContacts():
         point, normal, force = (np.asarray(each)[:2] for each in (contact.point, contact.normal, contact.force))
-        # Which of the two is the plate's the order of the bodies tells: the normal points to it from the track.
+        # The order of the bodies decides the normal's sign; here it points from the track to the plate.
         side = 1.0 if normal @ (pose[:2] - point) > 0.0 else -1.0
         push = side * force if side * force @ (side * normal) >= 0.0 else -side * force
-        found.append(plane.Touch(point.tolist(), (side * normal).tolist(), push.tolist()))
-    return found
+        contacts.append(plane.PlaneContact(point.tolist(), (side * normal).tolist(), push.tolist()))
+    return contacts
 
 
-motion, rubbed = plane.Motion(scene), 0.0
+motion, friction_force = plane.MotionRows(scene), 0.0
 for k in range(count + 1):
     pose, velocities = plate.getPositions(), plate.getVelocities()
     world.step()
-    found = touches(pose)
-    rubbed = max(rubbed, abs(sum(touch.rubbed for touch in found)))
-    motion.note(k * h, pose.tolist(), velocities.tolist(), found, plate.getVelocities().tolist())
-motion.write(MIXING * h * rubbed * (1 / mass + radius**2 / inertia))
+    contacts = touches(pose)
+    friction_force = max(friction_force, abs(sum(touch.friction_force for touch in contacts)))
+    motion.note(k * h, pose.tolist(), velocities.tolist(), contacts, plate.getVelocities().tolist())
+motion.write(MIXING * h * friction_force * (1 / mass + radius**2 / inertia))

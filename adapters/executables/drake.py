@@ -1,9 +1,9 @@
 #!/usr/bin/env -S python3 -P
 """Drake (wheel drake): a sphere on a half-space, a sphere or a ring of boxes, by its discrete multibody plant.
 
-Point contact with the approximation TAMSI, whose friction is regularised: what sticks creeps at up to the stiction
-tolerance (its documentation of MultibodyPlant, "Contact modeling"), which the setting makes small. Poses and
-velocities stand at the same times.
+Point contact with the approximation TAMSI, whose friction is regularised: a sticking contact creeps at up to the
+stiction tolerance (its documentation of MultibodyPlant, "Contact modeling"), which the setting makes small. Poses and
+velocities are at the same times.
 """
 
 from __future__ import annotations
@@ -24,14 +24,15 @@ try:
     from pydrake.systems.analysis import Simulator
     from pydrake.systems.framework import DiagramBuilder
 except ImportError:
-    plane.not_installed("drake")
-plane.tell_version("drake")
+    plane.exit_not_available("drake")
+plane.print_version("drake")
 
-# Of a curved track; friction that no forces exhaust.
+# Chords of a curved track; a friction coefficient that no force exceeds.
 CHORDS, ROUGH = 800, 1e3
-# How far (m) a plate at rest may sink in, and how fast (m/s) it may creep while it sticks; the engine's own is 1e-3 and
-# 1e-4. TAMSI's friction grows with the slip's share x of that as mu x (2 - x), so it is what sticks at the cone's edge
-# creeps with (MultibodyPlant.set_stiction_tolerance, tamsi_solver.h), to a hundredth: Newton's tolerance there.
+# How far (m) a plate at rest may sink in, and how fast (m/s) it may creep while it sticks; the engine's defaults are
+# 1e-3 and 1e-4. TAMSI's friction grows with the slip's share x of that speed as mu x (2 - x), so a contact that sticks
+# at the cone's edge creeps with it (MultibodyPlant.set_stiction_tolerance, tamsi_solver.h), to a hundredth: Newton's
+# tolerance there.
 SUNK, CREEP, TOLERANCE = 1e-6, 1e-5, 1e-2
 
 scene = plane.read_scene("Drake", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
@@ -45,13 +46,13 @@ mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}
 
 builder = DiagramBuilder()
 plant, _ = drake.AddMultibodyPlantSceneGraph(builder, h)
-tuned = scene["setting"].get("rung") != "defaults"
-stiction = scene["setting"].get("stiction", CREEP) if tuned else drake.MultibodyPlantConfig().stiction_tolerance
-if tuned:
+is_tuned = scene["setting"].get("rung") != "defaults"
+stiction = scene["setting"].get("stiction", CREEP) if is_tuned else drake.MultibodyPlantConfig().stiction_tolerance
+if is_tuned:
     plant.set_contact_model(drake.ContactModel.kPoint)
     plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kTamsi)
 plant.mutable_gravity_field().set_gravity_vector(np.array(plane.gravity(scene)))
-# Of two bodies' coefficients the engine takes 2 μ₁ μ₂ / (μ₁ + μ₂): the same where both are.
+# The engine combines two coefficients as 2 μ₁ μ₂ / (μ₁ + μ₂), which is μ if both are μ.
 friction = drake.CoulombFriction(mu, mu)
 track = plane.shape(scene)
 if track.kind == "line":
@@ -70,13 +71,13 @@ else:
         shape = Box(2 * box.half, 2 * thick, 4 * radius)
         plant.RegisterCollisionGeometry(plant.world_body(), pose, shape, f"chord {number}", friction)
 inertia = scene["plate"]["inertia"] / mass
-# In the plane only the moment about Z tells.
+# In the plane only the moment of inertia about Z matters.
 unit = UnitInertia(inertia, inertia, inertia)
 body = plant.AddRigidBody("plate", SpatialInertia(mass, np.zeros(3), unit))
 plant.RegisterCollisionGeometry(body, RigidTransform(), Sphere(radius), "plate", friction)
 joint = plant.AddJoint(PlanarJoint("plane", plant.world_frame(), body.body_frame(), np.zeros(3)))
 plant.Finalize()
-if tuned:
+if is_tuned:
     plant.set_penetration_allowance(SUNK)
     plant.set_stiction_tolerance(stiction)
 diagram = builder.Build()
@@ -89,19 +90,19 @@ simulator.Initialize()
 results = plant.get_contact_results_output_port()
 
 
-def touches() -> list[plane.Touch]:
-    """What pushed in the last step: its port keeps the contacts of the step's begin, with the forces of its end."""
-    now, found = results.Eval(context), []
+def touches() -> list[plane.PlaneContact]:
+    """The contacts that pushed in the last step: those of the step's beginning, with the forces of its end."""
+    now, contacts = results.Eval(context), []
     for number in range(now.num_point_pair_contacts()):
         info = now.point_pair_contact_info(number)
         # The force is on body B, the normal points to body A.
         side = -1.0 if info.bodyB_index() == body.index() else 1.0
         force, normal = -side * info.contact_force(), side * info.point_pair().nhat_BA_W
-        found.append(plane.Touch(info.contact_point()[:2].tolist(), normal[:2].tolist(), force[:2].tolist()))
-    return found
+        contacts.append(plane.PlaneContact(info.contact_point()[:2].tolist(), normal[:2].tolist(), force[:2].tolist()))
+    return contacts
 
 
-motion = plane.Motion(scene)
+motion = plane.MotionRows(scene)
 for k in range(count + 1):
     pose, velocities = plant.GetPositions(context).tolist(), plant.GetVelocities(context).tolist()
     simulator.AdvanceTo((k + 1) * h)

@@ -3,7 +3,7 @@
 
 The scene's own MJCF with contact parameters. MuJoCo's contacts are soft by design: in a regularised convex problem a
 sliding contact lifts off a little (its manual, "Computation", contact), and friction creeps. Its step is semi-implicit
-Euler; poses and velocities stand at the same times here, as `mj_step` leaves them.
+Euler; poses and velocities are at the same times here, as after `mj_step`.
 """
 
 from __future__ import annotations
@@ -19,29 +19,29 @@ try:
     import mujoco
     import numpy as np
 except ImportError:
-    plane.not_installed("mujoco")
-plane.tell_version("mujoco")
+    plane.exit_not_available("mujoco")
+plane.print_version("mujoco")
 
-# Of a curved track; friction that no forces exhaust.
+# Chords of a curved track; a friction coefficient that no force exceeds.
 CHORDS, ROUGH = 800, 1e3
 
 scene = plane.read_scene("MuJoCo", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
 count, h = plane.steps(scene)
-effects, start, tuned = scene["effects"], scene["start"], scene["setting"].get("rung") != "defaults"
+effects, start, is_tuned = scene["effects"], scene["start"], scene["setting"].get("rung") != "defaults"
 mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
 
 
 def part(whole: ElementTree.Element, name: str) -> ElementTree.Element:
     """The first element of that name, which the suite's MJCF has."""
-    found = whole.find(name)
-    assert found is not None, f"the scene's MJCF has a {name}"
-    return found
+    element = whole.find(name)
+    assert element is not None, f"the scene's MJCF has a {name}"
+    return element
 
 
 root = ElementTree.fromstring(scene["mjcf"])
 option = part(root, "option")
 option.set("timestep", repr(h))
-if tuned:
+if is_tuned:
     ratio = scene["setting"].get("impratio", 100)
     option.attrib.update(cone="elliptic", impratio=f"{ratio}", solver="Newton", tolerance="1e-12", iterations="100")
 world = part(root, "worldbody")
@@ -67,10 +67,10 @@ plate = part(body, "geom")
 if plate.get("type") == "cylinder":
     plate.attrib.update(type="sphere", size=repr(scene["plate"]["radius"]))
 for geom in root.iter("geom"):
-    # Of two geoms' numbers the engine takes the larger.
+    # The engine takes the larger of the two geoms' numbers.
     geom.attrib.update(friction=f"{mu} 0 0", condim="3" if mu else "1")
-    if tuned:
-        geom.set("solref", f"{2 * h!r} 1")  # twice the step is the stiffest that the engine takes for safe
+    if is_tuned:
+        geom.set("solref", f"{2 * h!r} 1")  # twice the step: the stiffest value that the engine considers safe
         geom.set("solimp", "0.9999 0.9999 0.001 0.5 2")
 
 model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
@@ -78,25 +78,25 @@ data = mujoco.MjData(model)
 data.qvel[:] = start["vx"], start["vy"], start["omega"]
 
 
-def touches() -> list[plane.Touch]:
-    """What pushed in the last step: its contacts stay those of the step's begin."""
-    found, force = [], np.zeros(6)
+def touches() -> list[plane.PlaneContact]:
+    """The contacts that pushed in the last step; the engine keeps those of the step's beginning."""
+    contacts, force = [], np.zeros(6)
     for number, contact in enumerate(data.contact):
         mujoco.mj_contactForce(model, data, number, force)
         frame = contact.frame.reshape(3, 3)
         # Both the normal and the force are the second geom's.
         side = 1.0 if model.geom_bodyid[contact.geom2] else -1.0
         push, normal = side * force[:3] @ frame, side * frame[0]
-        found.append(plane.Touch(contact.pos[:2].tolist(), normal[:2].tolist(), push[:2].tolist()))
-    return found
+        contacts.append(plane.PlaneContact(contact.pos[:2].tolist(), normal[:2].tolist(), push[:2].tolist()))
+    return contacts
 
 
 def creep() -> float:
-    """The slip velocity (m/s) of what stuck in the last step.
+    """The slip velocity (m/s) of the contacts that stuck in the last step.
 
     In the friction directions the constraint's acceleration is -b v - R f ("Computation", reference acceleration, and
-    the identity R f = a_ref - a): what slips steadily under the friction f has v = R f / b. R and b are the engine's
-    own numbers of the step; of a pyramid's edges, which are mu times as steep, 2 mu^2 R is one.
+    the identity R f = a_ref - a): steady slip under the friction f has v = R f / b. R and b are the engine's own
+    numbers of the step; for a pyramid's edges, which are mu times as steep, the engine's number is 2 mu^2 R.
     """
     fastest, force = 0.0, np.zeros(6)
     for number, contact in enumerate(data.contact):
@@ -109,10 +109,10 @@ def creep() -> float:
     return fastest
 
 
-motion, fastest = plane.Motion(scene), 0.0
+motion, fastest = plane.MotionRows(scene), 0.0
 for k in range(count + 1):
-    turned, velocities = data.qpos + (start["x"], start["y"], start["theta"]), data.qvel.tolist()
+    pose, velocities = data.qpos + (start["x"], start["y"], start["theta"]), data.qvel.tolist()
     mujoco.mj_step(model, data)
-    motion.note(k * h, turned.tolist(), velocities, touches(), data.qvel.tolist())
+    motion.note(k * h, pose.tolist(), velocities, touches(), data.qvel.tolist())
     fastest = max(fastest, creep())
 motion.write(fastest)

@@ -104,9 +104,9 @@ def refuses(case: Case, route: str) -> str | None:
     """Why the route cannot model the case, in one sentence, or None. Raises UnknownName for an unknown route."""
     if route not in routes:
         raise unknown_name("route of exudyn", route, routes)
-    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
-    if strange:
-        return f"Exudyn's contacts have nothing for {' and '.join(strange)}."
+    missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if missing:
+        return f"Exudyn's contacts have nothing for {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "Exudyn's contacts know one friction coefficient; mu_static cannot differ from mu."
@@ -127,22 +127,22 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine; the first is what the engine does unless told otherwise."""
     length, acceleration = scales(case)
     stiffness, step = case.plate.mass * acceleration / length, case.duration / DEFAULT_STEPS
-    typed = Setting.of(rung="defaults", solver="GeneralizedAlpha", newton="modified", h=step)
-    if not _build_constrained(case, route):
-        typed = Setting((*typed.values, ("k", _round(1e3 * stiffness)), ("vreg", DEFAULT_VREG)))
-    return (typed, *(_setting(case, route, *knobs, rung=n) for n, knobs in enumerate(LADDERS[route], start=1)))
+    defaults = Setting.of(rung="defaults", solver="GeneralizedAlpha", newton="modified", h=step)
+    if not _uses_constraint(case, route):
+        defaults = Setting((*defaults.values, ("k", _round(1e3 * stiffness)), ("vreg", DEFAULT_VREG)))
+    return (defaults, *(_setting(case, route, *knobs, rung=n) for n, knobs in enumerate(LADDERS[route], start=1)))
 
 
-def _build_constrained(case: Case, route: str) -> bool:
+def _uses_constraint(case: Case, route: str) -> bool:
     return route == "native" and constraints.suits(case)
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
     """Step times stiffness times regularisation, those of three rungs; none for a constraint, which has but a step."""
-    if _build_constrained(case, route):
+    if _uses_constraint(case, route):
         return ()
-    chosen = (RUNGS[0], RUNGS[2], RUNGS[4])
-    return tuple(_setting(case, route, h, k, vreg) for h, k, vreg in product(*zip(*chosen, strict=True)))
+    rungs = (RUNGS[0], RUNGS[2], RUNGS[4])
+    return tuple(_setting(case, route, h, k, vreg) for h, k, vreg in product(*zip(*rungs, strict=True)))
 
 
 # What the rungs were chosen among, for each route in a time that a study may take; in multiples as RUNGS.
@@ -156,7 +156,7 @@ def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
     """Step times stiffness times regularisation as wide as a ladder is long; none for a constraint."""
     return (
         ()
-        if _build_constrained(case, route)
+        if _uses_constraint(case, route)
         else tuple(_setting(case, route, *knobs) for knobs in product(*_WIDE[route]))
     )
 
@@ -166,7 +166,7 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
     length, acceleration = scales(case)
     time, stiffness = sqrt(length / acceleration), case.plate.mass * acceleration / length
     step = _round(h * time)
-    if _build_constrained(case, route):
+    if _uses_constraint(case, route):
         return Setting.of(**rung, solver="GeneralizedAlpha", newton="full", h=step)
     # Without a bound friction is all stiffness, and the trapezoidal rule would let it ring.
     solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
@@ -185,7 +185,7 @@ def _round(value: float) -> float:
 
 def build(case: Case, route: str, setting: Setting) -> ExudynModel:
     """The engine's system for a case the route does not refuse."""
-    if _build_constrained(case, route):
+    if _uses_constraint(case, route):
         return ExudynModel(case, route, setting, constraints.build(case, setting))
     maker = native if route == "native" else integrator
     return ExudynModel(case, route, setting, maker.build(case, setting))

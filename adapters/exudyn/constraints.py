@@ -32,8 +32,8 @@ from .system import (
 
 def suits(case: Case) -> bool:
     """Whether a constraint is the engine's model of the case, a disc on a line or a circle."""
-    rough, guided = case.effect(PerfectlyRough) is not None, case.effect(Unilateral) is None
-    return rough or (guided and case.effect(CoulombFriction) is None)
+    rough, bilateral = case.effect(PerfectlyRough) is not None, case.effect(Unilateral) is None
+    return rough or (bilateral and case.effect(CoulombFriction) is None)
 
 
 def refuses(case: Case) -> str | None:
@@ -76,12 +76,12 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     acceleration = system.AddSensor(item.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
     system.Assemble()
 
-    return ExudynSystem(container, system, motion, acceleration, lambda stored: _read(case, stored))
+    return ExudynSystem(container, system, motion, acceleration, lambda data: _read(case, data))
 
 
-def _read(case: Case, stored: SensorData) -> ExudynContact:
+def _read(case: Case, data: SensorData) -> ExudynContact:
     """Contact and forces: what acts beside gravity and load is the contact's."""
-    pose, velocity = stored.pose, stored.velocity
+    pose, velocity = data.pose, data.velocity
     try:
         xi1, xi2, gap = follow(case, *pose.T)
     except BEYOND as problem:
@@ -89,6 +89,6 @@ def _read(case: Case, stored: SensorData) -> ExudynContact:
         return ExudynContact(nothing, nothing, nothing, nothing, nothing, nothing, str(problem))
     tangent, normal = case.track.tangent(xi1), case.track.normal(xi1)
     (x, y, _), (vx, vy, omega) = pose.T, velocity.T
-    force = (case.plate.mass * stored.force[:, :2] - external_forces(case, stored)).T
+    force = (case.plate.mass * data.force[:, :2] - external_forces(case, data)).T
     normal_force, friction_force = np.sum(force * normal, axis=0), np.sum(force * tangent, axis=0)
     return ExudynContact(xi1, xi2, gap, slip_velocity(case, x, y, vx, vy, omega, xi1), normal_force, friction_force)

@@ -128,16 +128,16 @@ class PenaltyContact:
         normal = (-ty, tx, ax * tx + ay * ty)
         spring = by_pose * self.k + by_velocity * self.damping
         if self.rough:
-            viscous, pressed = by_velocity * self.grip(touch) / self.vreg, normal
+            viscous, row_axis = by_velocity * self.grip(touch) / self.vreg, normal
         else:
             viscous = by_velocity * self.mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
             slope = copysign(self.mu, N) * touch.share
-            pressed = (normal[0] - slope * tangent[0], normal[1] - slope * tangent[1], normal[2] - slope * tangent[2])
+            row_axis = (normal[0] - slope * tangent[0], normal[1] - slope * tangent[1], normal[2] - slope * tangent[2])
         # As two outer products, which NumPy takes four times as long for.
         return np.array(
             [
                 [spring * (p * n) + viscous * (t * other) for n, other in zip(normal, tangent, strict=True)]
-                for p, t in zip(pressed, tangent, strict=True)
+                for p, t in zip(row_axis, tangent, strict=True)
             ]
         )
 
@@ -153,19 +153,19 @@ class PenaltyContact:
 
         return slip
 
-    def follow(self, stored: SensorData) -> ExudynContact:
+    def follow(self, data: SensorData) -> ExudynContact:
         """The contact along a run that begins at the case's start, as far as it can be found."""
         self.follower = Follower(self.case)
-        rows, lost = [], None
+        rows, failure = [], None
         try:
-            for q, v in zip(stored.pose.tolist(), stored.velocity.tolist(), strict=True):
+            for q, v in zip(data.pose.tolist(), data.velocity.tolist(), strict=True):
                 touch = self.touch(q, v)
                 force = touch.normal_force, self.friction_force(touch)
                 rows.append((touch.xi1, touch.xi2, touch.gap, touch.slip, *force))
         except BEYOND as problem:
-            lost = str(problem)
+            failure = str(problem)
         xi1, xi2, gap, slip, normal_force, friction_force = np.array(rows, dtype=float).reshape(-1, 6).T
-        return ExudynContact(xi1, xi2, gap, slip, normal_force, friction_force, lost)
+        return ExudynContact(xi1, xi2, gap, slip, normal_force, friction_force, failure)
 
 
 def build(case: Case, setting: Setting) -> ExudynSystem:

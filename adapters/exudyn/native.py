@@ -105,7 +105,7 @@ def _centre_of(case: Case, system) -> Callable[[Any], tuple[float, float, float,
     poses, velocities = system.systemData.GetODE2Coordinates, system.systemData.GetODE2Coordinates_t
     dx, dy = disc_circle(case).centre.tolist()
 
-    def centred(configuration) -> tuple[float, float, float, float, float]:
+    def at_centre(configuration) -> tuple[float, float, float, float, float]:
         (x, y, _), (vx, vy, omega) = poses(configuration).tolist(), velocities(configuration).tolist()
         return x, y, vx, vy, omega
 
@@ -114,7 +114,7 @@ def _centre_of(case: Case, system) -> Callable[[Any], tuple[float, float, float,
         ax, ay = dx * cos(theta) - dy * sin(theta), dx * sin(theta) + dy * cos(theta)
         return x + ax, y + ay, vx - omega * ay, vy + omega * ax, omega
 
-    return centred if case.plate.radius is not None else off_centre
+    return at_centre if case.plate.radius is not None else off_centre
 
 
 def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
@@ -128,15 +128,15 @@ def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
         )
     )
 
-    def contact(stored: SensorData) -> ExudynContact:
-        centre, velocity = _of_disc(case, stored)
+    def contact(data: SensorData) -> ExudynContact:
+        centre, velocity = _of_disc(case, data)
         away = centre - circle.centre
         distance = np.hypot(away[:, 0], away[:, 1])
         side = -1.0 if circle.left else 1.0
         gap = side * (distance - circle.radius) - radius
         # The engine's friction acts in the middle of the overlap; the nominal radius would bias the slip.
         normal, arm = side * away / distance[:, None], radius + 0.5 * gap
-        return _read(case, stored, velocity, normal, gap, arm)
+        return _read(case, data, velocity, normal, gap, arm)
 
     return number, contact
 
@@ -154,11 +154,11 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
         )
     )
 
-    def contact(stored: SensorData) -> ExudynContact:
-        centre, velocity = _of_disc(case, stored)
+    def contact(data: SensorData) -> ExudynContact:
+        centre, velocity = _of_disc(case, data)
         gap = (centre - line.point) @ normal - radius
         # The engine's friction acts on the triangle's plane.
-        return _read(case, stored, velocity, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
+        return _read(case, data, velocity, np.broadcast_to(normal, (len(gap), 2)), gap, radius + gap)
 
     return number, contact
 
@@ -167,9 +167,9 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
     # Told of no gap it would let the plate fall for a step before it presses; told of no slip, friction would begin on
     # the steep branch of its law, with a thousand times its bound.
-    touching, settled = start_motion(case), static_start(case, setting, depth=0.0)
-    gap = -hypot(settled.x - touching.x, settled.y - touching.y)
-    slip = hypot(settled.vx - touching.vx, settled.vy - touching.vy) or abs(touching.slip) if gap else 0.0
+    touching, at_rest = start_motion(case), static_start(case, setting, depth=0.0)
+    gap = -hypot(at_rest.x - touching.x, at_rest.y - touching.y)
+    slip = hypot(at_rest.vx - touching.vx, at_rest.vy - touching.vy) or abs(touching.slip) if gap else 0.0
     data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
     impact = case.effect(Impact)
     law: dict = dict(contactDamping=critical_damping(case, setting))
@@ -185,30 +185,30 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     )
 
 
-def _of_disc(case: Case, stored: SensorData) -> tuple[np.ndarray, np.ndarray]:
+def _of_disc(case: Case, data: SensorData) -> tuple[np.ndarray, np.ndarray]:
     """Place (m) and velocity (m/s) of the middle of the plate's circle along a run, each of shape (n, 2)."""
-    (dx, dy), theta, omega = disc_circle(case).centre, stored.pose[:, 2], stored.velocity[:, 2]
+    (dx, dy), theta, omega = disc_circle(case).centre, data.pose[:, 2], data.velocity[:, 2]
     ax, ay = dx * np.cos(theta) - dy * np.sin(theta), dx * np.sin(theta) + dy * np.cos(theta)
-    spun = np.column_stack([-omega * ay, omega * ax])
-    return stored.pose[:, :2] + np.column_stack([ax, ay]), stored.velocity[:, :2] + spun
+    spin_velocity = np.column_stack([-omega * ay, omega * ax])
+    return data.pose[:, :2] + np.column_stack([ax, ay]), data.velocity[:, :2] + spin_velocity
 
 
-def _read(case: Case, stored: SensorData, velocity, normal, gap, arm) -> ExudynContact:
+def _read(case: Case, data: SensorData, velocity, normal, gap, arm) -> ExudynContact:
     """Slip and forces along the track's tangent and normal, from the velocity of the middle of the disc; `arm`: from
     there to where friction acts."""
-    pose, force = stored.pose, stored.force
+    pose, force = data.pose, data.force
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
-    slip = np.sum(velocity * tangent, axis=1) + stored.velocity[:, 2] * arm
+    slip = np.sum(velocity * tangent, axis=1) + data.velocity[:, 2] * arm
     normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
-    follower, found, lost = Follower(case), [], None
+    follower, parameters, failure = Follower(case), [], None
     try:
         for row in pose.tolist():
-            found.append(follower(*row)[:2])
+            parameters.append(follower(*row)[:2])
     except BEYOND as problem:
-        lost = str(problem)
-    xi1, xi2 = np.array(found, dtype=float).reshape(-1, 2).T
-    n = len(found)
-    return ExudynContact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], lost)
+        failure = str(problem)
+    xi1, xi2 = np.array(parameters, dtype=float).reshape(-1, 2).T
+    n = len(parameters)
+    return ExudynContact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], failure)
 
 
 def _ground_triangle(case: Case, line: Line) -> list[list[float]]:
@@ -216,7 +216,7 @@ def _ground_triangle(case: Case, line: Line) -> list[list[float]]:
     start, gravity = start_motion(case), case.effect(Gravity)
     fall = 0.5 * gravity.g * case.duration**2 if gravity else 0.0
     # How far a load may take it is not known; a hundred times as far still has its place to twelve digits.
-    known = 2.0 * (case.plate.reach + hypot(start.vx, start.vy) * case.duration + fall)
-    reach = 100.0 * known if case.effect(Load) else known
+    reach_alone = 2.0 * (case.plate.reach + hypot(start.vx, start.vy) * case.duration + fall)
+    reach = 100.0 * reach_alone if case.effect(Load) else reach_alone
     (x, y), (along_x, along_y) = case.track.point(start.xi1), reach * line.direction
     return [[x - along_x, y - along_y, -reach], [x + along_x, y + along_y, -reach], [x, y, 2.0 * reach]]

@@ -12,7 +12,7 @@ import numpy as np
 from cases import Case, Cost, Curve, Flight, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
 
-from ..common.flights import LANDED, OFF_TRACK, flights, lands_for_good
+from ..common.flights import LANDING_REASON, LIFT_OFF_REASON, flights, lands_for_good
 from ..interface import EngineFailure, Setting
 from .system import ExudynContact, ExudynSystem, SensorData, rough_friction, scales
 
@@ -34,21 +34,21 @@ class ExudynModel:
 
 def read(model: ExudynModel) -> Trajectory:
     """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
-    stored = _sensor_data(model.system)
-    t, contact = stored.t, model.system.contact(stored)
-    known = len(contact.gap)
+    data = _sensor_data(model.system)
+    t, contact = data.t, model.system.contact(data)
+    count = len(contact.gap)
     rows = np.column_stack(
-        [t[:known], stored.pose[:known], stored.velocity[:known]]
+        [t[:count], data.pose[:count], data.velocity[:count]]
         + [contact.slip, contact.normal_force, contact.friction_force, contact.xi1, contact.xi2]
     )
-    flown = _flown(model.case, model.setting, contact)
-    end = first_ending(model.case, model.setting, rows[:, 0], contact, flown)
+    stretches = _flown(model.case, model.setting, contact)
+    end = first_ending(model.case, model.setting, rows[:, 0], contact, stretches)
     if end is None and model.failure:
         raise EngineFailure(f"Exudyn stopped at {t[-1]:.4g} s: {model.failure}.")
-    if end is None and contact.lost:
-        raise EngineFailure(f"Exudyn's plate lost its track: {contact.lost}.")
+    if end is None and contact.failure:
+        raise EngineFailure(f"Exudyn's plate lost its track: {contact.failure}.")
     if model.case.effect(Flight):
-        rows = _without_contact(model, rows, flown)
+        rows = _without_contact(model, rows, stretches)
     if end is not None:
         rows = _until(rows, end)
     t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = rows.T
@@ -89,10 +89,10 @@ class MotionEnd(NamedTuple):
 
 
 def first_ending(
-    case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact, flown: list[tuple[int, int]]
+    case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact, stretches: list[tuple[int, int]]
 ) -> MotionEnd | None:
     """What ends the motion before its time, or None."""
-    endings = [_landing(case, t, contact, flown) if case.effect(Flight) else lift_off(case, setting, t, contact)]
+    endings = [_landing(case, t, contact, stretches) if case.effect(Flight) else lift_off(case, setting, t, contact)]
     endings += [_domain_end("track", case.track, contact.xi1), _domain_end("outline", case.plate.outline, contact.xi2)]
     return min((end for end in endings if end), key=lambda end: end[:2], default=None)
 
@@ -127,22 +127,22 @@ def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact
     clear = np.flatnonzero(contact.gap > clear_gap(case, setting))
     if not clear.size:
         return None
-    pressed = np.flatnonzero(contact.normal_force[: clear[0]] > 0.0)
-    index = int(pressed[-1]) + 1 if pressed.size else 0
+    pushing = np.flatnonzero(contact.normal_force[: clear[0]] > 0.0)
+    index = int(pushing[-1]) + 1 if pushing.size else 0
     share = 0.0
     if index >= 2:
         (t0, t1, t2), (N0, N1) = t[index - 2 : index + 1], contact.normal_force[index - 2 : index]
         # A force that does not fall there (a bounce) has no zero to extrapolate to; the last press is the end.
         share = min(N1 / (N0 - N1) * (t1 - t0) / (t2 - t1), 1.0) if N0 > N1 else 0.0
-    return MotionEnd(index, share, "lift_off", OFF_TRACK)
+    return MotionEnd(index, share, "lift_off", LIFT_OFF_REASON)
 
 
-def _landing(case: Case, t: np.ndarray, contact: ExudynContact, flown: list[tuple[int, int]]) -> MotionEnd | None:
+def _landing(case: Case, t: np.ndarray, contact: ExudynContact, stretches: list[tuple[int, int]]) -> MotionEnd | None:
     """Where a plate that no impact is asked of meets its track again: as the gap closed in the last step of flight.
 
     (In the step that lands the contact brakes the plate already.)
     """
-    landings = [(start, landing) for start, landing in flown if landing < len(contact.gap)]
+    landings = [(start, landing) for start, landing in stretches if landing < len(contact.gap)]
     if not landings or not lands_for_good(case):
         return None
     start, landing = landings[0]
@@ -150,20 +150,20 @@ def _landing(case: Case, t: np.ndarray, contact: ExudynContact, flown: list[tupl
     if landing - start >= 2:
         (t0, t1, t2), (before, after) = t[landing - 2 : landing + 1], contact.gap[landing - 2 : landing]
         share = min(after / (before - after) * (t1 - t0) / (t2 - t1), 1.0) if before > after else 1.0
-    return MotionEnd(landing, float(share), "landing", LANDED)
+    return MotionEnd(landing, float(share), "landing", LANDING_REASON)
 
 
-def _without_contact(model: ExudynModel, rows: np.ndarray, flown: list[tuple[int, int]]) -> np.ndarray:
+def _without_contact(model: ExudynModel, rows: np.ndarray, stretches: list[tuple[int, int]]) -> np.ndarray:
     """The rows with what there is not in flight: no slip and contact parameters, no force.
 
     An impact has a duration here, some periods of the contact's spring; what lies between two flights for no longer is
     one, and its force is no contact's of the case.
     """
     rows, impact = rows.copy(), 4.0 * pi * sqrt(model.case.plate.mass / model.setting["k"])
-    for (_, landed), (left, _) in pairwise(flown):
-        if rows[left - 1, 0] - rows[landed, 0] <= impact:
-            rows[landed:left, _TOUCH] = np.nan
-    for start, stop in flown:
+    for (_, lands), (leaves, _) in pairwise(stretches):
+        if rows[leaves - 1, 0] - rows[lands, 0] <= impact:
+            rows[lands:leaves, _TOUCH] = np.nan
+    for start, stop in stretches:
         rows[start:stop, _TOUCH] = np.nan
         rows[start:stop, _FORCES] = 0.0
     return rows
@@ -171,14 +171,14 @@ def _without_contact(model: ExudynModel, rows: np.ndarray, flown: list[tuple[int
 
 def _pulling(contact: ExudynContact) -> MotionEnd | None:
     """Where a constraint would begin to pull."""
-    pulled = np.flatnonzero(contact.normal_force < 0.0)
-    if not pulled.size:
+    pulling = np.flatnonzero(contact.normal_force < 0.0)
+    if not pulling.size:
         return None
-    index, share = int(pulled[0]), 0.0
+    index, share = int(pulling[0]), 0.0
     if index:
         before, after = contact.normal_force[index - 1 : index + 1]
         share = float(before / (before - after))
-    return MotionEnd(index, share, "lift_off", OFF_TRACK)
+    return MotionEnd(index, share, "lift_off", LIFT_OFF_REASON)
 
 
 def _domain_end(name: str, curve: Curve, xi: np.ndarray) -> MotionEnd | None:
@@ -198,11 +198,11 @@ def _domain_end(name: str, curve: Curve, xi: np.ndarray) -> MotionEnd | None:
 
 def _until(rows: np.ndarray, end: MotionEnd) -> np.ndarray:
     """The rows of the motion up to its end, whose own row lies between two of the run's."""
-    kept = rows[: max(end.sample, 1)]
+    rows_before = rows[: max(end.sample, 1)]
     if end.share <= 0.0:
-        return kept
+        return rows_before
     last = rows[end.sample - 1] + end.share * (rows[end.sample] - rows[end.sample - 1])
     # Where contact ends, or has not begun, nothing presses.
     if end.status in ("lift_off", "landing"):
         last[_FORCES] = 0.0
-    return np.vstack([kept, last])
+    return np.vstack([rows_before, last])

@@ -33,7 +33,7 @@ class ExudynContact:
     slip: np.ndarray
     normal_force: np.ndarray
     friction_force: np.ndarray
-    lost: str | None = None
+    failure: str | None = None
 
 
 class SensorData(NamedTuple):
@@ -89,11 +89,11 @@ def static_start(case: Case, setting: Setting, depth: float = 1.0) -> MotionPoin
     if not k or setting.is_default or isnan(start.xi1_dot):
         return start
     force, creep = first_force(case, start, setting["vreg"])
-    sunk = force / k
+    penetration = force / k
     (tx, ty), (nx, ny) = case.track.tangent(start.xi1).tolist(), case.track.normal(start.xi1).tolist()
-    along = start.omega * depth * sunk + creep
+    along = start.omega * depth * penetration + creep
     return start._replace(
-        x=start.x - nx * sunk, y=start.y - ny * sunk, vx=start.vx + tx * along, vy=start.vy + ty * along
+        x=start.x - nx * penetration, y=start.y - ny * penetration, vx=start.vx + tx * along, vy=start.vy + ty * along
     )
 
 
@@ -119,30 +119,30 @@ def first_force(case: Case, start: MotionPoint, vreg: float) -> tuple[float, flo
         fx, fy = fx + lx, fy + ly
     lever_n, lever_t = px * ny - py * nx, px * ty - py * tx
     turned_x, turned_y = -start.omega * (along * ty - start.vy), start.omega * (along * tx - start.vx)
-    bent = float(case.track.curvature(start.xi1)) * along * start.slip
+    bend = float(case.track.curvature(start.xi1)) * along * start.slip
     normal_free = (nx * fx + ny * fy) / plate.mass + lever_n * moment / plate.inertia
-    normal_free += nx * turned_x + ny * turned_y - bent
+    normal_free += nx * turned_x + ny * turned_y - bend
     tangent_free = (tx * fx + ty * fy) / plate.mass + lever_t * moment / plate.inertia
     tangent_free += tx * turned_x + ty * turned_y
     normal_ease, tangent_ease = (1.0 / plate.mass + lever**2 / plate.inertia for lever in (lever_n, lever_t))
-    crossed = lever_n * lever_t / plate.inertia
+    coupling = lever_n * lever_t / plate.inertia
 
-    def pressed(friction: float) -> float:
+    def normal_at(friction: float) -> float:
         """The normal force if friction is so many times as large."""
-        ease = normal_ease + friction * crossed
+        ease = normal_ease + friction * coupling
         return -normal_free / ease if ease > 0.0 else 0.0
 
     rough, mu = case.effect(PerfectlyRough) is not None, friction_coefficient(case)
     if not rough and (mu == 0.0 or abs(start.slip) > vreg):
-        force, share = pressed(-mu * copysign(1.0, start.slip)), 0.0
+        force, share = normal_at(-mu * copysign(1.0, start.slip)), 0.0
     else:
-        force = (crossed * tangent_free - tangent_ease * normal_free) / (normal_ease * tangent_ease - crossed**2)
-        friction = -(tangent_free + crossed * force) / tangent_ease
+        force = (coupling * tangent_free - tangent_ease * normal_free) / (normal_ease * tangent_ease - coupling**2)
+        friction = -(tangent_free + coupling * force) / tangent_ease
         bound = rough_friction(case) if rough else mu * abs(force)
         share = -friction / bound if bound > 0.0 else 0.0
         if not rough and abs(share) > 1.0:
             share = copysign(1.0, share)
-            force = pressed(-mu * share)
+            force = normal_at(-mu * share)
     if case.effect(Unilateral) and force <= NOTHING * plate.mass * scales(case)[1]:
         return 0.0, 0.0
     return force, share * vreg
@@ -175,9 +175,9 @@ def disc_body(case: Case, start: MotionPoint, system) -> tuple[int, int]:
         def moment(system, time, _vector) -> list[float]:
             return [0.0, 0.0, now(system, time)[2]]
 
-        pulled = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
-        system.AddLoad(item.LoadForceVector(markerNumber=pulled, loadVectorUserFunction=force))  # type: ignore[arg-type]
-        system.AddLoad(item.LoadTorqueVector(markerNumber=pulled, loadVectorUserFunction=moment))  # type: ignore[arg-type]
+        mass_marker = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
+        system.AddLoad(item.LoadForceVector(markerNumber=mass_marker, loadVectorUserFunction=force))  # type: ignore[arg-type]
+        system.AddLoad(item.LoadTorqueVector(markerNumber=mass_marker, loadVectorUserFunction=moment))  # type: ignore[arg-type]
     return node, disc
 
 
@@ -187,13 +187,13 @@ def ground(system, point: np.ndarray) -> int:
     return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
 
 
-def external_forces(case: Case, stored: SensorData) -> np.ndarray:
+def external_forces(case: Case, data: SensorData) -> np.ndarray:
     """The forces beside the contact's, gravity and load: (F_x, F_y) in N at the stored times, shape (n, 2)."""
-    force, gravity, load = np.zeros((len(stored.t), 2)), case.effect(Gravity), case.effect(Load)
+    force, gravity, load = np.zeros((len(data.t), 2)), case.effect(Gravity), case.effect(Load)
     if gravity:
         force += case.plate.mass * np.array(gravity.vector)
     if load:
-        rows = zip(stored.t.tolist(), stored.pose.tolist(), stored.velocity.tolist(), strict=True)
+        rows = zip(data.t.tolist(), data.pose.tolist(), data.velocity.tolist(), strict=True)
         force += [load.at(t, *pose, *velocity)[:2] for t, pose, velocity in rows]
     return force
 
@@ -221,7 +221,7 @@ def steps_until(
         return
     smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
     time_of, begin, end = system.systemData.GetTime, exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current
-    sign, stands = copysign(1.0, case.start.slip), [0.0, -1.0]
+    sign, accept = copysign(1.0, case.start.slip), [0.0, -1.0]
     fast = MOST_GRAVITIES * (1.0 + friction_coefficient(case)) * scales(case)[1] * setting["h"]
     speed = None if case.effect(Flight) else speed
 
@@ -230,17 +230,17 @@ def steps_until(
         nonlocal sign
         # It is called in every iteration: nearly always it does no more than this.
         if speed and speed() > fast:
-            return stands
-        ended = slip(end)
-        if ended * sign >= 0.0 or abs(ended) <= vreg:
-            return stands
-        begun, step = slip(begin), time - time_of(begin)
-        sign = copysign(1.0, ended)
-        if begun * ended >= 0.0 or step <= smallest:
-            return stands
-        sign = copysign(1.0, begun)
+            return accept
+        slip_after = slip(end)
+        if slip_after * sign >= 0.0 or abs(slip_after) <= vreg:
+            return accept
+        slip_before, step = slip(begin), time - time_of(begin)
+        sign = copysign(1.0, slip_after)
+        if slip_before * slip_after >= 0.0 or step <= smallest:
+            return accept
+        sign = copysign(1.0, slip_before)
         # Any error above the solver's tolerance of 1 makes it listen.
-        return [10.0, max(step * abs(begun) / (abs(begun) + abs(ended)), smallest)]
+        return [10.0, max(step * abs(slip_before) / (abs(slip_before) + abs(slip_after)), smallest)]
 
     system.SetPostNewtonUserFunction(ask)
 

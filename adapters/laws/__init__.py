@@ -62,8 +62,8 @@ def _try(law: str, route: Route) -> tuple[str, str]:
         return "refused", str(refusal)
     except NotReported as silence:
         return "not told", str(silence)
-    except AssertionError as broken:
-        return "broken", str(broken)
+    except AssertionError as violation:
+        return "broken", str(violation)
     except Exception as problem:
         return "failed", f"{type(problem).__name__}: {problem}"
     return "kept", ""

@@ -42,18 +42,18 @@ def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None)
     from . import LAWS  # SciPy and the scenes take their time, and --help needs none of them
     from .law_process import AdapterProcess
 
-    known = {*LAWS, *(law.partition("[")[0] for law in LAWS)}
+    names_of_laws = {*LAWS, *(law.partition("[")[0] for law in LAWS)}
     for law in names or ():
-        if law not in known:
-            raise unknown_name("law", law, known)
-    chosen = [law for law in LAWS if not names or law in names or law.partition("[")[0] in names]
+        if law not in names_of_laws:
+            raise unknown_name("law", law, names_of_laws)
+    selection = [law for law in LAWS if not names or law in names or law.partition("[")[0] in names]
     counts: Counter[str] = Counter()
     with AdapterProcess(name) as adapter:
         for route in routes or ():
             if route not in adapter.face.routes:
                 raise unknown_name(f"route of {adapter.face.name}", route, adapter.face.routes)
         for route in routes or adapter.face.routes:
-            for law, outcome, reason in adapter.tried(route, chosen):
+            for law, outcome, reason in adapter.try_laws(route, selection):
                 counts[outcome] += 1
                 print(f"{route}  {law}: {outcome}{': ' if reason else ''}{reason}", flush=True)
     print(f"{adapter.face.name}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))

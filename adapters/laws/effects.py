@@ -40,15 +40,15 @@ RESTITUTION = 1e-2
 
 def load(route: Route) -> None:
     """A frictionless disc on a level line: m v̇ = −c v, so v = v₀ exp(−c t/m); J ω̇ = M sin(w t)."""
-    drag, moment, rate, begun = 0.8, 0.02, 4.0, 1.0
-    pushed = Load(fx=f"-{drag}*vx", moment=f"{moment}*sin({rate}*t)")
-    run = route.run(Case(LEVEL, DISC, (Gravity(G), pushed, Unilateral()), Start(0.0, slip=begun), duration=1.0))
+    drag, moment, rate, initial = 0.8, 0.02, 4.0, 1.0
+    push = Load(fx=f"-{drag}*vx", moment=f"{moment}*sin({rate}*t)")
+    run = route.run(Case(LEVEL, DISC, (Gravity(G), push, Unilateral()), Start(0.0, slip=initial), duration=1.0))
     t = run.motion.t
     # What acts, acts a step early or late.
-    allowed = 2.0 * run.step + 10 * run.rounding * len(t) ** 0.5 + 1e-9
-    hold("load", "vx", run.motion.vx - begun * np.exp(-drag * t / MASS), allowed * drag * begun / MASS)
+    tolerance = 2.0 * run.step + 10 * run.rounding * len(t) ** 0.5 + 1e-9
+    hold("load", "vx", run.motion.vx - initial * np.exp(-drag * t / MASS), tolerance * drag * initial / MASS)
     exact = moment / (INERTIA * rate) * (1 - np.cos(rate * t))
-    hold("load", "omega", run.motion.omega - exact, allowed * moment / INERTIA)
+    hold("load", "omega", run.motion.omega - exact, tolerance * moment / INERTIA)
 
 
 def _drop(restitution: float, mu: float, omega: float, duration: float) -> Case:
@@ -70,8 +70,8 @@ def bounce(route: Route) -> None:
     run, (time, speed) = route.run(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
     top, exact = float(run.motion.y[after].max()) - RADIUS, (restitution * speed) ** 2 / (2 * G)
-    allowed = 2 * restitution * speed * run.kick / G + 2 * RESTITUTION * exact
-    hold("bounce", "the height", top - exact, allowed)
+    tolerance = 2 * restitution * speed * run.kick / G + 2 * RESTITUTION * exact
+    hold("bounce", "the height", top - exact, tolerance)
 
 
 def bounce_with_friction(route: Route) -> None:
@@ -80,7 +80,7 @@ def bounce_with_friction(route: Route) -> None:
     case = _drop(restitution, mu, omega, duration=0.38)
     run, (time, speed) = route.run(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
-    _spun(
+    _check_spin(
         "bounce with friction",
         run,
         after,
@@ -95,16 +95,16 @@ def landing(route: Route) -> None:
     case = _drop(0.0, mu, omega, duration=0.4)
     run, (time, speed) = route.run(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
-    _spun("landing", run, after, -mu * (speed + G * (run.motion.t[after] - time)), RESTITUTION * mu * speed)
+    _check_spin("landing", run, after, -mu * (speed + G * (run.motion.t[after] - time)), RESTITUTION * mu * speed)
 
 
-def _spun(law: str, run: LawRun, after: np.ndarray, exact, allowed: float) -> None:
+def _check_spin(law: str, run: LawRun, after: np.ndarray, exact, tolerance: float) -> None:
     """Velocity along the line and spin after an impact: friction gave one as much impulse as it took the other."""
-    allowed += run.kick
-    begun = start_motion(run.case)
-    hold(law, "vx", run.motion.vx[after] - begun.vx - exact, allowed)
-    turned = MASS * RADIUS / INERTIA
-    hold(law, "the spin", run.motion.omega[after] - begun.omega - turned * exact, turned * allowed)
+    tolerance += run.kick
+    initial = start_motion(run.case)
+    hold(law, "vx", run.motion.vx[after] - initial.vx - exact, tolerance)
+    ratio = MASS * RADIUS / INERTIA
+    hold(law, "the spin", run.motion.omega[after] - initial.omega - ratio * exact, ratio * tolerance)
 
 
 def perfectly_rough(route: Route) -> None:
@@ -122,37 +122,37 @@ def perfectly_rough(route: Route) -> None:
 
 def guide(route: Route) -> None:
     """A track that also pulls keeps a frictionless disc where it would lift off: N = m g (3 cos φ − 2 cos φ₀)."""
-    begun = 0.2
+    initial = 0.2
     # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
     track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
-    run = route.run(Case(track, DISC, (Gravity(G),), Start(begun), duration=1.2))
+    run = route.run(Case(track, DISC, (Gravity(G),), Start(initial), duration=1.2))
     motion = run.motion
     hold("guide", "the end of the motion", float(motion.t[-1]) - 1.2, 2 * run.step)
     length = 1.0 + RADIUS
     angle = np.arctan2(motion.x, motion.y)
-    speed = np.sqrt(2 * G * length * (cos(begun) - np.cos(angle)))
+    speed = np.sqrt(2 * G * length * (cos(initial) - np.cos(angle)))
     hold("guide", "the speed", np.hypot(motion.vx, motion.vy) - speed, 2 * run.kick)
-    exact = MASS * G * (3 * np.cos(angle) - 2 * cos(begun))
+    exact = MASS * G * (3 * np.cos(angle) - 2 * cos(initial))
     if exact.min() > -0.5 * MASS * G:
         raise AssertionError("guide: the disc does not come to where it has to be pulled")
     # The first of them may be told before anything moved; a speed that is off by a kick is a force that is.
-    allowed = 4 * MASS * run.kick * speed[1:] / length + MASS * run.kick + run.grain
-    hold("guide", "the normal force", run.forces[0][1:] - exact[1:], allowed)
+    tolerance = 4 * MASS * run.kick * speed[1:] / length + MASS * run.kick + run.grain
+    hold("guide", "the normal force", run.forces[0][1:] - exact[1:], tolerance)
 
 
 def rolling_resistance(route: Route) -> None:
     """A disc that rolls on a level line against a couple a·N: (m + J/r²) v̇ = −m g a/r, until it rests."""
-    arm, begun, duration = 2e-3, -6.0, 1.0
+    arm, initial, duration = 2e-3, -6.0, 1.0
     effects = (Gravity(G), CoulombFriction(0.5), RollingResistance(arm), Unilateral())
-    run = route.run(Case(LEVEL, DISC, effects, Start(0.0, omega=begun), duration=duration))
-    slowed = G * arm / (RADIUS**2 * (1 + INERTIA / (MASS * RADIUS**2)))
-    exact = begun + slowed * run.motion.t
+    run = route.run(Case(LEVEL, DISC, effects, Start(0.0, omega=initial), duration=duration))
+    deceleration = G * arm / (RADIUS**2 * (1 + INERTIA / (MASS * RADIUS**2)))
+    exact = initial + deceleration * run.motion.t
     # The couple acts a step early or late, and what rolls may creep.
-    allowed = (
-        2 * slowed * run.step
+    tolerance = (
+        2 * deceleration * run.step
         + (run.motion.slip_resolution + 10 * run.rounding * run.speed * len(exact) ** 0.5) / RADIUS
     )
-    hold("rolling resistance", "the spin", run.motion.omega - exact, allowed + 1e-9)
+    hold("rolling resistance", "the spin", run.motion.omega - exact, tolerance + 1e-9)
 
 
 Law = Callable[[Route], None]

@@ -51,7 +51,7 @@ class AdapterProcess:
     def __exit__(self, *_) -> None:
         self._end()
 
-    def tried(self, route: str, laws: Iterable[str]) -> Iterator[tuple[str, str, str]]:
+    def try_laws(self, route: str, laws: Iterable[str]) -> Iterator[tuple[str, str, str]]:
         """Each law with its outcome and reason: those of `judge`, or "crashed" or "timed_out"."""
         late = 0
         for law in laws:
@@ -67,11 +67,11 @@ class AdapterProcess:
         self.here, there = _SPAWN.Pipe()
         self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
         resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
-        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks
         try:
             self.process.start()
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         there.close()
         answer = self._answer(LIMIT_SECONDS)
         if isinstance(answer, Exception):

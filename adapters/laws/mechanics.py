@@ -28,7 +28,7 @@ CIRCLE = Curve(lambda s: (1.0 * curves.cos(s), 1.0 * curves.sin(s)))
 VALLEY = Curve(lambda s: (s, -0.3 * curves.cos(2 * s)), domain=(-3.0, 3.0))
 
 
-def _let_go(plate: Plate, start: Start, mu: float | None = 0.1) -> Case:
+def _case_on_circle(plate: Plate, start: Start, mu: float | None = 0.1) -> Case:
     friction = (CoulombFriction(mu),) if mu else ()
     return Case(CIRCLE, plate, (Gravity(G), *friction, Unilateral()), start, duration=1.0)
 
@@ -42,10 +42,10 @@ def _elliptic_plate() -> Plate:
 # solver that assumes ½ m r².
 # In the valley the curvature changes: a solver that bends its tracks to circles is found there.
 SCENES = {
-    "disc in a circle": _let_go(disc(0.1, 2.0, inertia=0.012), Start(-2.6, slip=0.3, omega=1.0)),
-    "ellipse in a circle": _let_go(_elliptic_plate(), Start(-2.6, xi2=-1.2, slip=0.3)),
+    "disc in a circle": _case_on_circle(disc(0.1, 2.0, inertia=0.012), Start(-2.6, slip=0.3, omega=1.0)),
+    "ellipse in a circle": _case_on_circle(_elliptic_plate(), Start(-2.6, xi2=-1.2, slip=0.3)),
     "disc in a valley": replace(
-        _let_go(disc(0.1, 2.0, inertia=0.012), Start(-0.9, slip=0.3, omega=1.0)), track=VALLEY, duration=0.8
+        _case_on_circle(disc(0.1, 2.0, inertia=0.012), Start(-0.9, slip=0.3, omega=1.0)), track=VALLEY, duration=0.8
     ),
 }
 
@@ -113,8 +113,8 @@ def friction_torque(route: Route) -> None:
     run = route.run(case)
     exact = -mu * G * run.motion.t * mass * radius / inertia
     # Friction's kick, through the same lever.
-    allowed = mu * run.kick * mass * radius / inertia
-    hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, allowed)
+    tolerance = mu * run.kick * mass * radius / inertia
+    hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, tolerance)
 
 
 def cone(route: Route, scene: Case) -> None:
@@ -138,9 +138,9 @@ def friction_opposes_slip(route: Route, scene: Case) -> None:
     if sure.sum() < 10:
         raise Unsupported("the plate hardly slips in this scene")
     normal, friction = run.forces
-    against, pressed = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
+    against, push = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
     # On facets the force of one step is noise, its sum is not.
-    hold("friction opposes slip", "the sum of friction", against.sum() / pressed.sum() - mu, run.tilt + 1e-6)
+    hold("friction opposes slip", "the sum of friction", against.sum() / push.sum() - mu, run.tilt + 1e-6)
 
 
 def sticking_threshold(route: Route) -> None:
@@ -152,9 +152,9 @@ def sticking_threshold(route: Route) -> None:
         # m r²/J = 2, so slip grows with g (sin − 3 μ cos), if it grows.
         exact = G * (sin(angle) - 3 * mu * cos(angle)) * duration if slips else 0.0
         # Half of the slip there is on the other side tells the two apart.
-        allowed = 0.5 * G * 3 * mu * off * cos(angle) * duration
+        tolerance = 0.5 * G * 3 * mu * off * cos(angle) * duration
         side = "above" if slips else "below"
-        hold("sticking threshold", f"slip 0.1 % {side} tan = 3 mu", run.motion.slip[-1] - exact, allowed)
+        hold("sticking threshold", f"slip 0.1 % {side} tan = 3 mu", run.motion.slip[-1] - exact, tolerance)
 
 
 def no_friction_no_spin(route: Route) -> None:
@@ -167,9 +167,9 @@ def no_friction_no_spin(route: Route) -> None:
     # the lever of the normal force.
     # (A force that is not told has no rounding to allow for.)
     force = np.nan_to_num(run.motion.normal_force)
-    plate, pressed = run.case.plate, float(trapezoid(np.abs(force), run.motion.t))
-    allowed = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * pressed / plate.inertia
-    hold("no spin-up without friction", "the spin", omega - omega[0], allowed)
+    plate, push = run.case.plate, float(trapezoid(np.abs(force), run.motion.t))
+    tolerance = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * push / plate.inertia
+    hold("no spin-up without friction", "the spin", omega - omega[0], tolerance)
 
 
 def energy_conservation(route: Route, scene: Case) -> None:
@@ -212,8 +212,8 @@ def on_its_track(route: Route, scene: Case) -> None:
     motion, reach = run.motion, scene.plate.reach
     gap = follow(scene, motion.x, motion.y, motion.theta)[2]
     # What a step of travel, the corners' sagitta, and the overlap that engines leave alone make of a distance.
-    allowed = run.kick * run.step + reach * run.corners**2 / 8 + 1e-3 * reach
-    hold("on its track", "the gap", gap, allowed)
+    tolerance = run.kick * run.step + reach * run.corners**2 / 8 + 1e-3 * reach
+    hold("on its track", "the gap", gap, tolerance)
     slip = slip_velocity(scene, motion.x, motion.y, motion.vx, motion.vy, motion.omega, motion.xi1)
     hold("on its track", "the slip", motion.slip - slip, run.kick * _ease(scene.plate) + run.tilt * run.speed)
 
@@ -227,25 +227,25 @@ def momentum_balance(route: Route, scene: Case) -> None:
     normal_force, friction_force = run.forces
     fx, fy = normal_force * normal + friction_force * tangent
     arm = scene.track.point(motion.xi1) - pose(scene, motion.xi1, motion.xi2)[:2]
-    pulled = -plate.mass * G
+    weight = -plate.mass * G
 
     def sum_up(rate):
         return cumulative_trapezoid(rate, motion.t, initial=0.0)
 
     lever = float(np.hypot(*arm).max())
     # Where on a facet the force acts is not reported; the arm is known to its length.
-    vague = lever * run.corners * sum_up(np.abs(normal_force))[-1]
-    for what, change, force, allowed in (
+    doubt = lever * run.corners * sum_up(np.abs(normal_force))[-1]
+    for what, change, force, tolerance in (
         ("m vx", plate.mass * (motion.vx - motion.vx[0]), fx, plate.mass * run.kick),
-        ("m vy", plate.mass * (motion.vy - motion.vy[0]), fy + pulled, plate.mass * run.kick),
+        ("m vy", plate.mass * (motion.vy - motion.vy[0]), fy + weight, plate.mass * run.kick),
         (
             "J omega",
             plate.inertia * (motion.omega - motion.omega[0]),
             arm[0] * fy - arm[1] * fx,
-            lever * plate.mass * run.kick + vague,
+            lever * plate.mass * run.kick + doubt,
         ),
     ):
-        hold("momentum balance", f"{what} against the reported forces", change - sum_up(force), allowed)
+        hold("momentum balance", f"{what} against the reported forces", change - sum_up(force), tolerance)
 
 
 def lift_off(route: Route) -> None:
@@ -260,8 +260,8 @@ def lift_off(route: Route) -> None:
     exact = 2 / 3 * cos(0.2)
     speed = (G * length * exact) ** 0.5
     # A step of travel, and N = m (g cos φ − v²/L) read with a speed that is off by a kick.
-    allowed = run.step * speed / length + 2 * speed * run.kick / (3 * G * length)
-    hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, allowed)
+    tolerance = run.step * speed / length + 2 * speed * run.kick / (3 * G * length)
+    hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, tolerance)
 
 
 def free_fall(route: Route) -> None:
@@ -269,22 +269,22 @@ def free_fall(route: Route) -> None:
     start = Start(0.0, slip=0.4, omega=3.0, gap=0.5)
     # It would land after 0.32 s.
     case = Case(Curve(lambda s: (s, 0)), disc(0.1, 2.0), (Gravity(G), Unilateral(), Flight()), start, duration=0.25)
-    run, begun = route.run(case), start_motion(case)
+    run, start_state = route.run(case), start_motion(case)
     motion, t = run.motion, run.motion.t
     hold("free fall", "the end of the motion", float(t[-1]) - case.duration, 2 * run.step)
     # Gravity acts up to a step early or late, and a turn is off by that of a step; 1e-9 is rounding, as a random walk
     # of single precision is.
-    turn = begun.omega**2 * run.step * case.duration
+    turn = start_state.omega**2 * run.step * case.duration
     grain = 10 * run.rounding * run.speed * len(t) ** 0.5
-    for what, told, exact, allowed in (
-        ("x", motion.x, begun.x + begun.vx * t, 1e-9),
-        ("y", motion.y, begun.y + begun.vy * t - 0.5 * G * t**2, run.kick * case.duration),
-        ("vx", motion.vx, begun.vx, 1e-9),
-        ("vy", motion.vy, begun.vy - G * t, run.kick),
-        ("theta", motion.theta, begun.theta + begun.omega * t, turn),
-        ("omega", motion.omega, begun.omega, 1e-9),
+    for what, values, exact, tolerance in (
+        ("x", motion.x, start_state.x + start_state.vx * t, 1e-9),
+        ("y", motion.y, start_state.y + start_state.vy * t - 0.5 * G * t**2, run.kick * case.duration),
+        ("vx", motion.vx, start_state.vx, 1e-9),
+        ("vy", motion.vy, start_state.vy - G * t, run.kick),
+        ("theta", motion.theta, start_state.theta + start_state.omega * t, turn),
+        ("omega", motion.omega, start_state.omega, 1e-9),
     ):
-        hold("free fall", what, told - exact, allowed + grain)
+        hold("free fall", what, values - exact, tolerance + grain)
 
 
 def _mu(case: Case) -> float:

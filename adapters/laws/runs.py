@@ -124,9 +124,9 @@ def _run(adapter, route: str, case: Case) -> LawRun:
     refusal = adapter.refuses(case, route)
     if refusal:
         raise Unsupported(refusal)
-    declared = other_laws(adapter, case, route)
-    if declared:
-        raise Unsupported("; ".join(declared))
+    differences = other_laws(adapter, case, route)
+    if differences:
+        raise Unsupported("; ".join(differences))
     ladder = adapter.ladder(case, route)
     setting = [rung for rung in ladder if rung.get("vertices", 0) <= MOST_VERTICES][RUNG]
     model = adapter.build(case, route, setting)
@@ -141,9 +141,9 @@ def hold(law: str, what: str, error, tolerance) -> None:
     """Raises AssertionError, with the law's name, where the error (a number or an array) exceeds its tolerance or is no
     number."""
     error, tolerance = np.broadcast_arrays(np.abs(np.asarray(error, dtype=float)), tolerance)
-    unknown = ~np.isfinite(error - tolerance)
-    if unknown.any():
-        raise AssertionError(f"{law}: {what} is no number ({unknown.sum()} samples of {unknown.size})")
+    not_finite = ~np.isfinite(error - tolerance)
+    if not_finite.any():
+        raise AssertionError(f"{law}: {what} is no number ({not_finite.sum()} samples of {not_finite.size})")
     bad = error > tolerance
     if bad.any():
         at = int(np.argmax(error - tolerance))

@@ -47,9 +47,9 @@ def refuses(case: Case, route: str) -> str | None:
     """Why pymunk cannot model the case by that route, in one sentence, or None."""
     if route == "assisted" and not hasattr(pymunk.Space, "on_collision"):
         return f"This route needs the callbacks of pymunk 7 (Space.on_collision); here is {pymunk.version}."
-    strange = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
-    if strange:
-        return f"pymunk has nothing for {' and '.join(strange)}."
+    missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
+    if missing:
+        return f"pymunk has nothing for {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pymunk has one friction coefficient for slip and stick."
@@ -81,7 +81,7 @@ STEPS = {
     "polygon on chain": (1 / 60, 5e-3, 4e-3, 2e-3, 1e-3, 5e-4),
     "assisted": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
 }
-USUAL_DURATION, MOST_STRETCHED = 2.5, 3.0
+USUAL_DURATION, MOST_STRETCH = 2.5, 3.0
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
@@ -92,8 +92,8 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     tighten step and facets together. Assisted: the step, and the sweeps of the solver where they matter.
     """
     first, *others = STEPS["assisted" if route == "assisted" else native.scene_kind(case)]
-    stretched = min(MOST_STRETCHED, max(1.0, case.duration / USUAL_DURATION))
-    steps = [h * stretched for h in others]
+    stretch = min(MOST_STRETCH, max(1.0, case.duration / USUAL_DURATION))
+    steps = [h * stretch for h in others]
     if route == "assisted":
         defaults = Setting.of(rung="defaults", h=first)
         return (defaults, *(Setting.of(h=h, iterations=assisted.iterations(case)) for h in steps))
@@ -148,26 +148,26 @@ class PymunkModel:
     guide: assisted.ContactGuide | None = None
     # What the engine itself notes after every step, six numbers for the plate and then as many for the track's body.
     # Reading them one by one in Python takes longer than a native step.
-    noted: Buffer = field(default_factory=Buffer)
+    buffer: Buffer = field(default_factory=Buffer)
 
     @property
     def rows(self) -> np.ndarray:
         """(x, y, theta, vx, vy, omega) of the plate after every step, shape (n, 6)."""
         # A copy: the engine's memory goes with the model.
-        return np.frombuffer(self.noted.float_buf()).reshape(-1, _BODIES, 6)[:, 0].copy()
+        return np.frombuffer(self.buffer.float_buf()).reshape(-1, _BODIES, 6)[:, 0].copy()
 
 
 def build(case: Case, route: str, setting: Setting) -> PymunkModel:
     """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
-    return _model(case, route, setting, driven=case.effect(Load) is not None)
+    return _model(case, route, setting, with_load=case.effect(Load) is not None)
 
 
-def _model(case: Case, route: str, setting: Setting, driven: bool) -> PymunkModel:
+def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkModel:
     steps = max(2, round(case.duration / setting["h"]))
     h = case.duration / steps
     if route == "native":
         space, body = native.build(case, setting)
-        drive = Drive(case, body, h) if driven else None
+        drive = Drive(case, body, h) if with_load else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
         model = PymunkModel(case, space, body, h, steps, drive, rough)
     else:
@@ -182,13 +182,13 @@ def _model(case: Case, route: str, setting: Setting, driven: bool) -> PymunkMode
 
 def run(model: PymunkModel) -> None:
     """Step through the duration, noting pose and velocities after every step."""
-    space, step, noted = model.space, model.space.step, model.noted
+    space, step, buffer = model.space, model.space.step, model.buffer
     # The half step moves the plate to its start and gives the velocities half a step's forces.
     step(0.5 * model.h)
-    get_space_bodies(space, _RECORD_FIELDS, noted)
+    get_space_bodies(space, _RECORD_FIELDS, buffer)
     for _ in range(model.steps):
         step(model.h)
-        get_space_bodies(space, _RECORD_FIELDS, noted)
+        get_space_bodies(space, _RECORD_FIELDS, buffer)
 
 
 def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable[[], None]:
@@ -198,8 +198,8 @@ def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable
     An empty callback leaves the engine its own contact of two circles that overlap everywhere, one as before; that
     must not be mended, or they would fly apart at once.
     """
-    loaded = case.effect(Load) is not None
-    model = _model(case, route, setting, driven=loaded and without == "notes")
+    has_load = case.effect(Load) is not None
+    model = _model(case, route, setting, with_load=has_load and without == "notes")
     space, body, h, steps = model.space, model.body, model.h, model.steps
     if route == "assisted" and without != "notes":
         space, body = assisted.overlapping(case, setting)
@@ -207,7 +207,7 @@ def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable
     if without == "callback":
         if route == "assisted":
             assisted.listen(space, lambda arbiter, space, data: None)
-        if loaded:
+        if has_load:
             body.velocity_func = lambda *now: pymunk.Body.update_velocity(*now)
 
     step, what = (lib.cpSpaceStep, (space._space, h)) if without == "binding" else (space.step, (h,))

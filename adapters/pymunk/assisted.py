@@ -42,7 +42,7 @@ class ContactGuide:
 
     def __init__(self, case: Case, body: pymunk.Body, h: float, drive: Drive | None):
         self.contacts: list[Contact] = []
-        self.lost = False
+        self.off_track = False
         self.problem: Exception | None = None
         self._case, self._body, self._h = case, body, h
         self._bilateral = case.effect(Unilateral) is None
@@ -56,16 +56,16 @@ class ContactGuide:
     def pre_solve(self, arbiter: Arbiter, space: pymunk.Space, data: object) -> None:
         """Write contact point, normal and the normal velocity wanted into the arbiter; let go of a lost plate."""
         try:
-            if not self.lost:
-                self._tell(arbiter)
+            if not self.off_track:
+                self._set_contact(arbiter)
         except BEYOND:
-            self.lost = True
+            self.off_track = True
         except Exception as problem:
             self.problem = self.problem or problem
-        if self.lost or self.problem:
+        if self.off_track or self.problem:
             arbiter.process_collision = False
 
-    def _tell(self, arbiter: Arbiter) -> None:
+    def _set_contact(self, arbiter: Arbiter) -> None:
         (x, y), theta, h, track = self._body.position, self._body.angle, self._h, self._case.track
         contact = self._here(x, y, theta)
         self.contacts.append(contact)
@@ -81,18 +81,18 @@ class ContactGuide:
         X, Y, tx, ty = _frame(track, contact.xi1)
         # With the predicted velocities the plate would land off the track by the gap: so much less, or more, is wanted.
         ux, uy = vx - omega * (Y - y), vy + omega * (X - x)
-        wanted = ux * -ty + uy * tx - ahead.gap / h
+        target = ux * -ty + uy * tx - ahead.gap / h
         # Slip is that of the middle of the step. The engine, which looks at the step's beginning, is told the change.
         middle_x, middle_y, along_x, along_y = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
         # The plate is there off the middle of its chord, by an eighth of what the step's change would take it.
         (ax, ay), half = self._bend(), 0.5 * h
         lever_x, lever_y = middle_x - x - half * vx + ax, middle_y - y - half * vy + ay
         change = (vx - omega * lever_y) * along_x + (vy + omega * lever_x) * along_y - (ux * tx + uy * ty)
-        velocity = Vec2d(change * tx - wanted * -ty, change * ty - wanted * tx)
+        velocity = Vec2d(change * tx - target * -ty, change * ty - target * tx)
         point, normal = Vec2d(X, Y), Vec2d(-ty, tx)
         # A guide on both sides pushes from the one that is needed; without a push there is no friction either, so the
         # free motion alone decides.
-        if self._bilateral and self._free(point).dot(normal) > wanted:
+        if self._bilateral and self._free(point).dot(normal) > target:
             normal = -normal
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
         arbiter.surface_velocity = velocity

@@ -196,11 +196,11 @@ def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Sha
         before, after = points[-2], points[1]
     else:
         before, after = points[0], points[-1]
-    padded = [before, *points, after]
+    with_neighbours = [before, *points, after]
     segments: list[pymunk.Shape] = []
     for i in range(count):
         segment = pymunk.Segment(space.static_body, points[i], points[i + 1], thickness)
         if setting["neighbors"]:
-            segment.set_neighbors(padded[i], padded[i + 3])
+            segment.set_neighbors(with_neighbours[i], with_neighbours[i + 3])
         segments.append(segment)
     return segments

@@ -15,7 +15,7 @@ from adapters import by_process, lookup
 from adapters.by_process import engine as process
 from adapters.by_process.scene import SCHEMA_FILE
 from adapters.common import motion_file
-from adapters.common.facets import shown
+from adapters.common.facets import visible_span
 from adapters.laws.law_process import AdapterProcess
 from cases import BadValue
 from cases.contact import start_motion
@@ -116,7 +116,7 @@ def test_geometry_for_other_programs_is_where_the_curves_are(name):
         x, y, _ = map(float, box.get("pos").split())
         angle, half = float(box.get("euler").split()[2]), float(box.get("size").split()[1])
         front = np.array([x - half * np.sin(angle), y + half * np.cos(angle)])
-        samples = np.array(case.track.point(np.linspace(*shown(case), 30001))).T
+        samples = np.array(case.track.point(np.linspace(*visible_span(case), 30001))).T
         assert np.hypot(*(samples - front).T).min() < 1e-3
     sdf = ElementTree.fromstring(told["sdf"])
     assert len(sdf.findall("world/model")) == 2

@@ -9,7 +9,7 @@ import pytest
 
 import cases
 from adapters.by_process.geometry import mjcf, sdf
-from adapters.by_process.scene import sampled, scene
+from adapters.by_process.scene import curve_samples, scene
 from adapters.common import facets
 from cases import Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc
 from tests.scenes.motions import in_other_parameters, in_other_units, warped
@@ -68,7 +68,7 @@ def test_shapes_by_a_warped_parameter_differ_by_the_error_of_their_samples_alone
 @pytest.mark.parametrize("name", ["endless", "disc_in_circle", "disc_in_cosine"])
 def test_exported_scenes_do_not_depend_on_the_unit_of_a_parameter(name, how):
     case = SCENES[name]()
-    here, there = (sampled(scene_) for scene_ in (case, LINEAR[how](case)))
+    here, there = (curve_samples(scene_) for scene_ in (case, LINEAR[how](case)))
     for curve in ("track", "outline"):
         # Points, normals, curvatures; the first column is the parameter.
         assert there[curve][:, 1:] == pytest.approx(here[curve][:, 1:], rel=1e-9, abs=1e-12)
@@ -77,7 +77,7 @@ def test_exported_scenes_do_not_depend_on_the_unit_of_a_parameter(name, how):
 def test_an_exported_track_without_ends_is_where_the_plate_may_come():
     """y = x²/1000 is 20 km long where it is drawn: samples 20 m apart are no track for a disc of 0.1 m."""
     case = endless(track=Curve(("s", "s**2/1000")), start=Start(-1.0))
-    x = sampled(case)["track"][:, 1]
+    x = curve_samples(case)["track"][:, 1]
     assert x.min() < -1.0 and 0.9 < x.max() < 10.0
     assert np.diff(x).max() < 0.1 * case.plate.radius
     for text in (mjcf(case), sdf(case)):

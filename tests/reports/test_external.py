@@ -131,7 +131,7 @@ def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
         ("mine@disc_on_lien=mine.csv", "there is no case in this report 'disc_on_lien'"),
         ("mine=nowhere.csv", "there is no file 'nowhere.csv'"),
         ("mine=columns.csv", "has no column theta"),
-        ("mine=unsorted.csv", "does not grow"),
+        ("mine=unsorted.csv", "does not increase"),
         ("mine=millimetres.csv", "give metres"),
     ],
 )

@@ -1,6 +1,6 @@
-"""What engines in Python share: the scene from standard input, refusals, the track's shape, the motion as text.
+"""Functions shared by the executables in Python: read the scene, report unsupported ones, write the motion.
 
-It needs NumPy and nothing of the suite, so that an engine may live in an environment of its own.
+Needs NumPy and nothing of the suite, so that an engine can have an environment of its own.
 """
 
 from __future__ import annotations
@@ -16,38 +16,38 @@ from typing import Any, NamedTuple, NoReturn
 try:
     import numpy as np
 except ImportError:
-    # It comes with each of the engines.
+    # Each of the engines requires NumPy.
     engine = Path(sys.argv[0]).stem
     print(f"{engine} is not installed: pip install {engine}, for the python3 that is first on PATH", file=sys.stderr)
     sys.exit(1)
 
 
 def refuse(why: str) -> NoReturn:
-    """End the program by refusing the scene, in one sentence."""
+    """End the program with the exit status for an unsupported scene, and one sentence with the reason."""
     print(why, file=sys.stderr)
     sys.exit(3)
 
 
-def tell_version(name: str) -> None:
-    """Asked with --version, the program ends here with the package's name and version."""
+def print_version(name: str) -> None:
+    """With the option --version, print the package's name and version and end the program."""
     if "--version" in sys.argv:
         print(name, version(name))
         sys.exit(0)
 
 
-def not_installed(name: str) -> NoReturn:
-    """End the program by saying what has to be installed."""
+def exit_not_available(name: str) -> NoReturn:
+    """End the program with a message that says what to install."""
     print(f"{name} is not installed: pip install {name}, for the python3 that is first on PATH", file=sys.stderr)
     sys.exit(1)
 
 
-def read_scene(engine: str, known: tuple[str, ...]) -> dict[str, Any]:
-    """The scene; refused if it has what `known` does not name, or what no engine of contacts has."""
+def read_scene(engine: str, names: tuple[str, ...]) -> dict[str, Any]:
+    """The scene. Ends the program for an effect that is not in `names`, or that no engine with contacts supports."""
     scene = json.load(sys.stdin)
     effects = scene["effects"]
-    strange = [name for name in effects if name not in known]
-    if strange:
-        refuse(f"{engine} has not been told how to do {' and '.join(strange)}.")
+    missing = [name for name in effects if name not in names]
+    if missing:
+        refuse(f"{engine} has no implementation here of {' and '.join(missing)}.")
     if "Unilateral" not in effects:
         refuse(f"{engine}'s contacts only push, and this plate is guided from both sides.")
     friction = effects.get("CoulombFriction")
@@ -57,14 +57,14 @@ def read_scene(engine: str, known: tuple[str, ...]) -> dict[str, Any]:
 
 
 def gravity(scene) -> tuple[float, float, float]:
-    """The acceleration of gravity, m/s², in space."""
+    """The acceleration of gravity as a vector in space, m/s²."""
     pull = scene["effects"].get("Gravity", dict(g=0.0, direction=0.0))
     return pull["g"] * cos(pull["direction"]), pull["g"] * sin(pull["direction"]), 0.0
 
 
 class Shape(NamedTuple):
-    """A track: "line" by a point and the angle of its direction; "hill", a whole circle met from outside, by centre and
-    radius (m); or "chain"."""
+    """The shape of a track: "line" with a point and the angle of its direction; "hill", a whole circle touched from
+    outside, with centre and radius (m); or "chain"."""
 
     kind: str
     x: float = 0.0
@@ -74,7 +74,7 @@ class Shape(NamedTuple):
 
 
 def shape(scene) -> Shape:
-    """What the track is to an engine with few shapes."""
+    """The shape of the track, for an engine with few shapes."""
     track = scene["points"]["track"]
     bend = np.array(track["curvature"])
     x, y, nx, ny = (track[name][0] for name in ("x", "y", "normal_x", "normal_y"))
@@ -101,13 +101,13 @@ def chords(scene, count: int) -> list[Box]:
     s = np.linspace(track["s"][0], track["s"][-1], count + 1)
     corners = np.column_stack([_between(track, s, "x"), _between(track, s, "y")])
     bend = np.interp(0.5 * (s[1:] + s[:-1]), track["s"], track["curvature"])
-    found = []
+    boxes = []
     for (ax, ay), (bx, by), curvature in zip(corners[:-1], corners[1:], bend, strict=True):
         length, angle = hypot(bx - ax, by - ay), atan2(by - ay, bx - ax)
         off = curvature * length**2 / 12
         x, y = 0.5 * (ax + bx) + off * sin(angle), 0.5 * (ay + by) - off * cos(angle)
-        found.append(Box(float(x), float(y), angle, 0.5 * length))
-    return found
+        boxes.append(Box(float(x), float(y), angle, 0.5 * length))
+    return boxes
 
 
 def _between(track, s: np.ndarray, name: str) -> np.ndarray:
@@ -128,7 +128,7 @@ def steps(scene) -> tuple[int, float]:
     return count, scene["duration"] / count
 
 
-# Below this share of the cone friction surely sticks: solvers leave a thousandth at most.
+# Friction below this share of the cone is sticking: solvers leave at most a thousandth.
 INSIDE = 0.999
 
 
@@ -146,58 +146,59 @@ class PlaneContact(NamedTuple):
         return self.normal[1], -self.normal[0]
 
     @property
-    def pressed(self) -> float:
+    def normal_force(self) -> float:
         """N."""
         return self.force[0] * self.normal[0] + self.force[1] * self.normal[1]
 
     @property
-    def rubbed(self) -> float:
+    def friction_force(self) -> float:
         """N, along the tangent."""
         return self.force[0] * self.along[0] + self.force[1] * self.along[1]
 
 
 class MotionRows:
-    """The rows of a motion, and the time it took from here.
+    """The rows of a motion, and the CPU time since this object was made.
 
-    Poses and velocities stand at the same times. The forces of a row are those of the step that begins there; its slip
-    is that of the step that ends there, at the engine's own points of contact, as its friction is after.
+    Poses and velocities are at the same times. The forces of a row are those of the step that begins there. Its slip is
+    that of the step that ends there, at the engine's own contact points, where its friction acts.
     """
 
     NAMES = "t,x,y,theta,vx,vy,omega,slip,normal_force,friction_force"
 
     def __init__(self, scene):
-        self.scene, self.begun = scene, time.process_time()
+        self.scene, self.cpu_start = scene, time.process_time()
         self.rows: list[tuple] = []
         # Slip at the end of the last step.
         self.slip: float | None = scene["start"]["slip"]
 
     def note(self, t: float, pose, velocities, touches: list[PlaneContact], after) -> None:
-        """A row: pose and velocities where a step begins, what touched in it, and the velocities `after` it."""
-        push = sum(touch.pressed for touch in touches)
-        self.rows.append((t, *pose, *velocities, self.slip, push, sum(touch.rubbed for touch in touches)))
+        """Add a row: pose and velocities where a step begins, the step's contacts, and the velocities `after` it."""
+        push = sum(touch.normal_force for touch in touches)
+        self.rows.append((t, *pose, *velocities, self.slip, push, sum(touch.friction_force for touch in touches)))
         slips = [
-            touch.pressed * ((after[0] - after[2] * dy) * touch.along[0] + (after[1] + after[2] * dx) * touch.along[1])
+            touch.normal_force
+            * ((after[0] - after[2] * dy) * touch.along[0] + (after[1] + after[2] * dx) * touch.along[1])
             for touch in touches
             for dx, dy in [(touch.point[0] - pose[0], touch.point[1] - pose[1])]
         ]
-        # Where nothing pushes, the pose tells.
+        # Without a contact force the slip follows from the pose.
         self.slip = sum(slips) / push if push > 0.0 else None
 
     def write(self, creep: float) -> None:
-        """As comma-separated values, with its cost and the slip (m/s) below which it is declared to stick: `creep` by
-        the engine's own law, and what friction falls short of."""
-        cpu = time.process_time() - self.begun
+        """Print the motion as comma-separated values, with its cost and the slip (m/s) below which it counts as
+        sticking: `creep` from the engine's own law, plus what missing friction leaves."""
+        cpu = time.process_time() - self.cpu_start
         print(f"# creep = {creep + self._missing():.6g}")
         lines = (",".join("" if value is None else repr(float(value)) for value in row) for row in self.rows)
         print(self.NAMES, *lines, sep="\n")
         print(f"# cost cpu_s={cpu:.6g} steps={len(self.rows)}")
 
     def _missing(self) -> float:
-        """The slip velocity (m/s) that one step leaves where the normal force falls short, in all but one in a hundred.
+        """The slip velocity (m/s) that one step leaves where the normal force is too small; 99th percentile.
 
-        On corners it scatters from step to step, and friction with it: half the difference of two neighbours, one of
-        them inside its cone, is their distance from what they scatter about, and μ times as much is missing on mass and
-        inertia for a step.
+        On corners the normal force scatters from step to step, and friction with it. Half the difference of two
+        neighbours, one of them inside its cone, is their distance from the mean; μ times as much force is missing for
+        one step.
         """
         plate, friction = self.scene["plate"], self.scene["effects"].get("CoulombFriction")
         if not friction or len(self.rows) < 3:
@@ -212,5 +213,5 @@ class MotionRows:
 
 
 def nearest_turn(angle: float, before: float) -> float:
-    """The angle, with the whole turns that bring it next to the one before."""
+    """The angle plus the whole turns that bring it closest to the previous one."""
     return angle + 2 * pi * round((before - angle) / (2 * pi))
