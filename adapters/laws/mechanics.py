@@ -177,7 +177,7 @@ def energy_conservation(route: Route, scene: Case) -> None:
     frictionless = replace(scene, effects=(Gravity(G), Unilateral()))
     run = route.run(frictionless)
     total = energy(frictionless, run.motion)
-    hold("energy kept without friction", "the energy", total - total[0], run.loss + _swing(run))
+    hold("energy conservation without friction", "the energy", total - total[0], run.loss + _swing(run))
 
 
 def energy_never_grows(route: Route, scene: Case) -> None:

@@ -164,7 +164,7 @@ def test_the_laws_are_held_on_it(registered, tmp_path):
     registered("my_engine", example())
     with AdapterProcess(str(tmp_path / "my_engine")) as apart:
         assert apart.face == ("my_engine", ("process",))
-        told = {law: outcome for law, outcome, _ in apart.tried("process", ["rolling_transition", "lift_off"])}
+        told = {law: outcome for law, outcome, _ in apart.try_laws("process", ["friction_torque", "lift_off"])}
     assert told["lift_off"] == "refused"
 
 

@@ -265,14 +265,14 @@ MUTANTS = [
     ("cone", "cone: the normal force", lambda: spoiled(normal_force=lambda m: -m.normal_force)),
     ("friction_opposes_slip", "friction opposes slip", lambda: mutant(half_the_friction)),
     ("friction_opposes_slip", "friction opposes slip", lambda: spoiled(friction_force=lambda m: -m.friction_force)),
-    ("energy_kept", "energy kept", lambda: mutant(stronger_gravity)),
+    ("energy_conservation", "energy conservation", lambda: mutant(stronger_gravity)),
     (
         "energy_never_grows",
         "energy never grows",
         lambda: spoiled(vx=lambda m: m.vx * (1 + 2 * m.t), vy=lambda m: m.vy * (1 + 2 * m.t)),
     ),
     ("mirror_image", "mirror image: the centre", drifting),
-    ("turned_frame", "turned frame: the centre", drifting),
+    ("turn_frame", "turned frame: the centre", drifting),
     ("momentum_balance", "momentum balance: m v", lambda: spoiled(normal_force=lambda m: 1.05 * m.normal_force)),
     ("momentum_balance", "momentum balance: J omega", lambda: mutant(never_turning)),
 ]
@@ -374,7 +374,7 @@ def test_an_adapter_that_ends_its_process_costs_one_verdict_and_no_other(fault, 
     laws = ["friction_torque", "no_friction_no_spin", "cone[disc in a circle]"]
     # s: what ends its process does so at once. The one that sleeps costs the limit, which is room for a busy machine.
     with AdapterProcess(str(file), limit=20.0) as adapter:
-        tried = list(adapter.tried("native", laws))
+        tried = list(adapter.try_laws("native", laws))
     assert [result for _, result, _ in tried] == ["kept", outcome, "kept"], tried
 
 
