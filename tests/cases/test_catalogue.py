@@ -188,8 +188,18 @@ OTHERWISE = {
 }
 
 
+# Pairs that cannot be compared, and why.
+NOT_COMPARED = {
+    ("at_any_size[length=1e-06,mass=1e-09]", "length*1e-6"): "a case takes no plate of 2e-13 m, less than 1e-9 m",
+    ("at_any_size[length=0.001]", "length*1e-6"): "a case takes no plate of 2e-10 m, less than 1e-9 m",
+    ("long_slide", "warped parameter"): "4,000 waves of the parameter on 25 km take more than 100,000 steps",
+}
+
+
 def check_otherwise(case: Case, how: str, accuracy, method: str | None = None) -> None:
     """Asserts that the reference's motion of a case is the same in other units or parameters."""
+    if (case.label, how) in NOT_COMPARED:
+        pytest.skip(NOT_COMPARED[case.label, how])
     change, time = OTHERWISE[how]
     here = motion_of(case) if method is None else reference.simulate(case, rtol=1e-12, method=method)
     there = reference.simulate(change(case), rtol=1e-12, method=method)
