@@ -61,7 +61,7 @@ class LiteralSystem:
         self.variables, self.positions = phase.system.variables, phase.system.positions
         self.guards = dict.fromkeys(phase.system.guards)  # their names
 
-    def filled(self, t: float, y: Sequence[float]) -> AugmentedSystem:
+    def system_at(self, t: float, y: Sequence[float]) -> AugmentedSystem:
         """(27) at that state of the mode."""
         mode, side, turn = self.regime
         return fill(self.case, mode, full_state(self.case, self.phase, y), side, turn, t)
@@ -73,24 +73,24 @@ class LiteralSystem:
         if len(y) == self.positions:  # at rest nothing moves, whatever the forces
             return [0.0] * len(y)
         try:
-            filled = self.filled(t, y)
-            accelerations = solution(filled).q2_ddot
+            equations = self.system_at(t, y)
+            accelerations = solution(equations).q2_ddot
         except np.linalg.LinAlgError:
             return [np.nan] * len(y)
         speeds = len(y) - self.positions
-        angle = [filled.k.theta_dot] if self.positions == 3 else []
-        return [*filled.k.q_dot, *angle, *accelerations[:speeds]]
+        angle = [equations.k.theta_dot] if self.positions == 3 else []
+        return [*equations.k.q_dot, *angle, *accelerations[:speeds]]
 
     def guards_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
         """The guards' values; NaN for those that a singular matrix leaves without."""
         if not self.guards:
             return []
-        filled = self.filled(t, y)
+        equations = self.system_at(t, y)
         try:
-            solved = solution(filled)
+            forces = solution(equations)
         except np.linalg.LinAlgError:
-            solved = _NO_SOLUTION
-        return [_guard(self.case, self.regime, name, filled, solved) for name in self.guards]
+            forces = _NO_SOLUTION
+        return [_guard(self.case, self.regime, name, equations, forces) for name in self.guards]
 
     def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The same at many instants, states of shape (variables, n)."""
@@ -101,7 +101,7 @@ class LiteralSystem:
         """The load's quantities, in which the matrix has no part."""
         return self.phase.system.load_quantities_of_arrays(times, states, parameters)
 
-    def observed_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
+    def outputs_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """What a trajectory tells, in the order of `ContactQuantities`, each of shape (n,)."""
         columns = states.T.tolist()
         if columns and contact_forces.fits(self.case):
@@ -110,37 +110,37 @@ class LiteralSystem:
                 return list(self._observed_at_once(full))
             except np.linalg.LinAlgError:
                 pass  # one by one, those that are not singular have forces
-        told = [self._observe(t, y) for t, y in zip(times.tolist(), columns, strict=True)]
-        return list(np.array(told).reshape(-1, len(ContactQuantities._fields)).T)
+        rows = [self._observe(t, y) for t, y in zip(times.tolist(), columns, strict=True)]
+        return list(np.array(rows).reshape(-1, len(ContactQuantities._fields)).T)
 
     def _observed_at_once(self, states: Sequence[Sequence[float]]) -> Iterator[np.ndarray]:
-        found, mass = (
+        contact, mass = (
             contact_forces.contacts(self.case, self.regime.mode, states, self.regime.side),
             self.case.plate.mass,
         )
-        yield np.zeros(len(states)) if self.regime.mode in WITHOUT_SLIP else found.slip
-        yield from (found.theta_dot, found.normal_force / mass, found.friction_force / mass)
+        yield np.zeros(len(states)) if self.regime.mode in WITHOUT_SLIP else contact.slip
+        yield from (contact.theta_dot, contact.normal_force / mass, contact.friction_force / mass)
 
     def _observe(self, t: float, y: Sequence[float]) -> ContactQuantities:
-        filled = self.filled(t, y)
-        slip = 0.0 if filled.rolls else slip_velocity(filled.k)
-        omega = 0.0 if filled.held else filled.k.theta_dot
+        equations = self.system_at(t, y)
+        slip = 0.0 if equations.rolls else slip_velocity(equations.k)
+        omega = 0.0 if equations.rotation_fixed else equations.k.theta_dot
         try:
-            solved, mass = solution(filled), self.case.plate.mass
+            forces, mass = solution(equations), self.case.plate.mass
         except np.linalg.LinAlgError:
             return ContactQuantities(slip, omega, np.nan, np.nan)
-        return ContactQuantities(slip, omega, solved.normal_force / mass, solved.friction_force / mass)
+        return ContactQuantities(slip, omega, forces.normal_force / mass, forces.friction_force / mass)
 
 
-def _guard(case: Case, regime: Regime, name: str, filled: AugmentedSystem, solved: Solution) -> float:
+def _guard(case: Case, regime: Regime, name: str, equations: AugmentedSystem, forces: Solution) -> float:
     """One guard: positive while the mode lasts. Forces per mass, couples over mass and radius of gyration."""
-    k, mass, size = filled.k, case.plate.mass, case.plate.gyration
+    k, mass, size = equations.k, case.plate.mass, case.plate.gyration
     curve, _, end = name.partition("_")
     if curve in ("track", "outline"):
         xi, domain = (k.q[0], case.track.domain) if curve == "track" else (k.q[1], case.plate.outline.domain)
         assert domain is not None  # a curve without ends has no such guard
         return float(xi - domain[0] if end == "start" else domain[1] - xi)
-    pressing = regime.side * solved.normal_force
+    pressing = regime.side * forces.normal_force
     if name == "normal_force":
         return pressing / mass
     if name == "slip":
@@ -150,15 +150,15 @@ def _guard(case: Case, regime: Regime, name: str, filled: AugmentedSystem, solve
     if name == "fit":
         return _bend(k.rp, k.rs) - _bend(k.Rp, k.Rs)
     if name == "painleve":
-        return uniqueness(filled) - PARADOX
+        return uniqueness(equations) - PARADOX
     sense = 1.0 if end == "forward" else -1.0
     if curve == "cone":
         friction = case.effect(CoulombFriction)
         assert friction is not None
-        return (friction.stick * pressing + sense * solved.friction_force) / mass
+        return (friction.stick * pressing + sense * forces.friction_force) / mass
     resistance = case.effect(RollingResistance)
     assert curve == "couple" and resistance is not None
-    return (resistance.arm * pressing + sense * solved.couple) / (mass * size)
+    return (resistance.arm * pressing + sense * forces.couple) / (mass * size)
 
 
 def _bend(p: np.ndarray, s: np.ndarray) -> float:
@@ -201,7 +201,7 @@ def warning(segments: Sequence[Segment]) -> str:
         if not isinstance(system, LiteralSystem) or segment.phase.regime == FLIGHT:
             continue
         for t, y in zip(segment.times.tolist(), segment.states(segment.times).T.tolist(), strict=True):
-            now = condition(system.case, system.filled(t, y))
+            now = condition(system.case, system.system_at(t, y))
             if now > worst:
                 worst, when = now, t
     if worst < NEARLY_SINGULAR:

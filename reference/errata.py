@@ -59,16 +59,16 @@ def _relative(value, reference) -> float:
 
 
 # Citations in the text, in their order, and the numbers of the list at its end.
-_CITED, _LISTED = (5, 2, 1, 3, 1, 3), (1, 2, 3, 4)
+_CITATIONS, _REFERENCES = (5, 2, 1, 3, 1, 3), (1, 2, 3, 4)
 
 
 def _reference_5() -> Erratum:
-    lost, unused = sorted(set(_CITED) - set(_LISTED)), sorted(set(_LISTED) - set(_CITED))
-    by_4 = {4 if number == 5 else number for number in _CITED}
+    missing, extra = sorted(set(_CITATIONS) - set(_REFERENCES)), sorted(set(_REFERENCES) - set(_CITATIONS))
+    by_4 = {4 if number == 5 else number for number in _CITATIONS}
     return Erratum(
         "section 1", "multibody systems [5]", "[4], perhaps: the paper does not say",
-        len(lost) / len(set(_CITED)), len(by_4 - set(_LISTED)) / len(by_4),
-        f"cited and not listed: {lost}; listed and not cited: {unused} (residual: the part of the numbers cited that "
+        len(missing) / len(set(_CITATIONS)), len(by_4 - set(_REFERENCES)) / len(by_4),
+        f"cited and not listed: {missing}; listed and not cited: {extra} (residual: the part of the numbers cited that "
         "the list lacks)",
     )  # fmt: skip
 
@@ -117,10 +117,10 @@ def _14() -> Erratum:
 def _19() -> Erratum:
     case, k = _generic()
     state = (*k.q, *k.q_dot)
-    solved, M = solve_augmented(case, Mode.SLIP_FORWARD, state), mass_matrix(case)
-    q_ddot = np.array([*solved.q1_ddot, *solved.q2_ddot])
+    solution, M = solve_augmented(case, Mode.SLIP_FORWARD, state), mass_matrix(case)
+    q_ddot = np.array([*solution.q1_ddot, *solution.q2_ddot])
     tangent = k.Rp / np.linalg.norm(k.Rp)
-    F_L = _torsor(k, solved.normal_force * (U @ tangent) + solved.friction_force * tangent)
+    F_L = _torsor(k, solution.normal_force * (U @ tangent) + solution.friction_force * tangent)
     F = applied_torsor(case, (0.0, *k.R0, k.theta, *k.R0_dot, k.theta_dot))
     return Erratum(
         "(19)", "M q̈ = F + F_L", "M q̈₁ = F + F_L",
@@ -183,8 +183,8 @@ def _35_axes() -> Erratum:
     def actual(direction):
         case = cases.load("disc_in_circle", mu=MU)
         gravity = (Gravity(g, direction), *case.effects[1:])
-        turned = Case(case.track, case.plate, gravity, case.start, case.duration)
-        solution = solve_augmented(turned, Mode.SLIP_FORWARD, (xi1, 0.0, xi1_dot, 0.0))
+        variant = Case(case.track, case.plate, gravity, case.start, case.duration)
+        solution = solve_augmented(variant, Mode.SLIP_FORWARD, (xi1, 0.0, xi1_dot, 0.0))
         return [solution.q2_ddot[0], solution.normal_force]
 
     return Erratum(
@@ -201,7 +201,7 @@ def _claim_of_rolling(mu: float) -> Erratum:
     first = motion.transitions[0]
     rates = velocity(case, first.xi1, first.xi2, 0.0, float(motion(first.time).omega))
     roll = solve_augmented(case, Mode.ROLL, (first.xi1, first.xi2, rates.xi1_dot, rates.xi2_dot))
-    needed = abs(roll.friction_force) / (mu * roll.normal_force)
+    demand = abs(roll.friction_force) / (mu * roll.normal_force)
     follows = "it rolls, the claim holds" if first.after is Mode.ROLL else "the slip reverses, the claim fails"
     bound = rolls_beyond(mu)
     start = f"released beyond ξ₁ = {bound:.5f} rad it would roll" if bound else "released lower it rolls, too"
@@ -209,9 +209,9 @@ def _claim_of_rolling(mu: float) -> Erratum:
         f"end of 4.2, μ₀ = {mu:g}",
         "when v vanishes the disc rolls",
         "it rolls only if |T| ≤ μ₀ N, else the slip reverses",
-        max(0.0, needed - 1.0),
-        0.0 if (needed <= 1.0) == (first.after is Mode.ROLL) else float("nan"),
-        f"let go at rest at ξ₁ = 0 (the paper does not say where), rolling would take |T| = {needed:.3f} μ₀ N: "
+        max(0.0, demand - 1.0),
+        0.0 if (demand <= 1.0) == (first.after is Mode.ROLL) else float("nan"),
+        f"let go at rest at ξ₁ = 0 (the paper does not say where), rolling would take |T| = {demand:.3f} μ₀ N: "
         f"{follows}; {start}. Neither depends on R, r, m or g",
         mu,
     )

@@ -18,7 +18,7 @@ from cases.errors import between, unknown_name
 
 from . import augmented_integrator
 from .minimal.decision import Undecidable, decide
-from .minimal.hybrid import LIFT_OFF, LOCATED, run, undecidable
+from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, run, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, kinds, phase, senses, start_state, state_in
@@ -83,8 +83,8 @@ def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
     setup = time.perf_counter() - began_setup
     cpu, wall = time.thread_time(), time.perf_counter()
     segments, transitions, ending = solve_motion(case, regime, start, rtol, integrate)
-    spent = time.thread_time() - cpu, time.perf_counter() - wall
-    return as_trajectory(case, segments, transitions, ending, Cost(*spent, setup_s=setup))
+    elapsed_times = time.thread_time() - cpu, time.perf_counter() - wall
+    return as_trajectory(case, segments, transitions, ending, Cost(*elapsed_times, setup_s=setup))
 
 
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate):
@@ -119,7 +119,7 @@ def first_regime(case: Case, y) -> Regime | None:
     epsilon = float(np.finfo(float).eps)
     # Eight roundings lie between what the start says and the speeds of the state. A motion so slow that it ends at once
     # leaves no regime; what is less than an event's own error is then none, as after events.
-    for error in (8 * epsilon, LOCATED):
+    for error in (8 * epsilon, LOCATION_ERROR):
         moves = senses(case, y, case.start.slip, case.start.omega, error)
         regime = decide(case, 0.0, y, epsilon, able(case, *moves))
         if regime:
@@ -128,7 +128,7 @@ def first_regime(case: Case, y) -> Regime | None:
 
 
 @lru_cache(maxsize=1)
-def _tell_method() -> None:
+def _report_method() -> None:
     """Says once that the best method is missing."""
     if not taylor.AVAILABLE:
         logging.getLogger("reference").warning("heyoka is not installed: the reference uses dop853, slower and coarser")
@@ -136,10 +136,10 @@ def _tell_method() -> None:
 
 def _method_name(method: str | None) -> str:
     if method is None:
-        _tell_method()
+        _report_method()
         return METHODS[0]
-    known = isinstance(method, str) and method in INTEGRATORS
-    if not known or (method.startswith("taylor") and not taylor.AVAILABLE):
+    is_valid = isinstance(method, str) and method in INTEGRATORS
+    if not is_valid or (method.startswith("taylor") and not taylor.AVAILABLE):
         raise unknown_name("method of the reference", str(method), ROUTES)
     return method
 
@@ -153,13 +153,13 @@ def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
     """Samples at the integrator's steps, both sides of each transition, and a dense output over all segments."""
-    told: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
+    common: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
     if not segments:
         # Nothing moves and nothing presses: the plate leaves at once, or no force is consistent.
         now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)
         start = _observe(case, now, nothing, np.array(state_in(now, start_state(case)))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
-        return Trajectory(t=np.zeros(1), **start._asdict(), **told, first_mode=at_once(status))
+        return Trajectory(t=np.zeros(1), **start._asdict(), **common, first_mode=at_once(status))
 
     def samples() -> tuple[np.ndarray, State]:
         with np.errstate(all="ignore"):
@@ -168,7 +168,7 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
     first_mode = segments[0].phase.regime.mode
-    return Trajectory.on_demand(samples, **told, first_mode=first_mode, dense=_Dense(case, segments))
+    return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))
 
 
 class _Dense:
@@ -179,7 +179,7 @@ class _Dense:
     """
 
     def __init__(self, case: Case, segments: list[Segment]):
-        self._case, self._known, self._packed = case, segments, b""
+        self._case, self._segment_list, self._pickle = case, segments, b""
 
     def __call__(self, when: np.ndarray) -> State:
         segments, values = self._segments, np.empty((len(State._fields), len(when)))
@@ -189,15 +189,15 @@ class _Dense:
 
     @property
     def _segments(self) -> list[Segment]:
-        if not self._known:
-            self._known = pickle.loads(self._packed)
-        return self._known
+        if not self._segment_list:
+            self._segment_list = pickle.loads(self._pickle)
+        return self._segment_list
 
     def __getstate__(self) -> tuple[Case, bytes]:
-        return self._case, self._packed or pickle.dumps(self._known, protocol=5)
+        return self._case, self._pickle or pickle.dumps(self._segment_list, protocol=5)
 
     def __setstate__(self, state: tuple[Case, bytes]) -> None:
-        (self._case, self._packed), self._known = state, []
+        (self._case, self._pickle), self._segment_list = state, []
 
 
 def at_once(status: str) -> Mode | None:
@@ -211,8 +211,8 @@ def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
     with np.errstate(over="ignore"):  # a load's exp(u) may overflow where 1/(1 + exp(u)) vanishes
-        observed = now.system.observed_of_arrays(times, y, now.parameters)
-    m = now.system.record(*(np.broadcast_to(row, times.shape) for row in observed))
+        outputs = now.system.outputs_of_arrays(times, y, now.parameters)
+    m = now.system.record(*(np.broadcast_to(row, times.shape) for row in outputs))
     xi1, xi2 = y[0], y[1]
     x, y0, theta = pose(case, xi1, xi2)
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)

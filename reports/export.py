@@ -59,7 +59,7 @@ def truth(case: Case) -> dict:
 
     from .running.tasks import in_catalogue
 
-    certificate = stored_or_new(case, kept=in_catalogue(case))
+    certificate = stored_or_new(case, use_file=in_catalogue(case))
     return {
         "made_by": f"{MADE_BY} export",
         "status": certificate.status,

@@ -39,9 +39,9 @@ def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coar
         return f"the certificate has {_in_words(*certified)}, the motion {_in_words(*events)}"
     if _events(coarser) != events:
         return ""  # what happens depends on the tolerance: nothing is known of this motion's error
-    stated = list(_value_pairs(case, certificate, motion, coarser))
-    for kind in dict.fromkeys(each.kind for each in stated):
-        same = [each for each in stated if each.kind == kind]
+    pairs = list(_value_pairs(case, certificate, motion, coarser))
+    for kind in dict.fromkeys(each.kind for each in pairs):
+        same = [each for each in pairs if each.kind == kind]
         error = max(abs(each.motion - each.coarser) for each in same)
         error += ULPS * EPS * max(abs(each.motion) for each in same)
         for each in same:

@@ -132,11 +132,11 @@ def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
     reach = float(np.hypot(*outline.point(np.linspace(*outline.span, 721))).max())
     state = witness.states(times)
     place = float(np.max(np.hypot(state["x"], state["y"])))
-    turned, slip, omega = (float(np.nanmax(np.abs(np.append(state[q], 0.0)))) for q in ("theta", "slip", "omega"))
+    angle, slip, omega = (float(np.nanmax(np.abs(np.append(state[q], 0.0)))) for q in ("theta", "slip", "omega"))
     for xi1, xi2, v, w in zip(*(state[q] for q in ("xi1", "xi2", "slip", "omega")), strict=True):
         if not np.isfinite(xi2) or not np.isfinite(v):
             continue
-        turned = max(turned, abs(float(track.tangent_angle(xi1))) + abs(float(outline.tangent_angle(xi2))))
+        angle = max(angle, abs(float(track.tangent_angle(xi1))) + abs(float(outline.tangent_angle(xi2))))
         now = velocity(case, xi1, xi2, v, w)
         speeds = abs(now.xi1_dot) * float(track.speed(xi1)), abs(now.xi2_dot) * float(outline.speed(xi2))
         slip = max(slip, sum(speeds))
@@ -144,4 +144,4 @@ def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
             omega, abs(float(track.curvature(xi1))) * speeds[0] + abs(float(outline.curvature(xi2))) * speeds[1]
         )
     # Where the plate is, is a sum of the contact's place and the outline's point.
-    return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": turned, "slip": slip, "omega": omega}
+    return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": angle, "slip": slip, "omega": omega}

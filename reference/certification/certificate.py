@@ -69,16 +69,16 @@ def certify(case: Case) -> Certificate:
     times = np.linspace(0.0, min(witness.end for witness in able), SAMPLES)
     method = "taylor" if "taylor 1e-14" in [witness.name for witness in able] else "dop853"
     moves = shares(case, times, method)
-    _same_events(case, able, moves, method)
+    _check_events(case, able, moves, method)
     certificate = _certificate(case, able, missing, times, moves)
-    _of_use(case, certificate, able, moves)
+    _check_bars(case, certificate, able, moves)
     return certificate
 
 
 def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.ndarray, moves: Shares) -> Certificate:
     centre = able[0]
     states = [witness.states(times) for witness in able]
-    rounded = roundings(case, centre, times)
+    sample_roundings = roundings(case, centre, times)
     gyration = case.plate.gyration
     transitions = []
     for i, same in enumerate(zip(*(witness.transitions for witness in able), strict=True)):
@@ -95,7 +95,7 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
         times=tuple(times.tolist()),
         samples={
             q: tuple(
-                bar([state[q][i] for state in states], float(rounded[q][i] + moves.samples[q][i]))
+                bar([state[q][i] for state in states], float(sample_roundings[q][i] + moves.samples[q][i]))
                 for i in range(len(times))
             )
             for q in QUANTITIES
@@ -108,29 +108,31 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
 # --- witnesses that contradict each other -----------------------------------------------------------------------------
 
 
-def _same_events(case: Case, able: list[Witness], moves: Shares, method: str) -> None:
+def _check_events(case: Case, able: list[Witness], moves: Shares, method: str) -> None:
     """Raises NotCertified where two witnesses differ in what happens, or in when by more than `WIDEST`, or where a few
     roundings of the state change what happens."""
     centre = able[0]
     for other in able[1:]:
         if other.events != centre.events:
-            fault = _whose_fault(moves if moves.ill else moves._replace(ill=ambiguity(case, method)))
+            fault = _conditioning(moves if moves.ill else moves._replace(ill=ambiguity(case, method)))
             raise NotCertified(f"{case.label}: {_contradiction(centre, other)}; {fault}")
     for other in able[1:]:
         for one, same in zip(centre.transitions, other.transitions, strict=True):
             if abs(one.time - same.time) > WIDEST:
-                told = f"{centre.name} finds {one.after} at {one.time!r} s, {other.name} at {same.time!r} s"
-                raise NotCertified(f"{case.label}: {told}; {_whose_fault(moves, bool(np.any(moves.times > WIDEST)))}")
+                message = f"{centre.name} finds {one.after} at {one.time!r} s, {other.name} at {same.time!r} s"
+                raise NotCertified(
+                    f"{case.label}: {message}; {_conditioning(moves, bool(np.any(moves.times > WIDEST)))}"
+                )
 
     if moves.ill:
-        raise NotCertified(f"{case.label}: all witnesses find {centre.answer}, but {_whose_fault(moves)}")
+        raise NotCertified(f"{case.label}: all witnesses find {centre.answer}, but {_conditioning(moves)}")
 
 
 def _contradiction(one: Witness, other: Witness) -> str:
     return f"{one.name} finds {one.answer}; {other.name} finds {other.answer}"
 
 
-def _whose_fault(moves: Shares, spreads: bool = False) -> str:
+def _conditioning(moves: Shares, spreads: bool = False) -> str:
     """Whether the scene is to blame: only where moving its state by roundings shows it."""
     if moves.ill:
         return f"{moves.ill}: the scene is ill-conditioned, change a parameter a little"
@@ -139,24 +141,26 @@ def _whose_fault(moves: Shares, spreads: bool = False) -> str:
     return "roundings of its state change nothing of the kind, so one of the two may be wrong: please report the scene"
 
 
-def _of_use(case: Case, certificate: Certificate, able: list[Witness], moves: Shares) -> None:
+def _check_bars(case: Case, certificate: Certificate, able: list[Witness], moves: Shares) -> None:
     """Raises NotCertified where a bar on the motion's end, or on the plate's place or angle, is too wide to be of
     use."""
     if certificate.end.bar > WIDEST:
         other = max(able, key=lambda witness: abs(witness.end - certificate.end.value))
         wide = f"the end ({certificate.status}) is known to {certificate.end.bar:.2g} s only, more than {WIDEST:g} s"
         ends = f"{able[0].name} finds {able[0].end!r} s, {other.name} {other.end!r} s"
-        raise NotCertified(f"{case.label}: {wide} ({ends}); {_whose_fault(moves, moves.end > WIDEST)}")
+        raise NotCertified(f"{case.label}: {wide} ({ends}); {_conditioning(moves, moves.end > WIDEST)}")
     outline = case.plate.outline
     size = float(np.ptp(outline.point(np.linspace(*outline.span, 721)), axis=1).max())
     for quantity, unit, limit in (("x", "m", COARSEST * size), ("y", "m", COARSEST * size), ("theta", "rad", COARSEST)):
-        found = certificate.samples[quantity]
-        i = int(np.argmax([one.bar for one in found]))
-        if found[i].bar > limit:
+        bars = certificate.samples[quantity]
+        i = int(np.argmax([one.bar for one in bars]))
+        if bars[i].bar > limit:
             t = certificate.times[i]
             values = [float(witness.states(np.array([t]))[quantity][0]) for witness in able]
             far = int(np.argmax(np.abs(np.array(values) - values[0])))
-            known = f"{quantity} at {t:.4g} s is known to {found[i].bar:.2g} {unit} only, more than {limit:.2g} {unit}"
-            told = f"{able[0].name} finds {values[0]:.9g}, {able[far].name} {values[far]:.9g}"
-            fault = _whose_fault(moves, bool(moves.samples[quantity][i] > 0.1 * limit))
-            raise NotCertified(f"{case.label}: {known}, a thousandth of the plate ({told}); {fault}")
+            precision = (
+                f"{quantity} at {t:.4g} s is known to {bars[i].bar:.2g} {unit} only, more than {limit:.2g} {unit}"
+            )
+            values_text = f"{able[0].name} finds {values[0]:.9g}, {able[far].name} {values[far]:.9g}"
+            fault = _conditioning(moves, bool(moves.samples[quantity][i] > 0.1 * limit))
+            raise NotCertified(f"{case.label}: {precision}, a thousandth of the plate ({values_text}); {fault}")

@@ -25,20 +25,20 @@ from .truth_file import TRUTH, DamagedTruth, damage, read, sound, write
 
 def parser() -> Parser:
     """The command's options."""
-    made = Parser(
+    result = Parser(
         prog="python -m reference",
         description="Certify the cases of the catalogue again and keep their truth (reference/truth.json).",
         epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"',
     )
-    made.add_argument(
+    result.add_argument(
         "--only",
         metavar="NAME",
         nargs="+",
         action="extend",
         help='cases: a name (all its variants) or "name[parameter=value,…]"; rows of others stay (default: all)',
     )
-    made.add_argument("--jobs", metavar="N", help="processes beside each other (default: one to a core)")
-    return made
+    result.add_argument("--jobs", metavar="N", help="processes beside each other (default: one to a core)")
+    return result
 
 
 def main(argv: Sequence[str] | None = None, path: Path = TRUTH) -> int:
@@ -48,12 +48,12 @@ def main(argv: Sequence[str] | None = None, path: Path = TRUTH) -> int:
         options = parser().parse_args(sys.argv[1:] if argv is None else argv)
         labels = _labels(options.only)
         jobs = _jobs(options.jobs)
-        kept = _rows_that_stay(labels, path, whole_catalogue=options.only is None)
+        certificates = _rows_that_stay(labels, path, whole_catalogue=options.only is None)
     except CaseError as problem:
         print(f"reference: {problem}", file=sys.stderr)
         return 2
     try:
-        return _rebuild(labels, jobs, path, kept)
+        return _rebuild(labels, jobs, path, certificates)
     except KeyboardInterrupt:
         print("\nreference: stopped; what was finished is kept", file=sys.stderr)
         return 130
@@ -76,35 +76,35 @@ def _rows_that_stay(labels: list[str], path: Path, whole_catalogue: bool) -> dic
     """The rows of a file that are kept until they are made again, or for good; a damaged one only if it is made again.
     Raises DamagedTruth."""
     try:
-        kept, damaged = sound(path)
+        certificates, damaged_labels = sound(path)
     except DamagedTruth:
         if whole_catalogue:
             return {}
         raise
-    if set(damaged) - {*labels} and not whole_catalogue:
-        raise damage(path, damaged)
-    return {label: row for label, row in kept.items() if not whole_catalogue or label in labels}
+    if set(damaged_labels) - {*labels} and not whole_catalogue:
+        raise damage(path, damaged_labels)
+    return {label: row for label, row in certificates.items() if not whole_catalogue or label in labels}
 
 
-def _rebuild(labels: list[str], jobs: int, path: Path, kept: dict[str, Certificate]) -> int:
+def _rebuild(labels: list[str], jobs: int, path: Path, certificates: dict[str, Certificate]) -> int:
     """Certify and keep; returns the exit status."""
-    order, failed = cases.names(), 0
+    order, failures = cases.names(), 0
     for n, (label, outcome) in enumerate(_outcomes(labels, jobs), start=1):
         if isinstance(outcome, Certificate):
-            kept[label] = outcome
+            certificates[label] = outcome
             widest = max((t[2].bar for t in outcome.transitions), default=0.0)
-            told = f"{label}: {len(outcome.transitions)} transitions, widest bar {widest:.1e} s"
-            told += "".join(f"; {sentence}" for sentence in outcome.missing)
+            message = f"{label}: {len(outcome.transitions)} transitions, widest bar {widest:.1e} s"
+            message += "".join(f"; {sentence}" for sentence in outcome.missing)
         else:
-            kept.pop(label, None)
+            certificates.pop(label, None)
             # Some hard scenes hang on the last bit; an ordinary one without truth is a fault.
-            failed += not cases.entry(label.partition("[")[0]).hard
-            told = f"not kept: {outcome}"
-        print(f"{n}/{len(labels)} {told}", flush=True)
-        write(sorted(kept.values(), key=lambda row: _place(order, row.case)), path)
+            failures += not cases.entry(label.partition("[")[0]).hard
+            message = f"not kept: {outcome}"
+        print(f"{n}/{len(labels)} {message}", flush=True)
+        write(sorted(certificates.values(), key=lambda row: _place(order, row.case)), path)
     read.cache_clear()
-    print(f"written: {path.name}, {len(kept)} cases")
-    return 1 if failed else 0
+    print(f"written: {path.name}, {len(certificates)} cases")
+    return 1 if failures else 0
 
 
 def _place(order: list[str], label: str) -> int:
@@ -120,12 +120,12 @@ def _outcomes(labels: list[str], jobs: int) -> Iterator[tuple[str, Certificate |
         return
     # Ctrl-C is for the process that asks, which ends the others: they inherit what is blocked, from their first moment.
     resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
-    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    blocked_signals = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         # Fresh processes: a fork would copy threads of the compiler.
         pool = multiprocessing.get_context("spawn").Pool(min(jobs, len(labels)))
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked_signals)
     with pool:
         yield from pool.imap_unordered(_outcome, labels)
 

@@ -21,16 +21,16 @@ from .certificate import Certificate, certify
 
 TRUTH = Path(__file__).with_name("truth.json")
 # Labels that a sentence names.
-_NAMED = 3
+_LABELS_IN_MESSAGE = 3
 
 
 class DamagedTruth(CaseError):
     """The kept certificates are not those that were written."""
 
 
-def stored_or_new(case: Case, kept: bool = True) -> Certificate:
+def stored_or_new(case: Case, use_file: bool = True) -> Certificate:
     """The kept certificate of a catalogue's case, else a new one (always, if not `kept`). Raises DamagedTruth."""
-    return (read().get(case.label) if kept else None) or certify(case)
+    return (read().get(case.label) if use_file else None) or certify(case)
 
 
 def write(certificates: Sequence[Certificate], path: Path = TRUTH) -> None:
@@ -42,16 +42,18 @@ def write(certificates: Sequence[Certificate], path: Path = TRUTH) -> None:
 @lru_cache(maxsize=1)
 def read(path: Path = TRUTH) -> Mapping[str, Certificate]:
     """The kept certificates by the case's label; none if there is no file. Raises DamagedTruth."""
-    kept, damaged = sound(path)
-    if damaged:
-        raise damage(path, damaged)
-    return MappingProxyType(kept)
+    certificates, damaged_labels = sound(path)
+    if damaged_labels:
+        raise damage(path, damaged_labels)
+    return MappingProxyType(certificates)
 
 
 def damage(path: Path, labels: Sequence[str]) -> DamagedTruth:
     """What is said of a file with damaged rows: `labels` are those of their cases."""
-    some = ", ".join(labels[:_NAMED]) + (f", … ({len(labels)} in all)" if len(labels) > _NAMED else "")
-    only = " ".join(f'"{label}"' for label in labels) if len(labels) <= _NAMED else ""
+    some = ", ".join(labels[:_LABELS_IN_MESSAGE]) + (
+        f", … ({len(labels)} in all)" if len(labels) > _LABELS_IN_MESSAGE else ""
+    )
+    only = " ".join(f'"{label}"' for label in labels) if len(labels) <= _LABELS_IN_MESSAGE else ""
     again = f"python -m reference{f' --only {only}' if only else ''}"
     return DamagedTruth(
         f"{path.name} is damaged: the digest of {some} does not fit the numbers; "
@@ -64,23 +66,23 @@ def sound(path: Path) -> tuple[dict[str, Certificate], list[str]]:
     file that has no rows to tell apart."""
     if not path.exists():
         return {}, []
-    kept, damaged = {}, []
+    certificates, damaged_labels = {}, []
     try:
         rows = json.loads(path.read_text(encoding="utf-8"))
         if not isinstance(rows, list):
             raise TypeError("it is no list of certificates")
         for row in rows:
             digest = row.pop("digest", "")
-            if digest == _digest(row) and row["case"] not in kept:
-                kept[row["case"]] = _certificate(row)
+            if digest == _digest(row) and row["case"] not in certificates:
+                certificates[row["case"]] = _certificate(row)
             else:
-                damaged.append(str(row["case"]))
+                damaged_labels.append(str(row["case"]))
     except (OSError, ValueError, AttributeError, KeyError, TypeError, RecursionError) as problem:
         raise DamagedTruth(
             f"{path.name} cannot be read ({type(problem).__name__}: {problem}); restore the file, or certify all cases "
             "again with `python -m reference`"
         ) from problem
-    return kept, damaged
+    return certificates, damaged_labels
 
 
 def _digest(row: Mapping[str, Any]) -> str:

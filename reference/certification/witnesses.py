@@ -97,10 +97,10 @@ def _ways() -> dict[str, tuple[str, float]]:
 
 
 def _by_first(case: Case, name: str, method: str, rtol: float) -> Witness:
-    return _message(name, solve.simulate(case, rtol=rtol, method=method))
+    return _witness(name, solve.simulate(case, rtol=rtol, method=method))
 
 
-def _message(name: str, motion: Trajectory) -> Witness:
+def _witness(name: str, motion: Trajectory) -> Witness:
     def states(times):
         state = motion(np.minimum(times, motion.t[-1]))
         return {q: np.asarray(getattr(state, q)) for q in (*QUANTITIES, "xi1", "xi2")}
@@ -138,13 +138,13 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     _, integrate = solve.INTEGRATORS[method]
     solve.prepare(case, method, rtol)
 
-    def shifted(now: Phase, t: float, y, end: float, tolerance: float):
+    def integrate_perturbation(now: Phase, t: float, y, end: float, tolerance: float):
         return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)
 
     start = start_state(case)
     regime = solve.first_regime(case, start)
-    segments, transitions, ending = hybrid.run(case, regime, start, rtol, shifted)
-    return _message(
+    segments, transitions, ending = hybrid.run(case, regime, start, rtol, integrate_perturbation)
+    return _witness(
         f"component {component} moved by {roundings:g} roundings",
         solve.as_trajectory(case, segments, transitions, ending),
     )

@@ -21,7 +21,7 @@ import numpy as np
 
 from cases import Curve
 
-from .distance import Seen, TrackDistance
+from .distance import PointDistances, TrackDistance
 from .moving import Limits, Motion, limits
 from .pairs import Touch
 from .stretches import Stretches, halves
@@ -60,12 +60,12 @@ class Search:
         None if there is none. Raises TooManyRounds."""
         if not some.number:
             return None
-        t, tried = since.copy(), np.zeros(some.number, dtype=bool)
-        begun = float(t.min())
-        known = limits(motion, begun, end)
+        t, attempts = since.copy(), np.zeros(some.number, dtype=bool)
+        start = float(t.min())
+        bounds = limits(motion, start, end)
         if self.distance.radius is not None:
-            known = known._replace(spin=0.0, swing=0.0)
-        found: Touch | None = None
+            bounds = bounds._replace(spin=0.0, swing=0.0)
+        earliest: Touch | None = None
         until = end
         while (t < until).any():
             self.rounds += 1
@@ -75,54 +75,54 @@ class Search:
             if live.size > TOGETHER:
                 live = live[np.argpartition(t[live], TOGETHER)[:TOGETHER]]
             now = some.some(live)
-            seen = self.distance.seen(motion.bodies(t[live]), now, known)
-            rest = (found.time if found else end) - t[live]
-            clear, alone = _clear(self.distance, seen, now, now.half, known, rest)
-            if found:  # the only touch there may be is known
-                alone &= (now.low <= found.xi1) & (found.xi1 <= now.high)
+            points = self.distance.distances(motion.bodies(t[live]), now, bounds)
+            rest = (earliest.time if earliest else end) - t[live]
+            clear, alone = _clear(self.distance, points, now, now.half, bounds, rest)
+            if earliest:  # the only touch there may be is known
+                alone &= (now.low <= earliest.xi1) & (earliest.xi1 <= now.high)
                 clear = np.where(alone, np.inf, clear)
-            best, _ = _clear(self.distance, seen, now, 0.0 * now.half, known, rest)
+            best, _ = _clear(self.distance, points, now, 0.0 * now.half, bounds, rest)
             before = t[live]
             t[live] += clear
             going = t[live] < until
-            new = self._touch(motion, before, now, seen, going & ~tried[live], tried, live)
+            new = self._touch(motion, before, now, points, going & ~attempts[live], attempts, live)
             short = going & (now.half <= SHORTEST * self.distance.size)
-            touching = np.flatnonzero(short & (np.abs(seen.phi) <= seen.fuzz) & (seen.rate <= 0.0))
+            touching = np.flatnonzero(short & (np.abs(points.phi) <= points.fuzz) & (points.rate <= 0.0))
             if new is None and touching.size:
                 k = touching[np.argmin(before[touching])]
                 new = self._at(motion, float(before[k]), now, int(k))
             # A distance that is a rounding and falls can give no other touch; one that grows is looked at again later.
-            rounded = short & (np.abs(seen.phi) <= seen.fuzz)
-            later = t[live] + 0.1 * (t[live] - begun) + 4.0 * np.spacing(t[live])
-            t[live] = np.where(rounded, np.where(seen.rate <= 0.0, np.inf, later), t[live])
+            at_rounding = short & (np.abs(points.phi) <= points.fuzz)
+            later = t[live] + 0.1 * (t[live] - start) + 4.0 * np.spacing(t[live])
+            t[live] = np.where(at_rounding, np.where(points.rate <= 0.0, np.inf, later), t[live])
             if new is not None and counts is not None and not counts(motion, new):
                 new = None
-            if new is not None and new.time < (found.time if found else end):
-                found = new
-                until = found.time - found.blur
+            if new is not None and new.time < (earliest.time if earliest else end):
+                earliest = new
+                until = earliest.time - earliest.blur
             stuck = t[live] <= before + np.spacing(before)
             split = live[going & ~short & ((clear < WORTH * best) | stuck)]
             if split.size:
-                kept = np.setdiff1d(np.arange(len(t)), split)
+                others = np.setdiff1d(np.arange(len(t)), split)
                 parts = halves(self.track, some.some(split))
-                some = some.some(kept).joined(parts)
-                t = np.concatenate([t[kept], t[split], t[split]])
-                tried = np.append(tried[kept], np.zeros(2 * split.size, dtype=bool))
-        return found
+                some = some.some(others).join(parts)
+                t = np.concatenate([t[others], t[split], t[split]])
+                attempts = np.append(attempts[others], np.zeros(2 * split.size, dtype=bool))
+        return earliest
 
     def _touch(
-        self, motion: Motion, times: np.ndarray, now: Stretches, seen: Seen, may: np.ndarray, tried: np.ndarray,
-        live: np.ndarray,
+        self, motion: Motion, times: np.ndarray, now: Stretches, points: PointDistances, may: np.ndarray,
+        attempts: np.ndarray, live: np.ndarray,
     ) -> Touch | None:  # fmt: skip
         """A touch by Newton's method from the stretch that may be the first; each is tried once."""
-        may = may & (seen.phi < NEAR * self.distance.size) & (seen.rate < 0.0) & (seen.angle < LEVEL)
+        may = may & (points.phi < NEAR * self.distance.size) & (points.rate < 0.0) & (points.angle < LEVEL)
         may &= (self.distance.sharpest + now.bend) * now.half < STRAIGHT
         candidates = np.flatnonzero(may)
         if not candidates.size:
             return None
-        arrival = times[candidates] + np.maximum(seen.phi[candidates], 0.0) / -seen.rate[candidates]
+        arrival = times[candidates] + np.maximum(points.phi[candidates], 0.0) / -points.rate[candidates]
         k = int(candidates[np.argmin(arrival)])
-        tried[live[k]] = True
+        attempts[live[k]] = True
         time = float(times[k])
         foot = self.distance.foot(motion.bodies(np.array([time]))[:, 0], float(now.x[k]), float(now.y[k]))
         touch = self.locate(motion, time, float(now.middle[k]), foot)
@@ -139,12 +139,12 @@ class Search:
 
 
 def _clear(
-    plate: TrackDistance, seen: Seen, some: Stretches, half: np.ndarray, known: Limits, rest: np.ndarray
+    plate: TrackDistance, points: PointDistances, some: Stretches, half: np.ndarray, bounds: Limits, rest: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """For how long (s) no point within `half` of the stretches' middles begins to touch, and which stretches hold no
     more than one touch until `rest` is over."""
     with np.errstate(all="ignore"):
-        phi, most, spin = seen.phi, seen.most, known.spin
+        phi, most, spin = points.phi, points.most, bounds.spin
         low = phi - half
         shallow = low * plate.sharpest > -INSIDE
         turn = plate.sharpest / (1.0 + np.maximum(plate.sharpest * low, -INSIDE))
@@ -153,48 +153,52 @@ def _clear(
         faster = most * plate.sharpest / (1.0 + np.clip(plate.sharpest * low, -INSIDE, 0.0))
         bent = (some.bend + turn) * half
         smooth = phi + half < plate.single
-        gap = _closest(plate, seen, some, half, bent)
+        gap = _closest(plate, points, some, half, bent)
         gap = np.where(smooth, np.fmax(gap, low), low)
-        gap = np.where(gap > seen.fuzz, gap, np.where(gap > -seen.fuzz, 0.0, np.nan))
+        gap = np.where(gap > points.fuzz, gap, np.where(gap > -points.fuzz, 0.0, np.nan))
         # By how much the rate of a stretch's points differs from its middle's.
         differs = spin * half + most * np.minimum(2.0, turn * half)
-        closing = np.minimum(differs - seen.rate, seen.speed + spin * half)
-        pull = seen.pull + 2.0 * plate.hollow * most**2
+        closing = np.minimum(differs - points.rate, points.speed + spin * half)
+        pull = points.pull + 2.0 * plate.hollow * most**2
         lasts = _falls(gap, closing, pull)
         # The outline bends away from a point that slides past it.
         within = np.minimum(STRAIGHT / faster, rest)
         swept = turn * half + faster * within
-        along = np.abs(seen.along) * np.cos(swept) - np.abs(seen.rate) * np.sin(swept)
-        along = np.maximum(along - spin * half - seen.pull * within, 0.0)
+        along = np.abs(points.along) * np.cos(swept) - np.abs(points.rate) * np.sin(swept)
+        along = np.maximum(along - spin * half - points.pull * within, 0.0)
         away = plate.bluntest / (1.0 + plate.bluntest * (np.maximum(phi, 0.0) + half + most * within))
-        past = _falls(gap, closing, seen.pull - away * np.where(swept < 1.0, along, 0.0) ** 2)
+        past = _falls(gap, closing, points.pull - away * np.where(swept < 1.0, along, 0.0) ** 2)
         lasts = np.fmax(lasts, np.minimum(past, within))
         # No touch begins while no tangents are parallel.
-        lasts = np.fmax(lasts, np.where(shallow, (seen.angle - bent) / (faster + spin), 0.0))
+        lasts = np.fmax(lasts, np.where(shallow, (points.angle - bent) / (faster + spin), 0.0))
         if plate.hollow:  # all this holds as long as the nearest point is the only one
             lasts = np.where(smooth, np.minimum(lasts, (plate.single - phi - half) / most), 0.0)
         # However that is, a distance changes no faster than the point moves, and none begins inside the plate.
         lasts = np.fmax(lasts, low / most)
-        lasts = np.fmax(lasts, (-phi - half - seen.fuzz) / most)
+        lasts = np.fmax(lasts, (-phi - half - points.fuzz) / most)
         later = bent + (faster + spin) * rest
-        closes = seen.rate + differs + (pull + faster * most) * rest < 0.0
-        alone = closes & (later < STRAIGHT) & smooth & (_bending(plate, seen, some, half, later) > 0.0)
+        closes = points.rate + differs + (pull + faster * most) * rest < 0.0
+        alone = closes & (later < STRAIGHT) & smooth & (_bending(plate, points, some, half, later) > 0.0)
         return np.where(lasts > 0.0, lasts, 0.0), alone
 
 
-def _bending(plate: TrackDistance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
+def _bending(
+    plate: TrackDistance, points: PointDistances, some: Stretches, half: np.ndarray, bent: np.ndarray
+) -> np.ndarray:
     """A lower bound on the second derivative of the distance along stretches, 1/m, while tangents turn by `bent`."""
-    level = np.cos(np.minimum(seen.angle + bent, np.pi))
-    away = plate.bluntest / (1.0 + plate.bluntest * (np.maximum(seen.phi, 0.0) + half))
+    level = np.cos(np.minimum(points.angle + bent, np.pi))
+    away = plate.bluntest / (1.0 + plate.bluntest * (np.maximum(points.phi, 0.0) + half))
     crest = np.where(some.valley > 0.0, -some.valley, -some.valley * level)
     return np.where(level > 0.0, crest + away * level**2, -some.bend) - 2.0 * plate.hollow
 
 
-def _closest(plate: TrackDistance, seen: Seen, some: Stretches, half: np.ndarray, bent: np.ndarray) -> np.ndarray:
+def _closest(
+    plate: TrackDistance, points: PointDistances, some: Stretches, half: np.ndarray, bent: np.ndarray
+) -> np.ndarray:
     """A lower bound on the distance of stretches, m."""
-    slope, c = np.abs(seen.slope), _bending(plate, seen, some, half, bent)
+    slope, c = np.abs(points.slope), _bending(plate, points, some, half, bent)
     return np.where(
-        slope < c * half, seen.phi - 0.5 * slope**2 / c, seen.phi - slope * half + 0.5 * c * half**2
+        slope < c * half, points.phi - 0.5 * slope**2 / c, points.phi - slope * half + 0.5 * c * half**2
     )  # fmt: skip
 
 

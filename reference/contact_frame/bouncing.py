@@ -12,7 +12,7 @@ RATIO = 1.6
 
 # Slip or spin that goes to zero in proportion to the bounces is zero in the limit; what extrapolation leaves of it is
 # below this part of the last bounce's velocity, and would be gone in a billionth of its duration.
-VANISHED = 1e-9
+NEGLIGIBLE = 1e-9
 
 
 class Bounce(NamedTuple):
@@ -61,9 +61,9 @@ def limit(bounces: list[Bounce]) -> BounceLimit | None:
     # Higher orders are better until rounding takes over; the smallest step from one order to the next tells where.
     steps = [abs(float(b[0] - a[0])) for a, b in zip(diagonal[:-1], diagonal[1:], strict=True)]
     best = int(np.argmin(steps[1:])) + 1
-    chosen = diagonal[best + 1]
-    z = (np.array(nodes[0].z) + chosen[1:]).tolist()
+    best_row = diagonal[best + 1]
+    z = (np.array(nodes[0].z) + best_row[1:]).tolist()
     for velocity in (2, 3):
-        if abs(z[velocity]) <= VANISHED * nodes[0].lift:
+        if abs(z[velocity]) <= NEGLIGIBLE * nodes[0].lift:
             z[velocity] = 0.0
-    return BounceLimit(nodes[0].time + float(chosen[0]), z, steps[best])
+    return BounceLimit(nodes[0].time + float(best_row[0]), z, steps[best])

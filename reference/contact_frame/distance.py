@@ -20,12 +20,12 @@ BETWEEN = 0.25
 # Where the nearest point is known to be the only one is tried so many times, each half as far out.
 HALVINGS = 30
 # A point that Newton's method leaves so far (in distances) from where the distance is perpendicular is not the nearest.
-FOUND = 1e-7
+PERPENDICULAR = 1e-7
 # A distance of so many sagittas of the outline's polygon is less by one of them at most: another point may be nearer.
 FAR = 100.0
 
 
-class Seen(NamedTuple):
+class PointDistances(NamedTuple):
     """Middles of stretches as the plate sees them, and bounds, each of shape (n,).
 
     The distance φ (m), its derivatives along the track and by time (m/s), the angle between its gradient and the
@@ -87,7 +87,7 @@ class TrackDistance:
             far *= 0.5
         return 0.0
 
-    def seen(self, bodies: np.ndarray, some: Stretches, known: Limits) -> Seen:
+    def distances(self, bodies: np.ndarray, some: Stretches, bounds: Limits) -> PointDistances:
         """The stretches' middles, each at the time of its body (6, n)."""
         x, y, theta, vx, vy, spin = bodies
         dx, dy = some.x - x, some.y - y
@@ -95,17 +95,17 @@ class TrackDistance:
         if self.radius is not None:  # its centre alone counts
             gx, gy = dx / np.maximum(far, 1e-300), dy / np.maximum(far, 1e-300)
             phi, u, v = far - self.radius, -vx, -vy
-            most, pull = known.speed + 0.0 * far, known.pull + 0.0 * far
+            most, pull = bounds.speed + 0.0 * far, bounds.pull + 0.0 * far
             foot = theta
         else:
             c, s = np.cos(theta), np.sin(theta)
             phi, nx, ny, foot = self._nearest(c * dx + s * dy, c * dy - s * dx)
             gx, gy, u, v = c * nx - s * ny, s * nx + c * ny, spin * dy - vx, -spin * dx - vy
             lever = far + some.half
-            most = known.speed + known.spin * lever
-            pull = known.pull + (known.swing + known.spin**2) * lever + 2.0 * known.spin * most
+            most = bounds.speed + bounds.spin * lever
+            pull = bounds.pull + (bounds.swing + bounds.spin**2) * lever + 2.0 * bounds.spin * most
         slope = gx * some.tx + gy * some.ty
-        return Seen(
+        return PointDistances(
             phi, slope, gx * u + gy * v, np.arctan2(np.abs(slope), gx * some.ty - gy * some.tx), foot,
             np.hypot(u, v), gx * v - gy * u, most, pull,
             ROUNDINGS * EPS * (np.abs(x) + np.abs(y) + np.abs(some.x) + np.abs(some.y) + self.reach),
@@ -133,8 +133,8 @@ class TrackDistance:
         p = np.hypot(ap, bp)
         nx, ny, dx, dy = bp / p, -ap / p, x - a, y - b
         phi, far = dx * nx + dy * ny, np.hypot(dx, dy)
-        missed = np.abs(dx * ap + dy * bp) / p > FOUND * (far + self.size)
-        phi = np.where(missed, np.copysign(far, phi) - self.spacing, phi)
+        wrong = np.abs(dx * ap + dy * bp) / p > PERPENDICULAR * (far + self.size)
+        phi = np.where(wrong, np.copysign(far, phi) - self.spacing, phi)
         return np.where(phi > FAR * self.sagitta, phi - self.sagitta, phi), nx, ny, at
 
     def _around(self, i: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -33,7 +33,7 @@ SOON = 1e-4
 TRACK_LOOKS, EVEN = 721, 1e-9
 # Of a track without ends they are so far from the start, in sizes of the plate, closer together near it; features show
 # up to SHOWN sizes away.
-NEAR, FAR, SHOWN = 1e-3, 1e6, 100.0
+NEAR, FAR, FEATURE_RANGE = 1e-3, 1e6, 100.0
 
 # A scene that nothing moves yet is searched for a load that sets in, this many doublings of time ahead, from 2⁻⁴⁰ s.
 DOUBLINGS = 80
@@ -115,7 +115,7 @@ class ContactScene:
         # What a step may pass over unseen: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
         curves = [(0, self.track.features), (1, self.outline.features)]
-        self.in_contact = [*self.in_time, *((row, found) for row, found in curves if found)]
+        self.in_contact = [*self.in_time, *((row, features) for row, features in curves if features)]
         self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.span, TRACK_LOOKS))).max())
         self.is_disc = case.plate.radius is not None
         self.grain = self._grain()
@@ -143,7 +143,11 @@ class ContactScene:
         away = size * np.geomspace(NEAR, FAR, TRACK_LOOKS // 2)
         looks = np.concatenate([near - away[::-1], [near], near + away])
         features = self.track.features
-        return np.union1d(looks, features.places(near - SHOWN * size, near + SHOWN * size)) if features else looks
+        return (
+            np.union1d(looks, features.places(near - FEATURE_RANGE * size, near + FEATURE_RANGE * size))
+            if features
+            else looks
+        )
 
     @property
     def ends(self) -> bool:
@@ -288,7 +292,7 @@ def admissible(
     laws: ContactLaws,
     v: float,
     w: float,
-    needed: Callable[[ContactPhase], ContactForces],
+    forces_of: Callable[[ContactPhase], ContactForces],
     may_stick: bool = True,
     may_hold: bool = True,
 ) -> Iterator[ContactPhase]:
@@ -303,16 +307,16 @@ def admissible(
     def slip_is_right(slip, turn) -> bool:
         if v != 0.0 or slip is None:
             return True
-        held = needed(ContactPhase(0, turn))
-        too_much = not may_stick or abs(held.friction) > laws.stick * abs(held.normal)
-        return not too_much if slip == 0 else too_much and slip * held.friction <= 0.0
+        forces = forces_of(ContactPhase(0, turn))
+        too_much = not may_stick or abs(forces.friction) > laws.stick * abs(forces.normal)
+        return not too_much if slip == 0 else too_much and slip * forces.friction <= 0.0
 
     def turn_is_right(slip, turn) -> bool:
         if w != 0.0 or turn is None:
             return True
-        held = needed(ContactPhase(slip, 0))
-        too_much = not may_hold or abs(held.couple) > laws.arm * abs(held.normal)  # type: ignore[operator]
-        return not too_much if turn == 0 else too_much and turn * held.couple <= 0.0
+        forces = forces_of(ContactPhase(slip, 0))
+        too_much = not may_hold or abs(forces.couple) > laws.arm * abs(forces.normal)  # type: ignore[operator]
+        return not too_much if turn == 0 else too_much and turn * forces.couple <= 0.0
 
     for slip in slips:
         for turn in turns:
@@ -336,12 +340,12 @@ def decide(
     """The phase at an instant; None if none is consistent with the sign of its normal force."""
     tolerance = RELEASE * scene.scale(t, z, turns)
 
-    def needed(phase: ContactPhase) -> ContactForces:
-        f = scene.forces(t, z, sided(phase), turns)
+    def forces_of(phase: ContactPhase) -> ContactForces:
+        f = scene.forces(t, z, with_side(phase), turns)
         # A unilateral contact holds nothing by a pull.
         return ContactForces(max(f.normal, 0.0) if scene.unilateral else f.normal, f.friction, f.couple)
 
-    def sided(phase: ContactPhase) -> ContactPhase:
+    def with_side(phase: ContactPhase) -> ContactPhase:
         if scene.unilateral:
             return phase
         f = scene.forces(t, z, phase, turns)
@@ -349,7 +353,7 @@ def decide(
         toward = f.push if abs(f.normal) > tolerance else _soon(scene, t, z, phase, turns)
         return phase if toward >= 0.0 else phase._replace(side=-1)
 
-    for phase in map(sided, admissible(scene.laws, z[3], z[2], needed, may_stick, may_hold)):
+    for phase in map(with_side, admissible(scene.laws, z[3], z[2], forces_of, may_stick, may_hold)):
         f = scene.forces(t, z, phase, turns)
         if f.inverse_mass > 0.0 and (abs(f.normal) > tolerance or _soon(scene, t, z, phase, turns) >= -tolerance):
             if phase.side * f.normal >= -tolerance:

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from .advancement import TooManyRounds
 from .equations import ContactScene
 from .moving import Motion, limits
-from .pairs import Touch, polished, refined
+from .pairs import Touch, polish, refine
 from .steps import FrequencyLimitedDOP853, StepFailure, WorkBudget, WorkLimit
 from .surroundings import Surroundings
 
@@ -26,10 +26,10 @@ STRIDE = 1.0
 # A flight that begins on the track is first looked at when the plate has moved by this part of its reach, or this part
 # of its hop is over; twice as late and so on while the gap is no more than so many roundings of a place, or sooner by
 # halves where it has closed again; so many times at most.
-FIRST, OF_HOP, RESOLVED, TRIED = 1e-3, 0.4, 256 * 2.0**-52, 100
+FIRST, OF_HOP, ROUNDINGS, MOST_TRIES = 1e-3, 0.4, 256 * 2.0**-52, 100
 
 
-class Flown(NamedTuple):
+class FreeFlight(NamedTuple):
     """A flight: pieces (start, end, interpolant), its end, and the touch that ended it, if one did. One whose work is
     used up ends where its last search began."""
 
@@ -91,52 +91,52 @@ class _FlightCourse:
         if not self.pieces:
             return np.repeat(self.nodes[0][1][:, None], len(times), axis=1)
         which = np.searchsorted([piece[1] for piece in self.pieces[:-1]], times)
-        found = np.empty((6, len(times)))
+        values = np.empty((6, len(times)))
         for i in np.unique(which):
-            found[:, which == i] = self.pieces[i][2](times[which == i])
-        return found
+            values[:, which == i] = self.pieces[i][2](times[which == i])
+        return values
 
     def exactly(self, t: float) -> list[float]:
         """The state by an integration that ends there: dense output is one order less accurate than a step."""
         start, body = next(node for node in reversed(self.nodes) if node[0] <= t)
         if t == start:
             return body.tolist()
-        found = solve_ivp(
+        solution = solve_ivp(
             self.rates, (start, t), body, method="DOP853", rtol=self.rtol, atol=1e-2 * self.rtol, max_step=t - start
         )
-        return found.y[:, -1].tolist()
+        return solution.y[:, -1].tolist()
 
 
 def fly(
     scene: ContactScene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, hop: float,
     work: WorkBudget,
     place: tuple[float, float] | None,
-) -> Flown:  # fmt: skip
+) -> FreeFlight:  # fmt: skip
     """Free flight from a pose until the outline meets the track, at most until `end`.
 
     `looks`: steps to a turn under a load, at least; `place`: the contact's parameters, if it begins on the track;
     `hop`: roughly when it comes down again there, s (inf: nothing known).
     """
     course = _FlightCourse(scene, around, t, body, end, rtol, looks, work)
-    before, opened, own = t, t, None
+    before, opening, own = t, t, None
     try:
         if place is not None:
-            opened, own = _opened(scene, course, around, t, end, hop, place)
+            opening, own = _opening(scene, course, around, t, end, hop, place)
             if own is None:
-                return Flown([], t, Touch(t, list(body), *place, 0.0))
+                return FreeFlight([], t, Touch(t, list(body), *place, 0.0))
         while before < end and not work.used_up:
-            work.done += 1
+            work.count += 1
             now = course(before)
             stride = _time(scene, before, now, around.reach, max(0.9 * around.away(*now[:2]), STRIDE * around.reach))
-            after = min(max(before + stride, opened, float(np.nextafter(before, end))), end)
-            touch = _between(around, course, before, after, opened, own)
+            after = min(max(before + stride, opening, float(np.nextafter(before, end))), end)
+            touch = _between(around, course, before, after, opening, own)
             if touch is not None:
-                touch = polished(scene, course.exactly, touch, around.size)
-                return Flown(_until(course.pieces, touch.time), touch.time, touch)
+                touch = polish(scene, course.exactly, touch, around.size)
+                return FreeFlight(_until(course.pieces, touch.time), touch.time, touch)
             before, own = after, None
     except (WorkLimit, TooManyRounds):
         pass
-    return Flown(_until(course.pieces, before), before, None)
+    return FreeFlight(_until(course.pieces, before), before, None)
 
 
 def _between(
@@ -144,23 +144,23 @@ def _between(
     course: _FlightCourse,
     before: float,
     after: float,
-    opened: float,
+    opening: float,
     own: tuple[float, float] | None,
 ) -> Touch | None:
     """The first touch between two times; on the stretch `own`, where the flight begins, it is none until `opened`."""
     course.until(after)
     motion = Motion(course.states, np.array([time for time, _ in course.nodes]))
-    known = limits(motion, before, after)
+    bounds = limits(motion, before, after)
     x, y = course(before)[:2]
-    some = around.near(x, y, around.reach + known.speed * (after - before))
+    some = around.near(x, y, around.reach + bounds.speed * (after - before))
     since = np.full(some.number, before)
     if own is not None:
         some, inside = around.inside(some, own)
-        since = np.where(inside, opened, before)
+        since = np.where(inside, opening, before)
     return around.search.first(motion, after, some, since)
 
 
-def _opened(
+def _opening(
     scene: ContactScene,
     course: _FlightCourse,
     around: Surroundings,
@@ -173,10 +173,10 @@ def _opened(
     touch is possible until then; None where it does not open."""
     first = min(_time(scene, t, course(t), around.reach, FIRST * around.reach), OF_HOP * hop, end - t)
     wait, longer = first, True
-    for _ in range(TRIED):
+    for _ in range(MOST_TRIES):
         body = course(t + wait)
-        rounding = RESOLVED * (around.reach + abs(body[0]) + abs(body[1]))
-        pair = refined(scene, body, *place, around.size)
+        rounding = ROUNDINGS * (around.reach + abs(body[0]) + abs(body[1]))
+        pair = refine(scene, body, *place, around.size)
         gap = pair.gap if pair is not None else -inf
         if pair is not None and (gap > rounding or (longer and t + wait >= end and gap >= -rounding)):
             low, high = sorted((place[0], pair.xi1))

@@ -18,7 +18,7 @@ from .pairs import Touch, frame
 
 # An impact after which the plate flies is listed if it closes with at least this part of the greatest closing speed
 # since the plate last lay on its track; slower ones belong to bouncing that comes to rest.
-LISTED = 7e-4
+LISTING_PART = 7e-4
 
 # A flight is a hop close to the track if all that acts on the plate turns by no more than this (rad) before it is over.
 SHORT = 1 / 32
@@ -26,7 +26,7 @@ SHORT = 1 / 32
 # An accumulation's limit is taken when its time is known this well, or when bounces are this short, both in parts of
 # the time in which the plate falls by its own size: nothing of what is left of them is resolved in the motions asked
 # for (they rise by 1e-15 of that size).
-SETTLED = 1e-13
+LIMIT_PRECISION = 1e-13
 SHORTEST = 1e-7
 
 # A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: the end
@@ -36,7 +36,7 @@ OVER = 2.0**-50
 
 def fly(course: MotionState, now: FlightState) -> ContactState | FlightState | EndState:
     """A flight or a hop, and what follows its landing."""
-    course.work.done += 1
+    course.work.count += 1
     hop = _short(course, now.leap) if now.leap and now.leap.short else None
     if hop is None:
         course.bounces.clear()  # no bounce of an accumulation yet
@@ -46,46 +46,46 @@ def fly(course: MotionState, now: FlightState) -> ContactState | FlightState | E
 
 def _short(course: MotionState, leap: LiftOff) -> LandingState | None:
     """A hop close to the track; None if it is not: it lasts longer, or the plate meets the track elsewhere."""
-    found = short_flights.hop(course.scene, course.t, leap.z, leap.turns, leap.lift, leap.lasts, course.rtol)
-    if found is None or course.t + found.duration > course.end:
+    hop = short_flights.hop(course.scene, course.t, leap.z, leap.turns, leap.lift, leap.lasts, course.rtol)
+    if hop is None or course.t + hop.duration > course.end:
         return None
-    if _elsewhere(course, found, leap):
+    if _elsewhere(course, hop, leap):
         return None
-    start, course.t = course.t, course.t + found.duration
-    course.record.flight(start, course.t, lambda times: found.bodies(times - start))
-    return LandingState(found.z, leap.turns, found.lift)
+    start, course.t = course.t, course.t + hop.duration
+    course.record.flight(start, course.t, lambda times: hop.bodies(times - start))
+    return LandingState(hop.z, leap.turns, hop.lift)
 
 
-def _elsewhere(course: MotionState, found: short_flights.Hop, leap: LiftOff) -> bool:
+def _elsewhere(course: MotionState, hop: short_flights.Hop, leap: LiftOff) -> bool:
     """Whether the plate meets the track in another place during a hop."""
-    around, ends = course.surroundings(), np.array([0.0, found.duration])
-    motion = Motion(found.bodies, ends)
-    x, y, *_ = found.bodies(ends)[:, 0].tolist()
-    own = around.own(sorted((leap.z[0], found.z[0])), sorted((leap.z[1], found.z[1])))
-    some = around.near(x, y, around.reach + limits(motion, *ends).speed * found.duration)
-    some, inside = around.inside(some, own or around.at(*sorted((leap.z[0], found.z[0]))))
+    around, ends = course.surroundings(), np.array([0.0, hop.duration])
+    motion = Motion(hop.bodies, ends)
+    x, y, *_ = hop.bodies(ends)[:, 0].tolist()
+    own = around.own(sorted((leap.z[0], hop.z[0])), sorted((leap.z[1], hop.z[1])))
+    some = around.near(x, y, around.reach + limits(motion, *ends).speed * hop.duration)
+    some, inside = around.inside(some, own or around.at(*sorted((leap.z[0], hop.z[0]))))
     rest = some.some(~inside)
-    return around.search.first(motion, found.duration, rest, np.zeros(rest.number)) is not None
+    return around.search.first(motion, hop.duration, rest, np.zeros(rest.number)) is not None
 
 
 def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
     """A flight to wherever the outline meets the track."""
     lasts = now.leap.lasts if now.leap else inf
-    flown = flight.fly(
+    path = flight.fly(
         course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts,
         course.work, now.place,
     )  # fmt: skip
-    course.t = flown.end
-    for start, until, interpolant in flown.pieces:
+    course.t = path.end
+    for start, until, interpolant in path.pieces:
         course.record.flight(start, until, interpolant)
-    if flown.touch is None:
+    if path.touch is None:
         return EndState("completed" if course.t >= course.end else UNFINISHED)
-    xi1, xi2, turns = _wound(course, flown.touch)
-    seen = frame(course.scene, flown.touch.body, xi1, xi2)
-    return LandingState([xi1, xi2, flown.touch.body[5], seen.slip], turns, seen.lift)
+    xi1, xi2, turns = _unwind(course, path.touch)
+    contact = frame(course.scene, path.touch.body, xi1, xi2)
+    return LandingState([xi1, xi2, path.touch.body[5], contact.slip], turns, contact.lift)
 
 
-def land(course: MotionState, landing: LandingState, flown: bool = True) -> ContactState | FlightState | EndState:
+def land(course: MotionState, landing: LandingState, from_flight: bool = True) -> ContactState | FlightState | EndState:
     """What follows when the outline meets the track; `flown`: whether a flight led there."""
     scene, effect = course.scene, course.case.effect(Impact)
     (xi1, xi2, spin, slip), turns = landing.z, landing.turns
@@ -102,19 +102,19 @@ def land(course: MotionState, landing: LandingState, flown: bool = True) -> Cont
         return EndState("energy_gain")
     z = [xi1, xi2, result.spin, result.slip]
     course.last_xi1 = xi1
-    course.fastest = max(course.fastest, -landing.lift if flown else 0.0)
-    listed = flown and -landing.lift >= LISTED * course.fastest
+    course.fastest = max(course.fastest, -landing.lift if from_flight else 0.0)
+    is_listed = from_flight and -landing.lift >= LISTING_PART * course.fastest
     if result.lift == 0.0:
         after = _settle(course, z, turns)
     else:
         course.bounces.append(Bounce(course.t, (xi1, xi2, result.spin, result.slip), result.lift, result.phase))
-        stepped = listed and not drowns(course, z, turns, result.lift)
-        limit = None if stepped else _accumulation(course, turns)
+        by_steps = is_listed and not is_unresolved(course, z, turns, result.lift)
+        limit = None if by_steps else _accumulation(course, turns)
         if limit is not None:
             course.t = limit.time
             return _settle(course, limit.z, turns)
         after = leap(course, z, turns, result.lift)
-    if listed and isinstance(after, FlightState):
+    if is_listed and isinstance(after, FlightState):
         course.transitions.append(Transition(course.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2))
     return after
 
@@ -124,7 +124,7 @@ def _press(course: MotionState, z, turns: int) -> float:
     return course.scene.forces(course.t, z, ContactPhase(None, None), turns).push
 
 
-def drowns(course: MotionState, z, turns: int, lift: float) -> bool:
+def is_unresolved(course: MotionState, z, turns: int, lift: float) -> bool:
     """Whether a rebound of that speed (m/s) rises no higher than a position's rounding."""
     q, (x, y) = course.scene.place(z[0], z[1]), course.scene.body(z, turns)[:2]
     return lift**2 <= 2.0 * _press(course, z, turns) * OVER * (abs(x) + abs(y) + hypot(q.arm_t, q.arm_n))
@@ -134,7 +134,7 @@ def leap(course: MotionState, z, turns: int, lift: float) -> ContactState | Flig
     """Flight from the track with a normal velocity."""
     press = _press(course, z, turns)
     lasts = 2.0 * lift / press if press > 0.0 else inf
-    if drowns(course, z, turns, lift) or course.t + lasts == course.t:
+    if is_unresolved(course, z, turns, lift) or course.t + lasts == course.t:
         return _settle(course, z, turns)
     pace = course.scene.pace(course.t, z, turns) + sqrt(max(press, 0.0) / course.scene.reach)
     leap = LiftOff(z, turns, lift, lasts, lasts * pace <= SHORT)
@@ -144,7 +144,7 @@ def leap(course: MotionState, z, turns: int, lift: float) -> ContactState | Flig
 def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | EndState:
     """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
     course.bounces.clear()
-    after = course.touching(z, turns)
+    after = course.contact_state(z, turns)
     if after is None:
         return (
             FlightState(course.scene.body(z, turns), (z[0], z[1]))
@@ -158,26 +158,26 @@ def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | 
 
 def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | None:
     """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
-    found, last = bouncing.limit(course.bounces), course.bounces[-1]
-    if found is None or not course.t < found.time < course.end:
+    limit, last = bouncing.limit(course.bounces), course.bounces[-1]
+    if limit is None or not course.t < limit.time < course.end:
         return None
     press = _press(course, last.z, turns)
     fall = sqrt(course.scene.reach / press) if press > 0.0 else 0.0
     if course.t - course.bounces[-2].time > SHORTEST * fall:
-        known = found.error <= max(SETTLED * fall, np.spacing(course.t))
-        if not known or course.record.asks_between(course.t, found.time):
+        is_precise = limit.error <= max(LIMIT_PRECISION * fall, np.spacing(course.t))
+        if not is_precise or course.record.asks_between(course.t, limit.time):
             return None
 
     def settling(times: np.ndarray) -> np.ndarray:
         # What is left of the bounces is closer to their limit than anything resolved.
-        part = (times - last.time) / (found.time - last.time)
-        return np.array(last.z)[:, None] + np.outer(np.subtract(found.z, last.z), part)
+        part = (times - last.time) / (limit.time - last.time)
+        return np.array(last.z)[:, None] + np.outer(np.subtract(limit.z, last.z), part)
 
-    course.record.contact(course.t, found.time, settling, turns)
-    return found
+    course.record.contact(course.t, limit.time, settling, turns)
+    return limit
 
 
-def _wound(course: MotionState, landing: Touch) -> tuple[float, float, int]:
+def _unwind(course: MotionState, landing: Touch) -> tuple[float, float, int]:
     """Contact parameters of a landing on closed curves: the track's nearest to the last, the outline's such that
     (6) gives the plate's angle; and the whole turns that remain where the outline is open."""
     track, outline, xi1, xi2 = course.scene.track, course.scene.outline, landing.xi1, landing.xi2

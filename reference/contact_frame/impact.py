@@ -85,7 +85,7 @@ def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float,
     goal = -restitution * lift
     about = J + m * an * an  # inertia about the contact, for what turns without slip
 
-    def needed(phase: ContactPhase) -> ContactForces:
+    def forces_in(phase: ContactPhase) -> ContactForces:
         """The sums P, T, C in a phase, from the one condition v_n⁺ = goal."""
         by_slip, by_turn = ratios(scene.laws, phase)
         if phase.turn == 0:
@@ -95,14 +95,14 @@ def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float,
         if phase.slip == 0:
             lever = at + by_turn
             normal = (goal - lift - at * an * m * slip / about) / (1 / m + at * lever / about)
-            turned = (lever * normal + an * m * slip) / about
-            return ContactForces(normal, m * (an * turned - slip), by_turn * normal)
+            spin_change = (lever * normal + an * m * slip) / about
+            return ContactForces(normal, m * (an * spin_change - slip), by_turn * normal)
         lever = at - an * by_slip + by_turn
         per_impulse = 1 / m + at * lever / J
         normal = (goal - lift) / per_impulse if per_impulse > 0.0 else inf  # friction that wedges
         return ContactForces(normal, by_slip * normal, by_turn * normal)
 
-    def ended(slip_after: float, lift_after: float, spin_after: float, phase: ContactPhase) -> ImpactResult:
+    def as_result(slip_after: float, lift_after: float, spin_after: float, phase: ContactPhase) -> ImpactResult:
         before = _Impulse(scene, q, slip, lift, spin).energy()
         after = _Impulse(scene, q, slip_after, lift_after, spin_after).energy()
         return ImpactResult(
@@ -112,21 +112,21 @@ def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float,
     slips: tuple[int | None, ...] = (None,) if scene.laws.slip is None else (0, 1, -1)
     turns: tuple[int | None, ...] = (None,) if scene.laws.arm is None else (0, 1, -1)
     if scene.laws.slip == inf:
-        slips, stopped = (0,), _Impulse(scene, q, slip, lift, spin)
-        stopped.stop_slip_at_once()
-        if stopped.lift >= goal:  # there is no normal impulse to give
-            return ended(0.0, stopped.lift, stopped.spin, ContactPhase(0, None))
+        slips, impulse = (0,), _Impulse(scene, q, slip, lift, spin)
+        impulse.stop_slip_at_once()
+        if impulse.lift >= goal:  # there is no normal impulse to give
+            return as_result(0.0, impulse.lift, impulse.spin, ContactPhase(0, None))
     for phase in (ContactPhase(along, turn) for along in slips for turn in turns):
-        held = needed(phase)
-        if not 0.0 < held.normal < inf:
+        forces = forces_in(phase)
+        if not 0.0 < forces.normal < inf:
             continue
-        turned = -spin if phase.turn == 0 else (at * held.normal - an * held.friction + held.couple) / J
-        along = 0.0 if phase.slip == 0 else slip + held.friction / m - an * turned
-        slips_so = _agrees(phase.slip, along, abs(slip), held.friction, scene.laws.stick * held.normal)
+        spin_change = -spin if phase.turn == 0 else (at * forces.normal - an * forces.friction + forces.couple) / J
+        along = 0.0 if phase.slip == 0 else slip + forces.friction / m - an * spin_change
+        slips_so = _agrees(phase.slip, along, abs(slip), forces.friction, scene.laws.stick * forces.normal)
         if slips_so and _agrees(
-            phase.turn, spin + turned, abs(spin), held.couple, (scene.laws.arm or 0.0) * held.normal
+            phase.turn, spin + spin_change, abs(spin), forces.couple, (scene.laws.arm or 0.0) * forces.normal
         ):
-            return ended(along, goal, spin + turned, phase)
+            return as_result(along, goal, spin + spin_change, phase)
     raise ImpactWithoutSolution
 
 
@@ -191,12 +191,12 @@ class _Impulse:
 
     def _phase(self) -> ContactPhase:
         """The phase in which the next bit of impulse acts: Coulomb's inequalities for impulses."""
-        found = next(admissible(self.laws, self.slip, self.spin, self._needed), None)
-        if found is None:
+        phase = next(admissible(self.laws, self.slip, self.spin, self._forces_in), None)
+        if phase is None:
             raise ImpactWithoutSolution
-        return found
+        return phase
 
-    def _needed(self, phase: ContactPhase) -> ContactForces:
+    def _forces_in(self, phase: ContactPhase) -> ContactForces:
         """Friction and couple per normal impulse."""
         friction, couple = ratios(self.laws, phase)
         at, an, inertia = self.at, self.an, self.J / self.m
@@ -209,7 +209,7 @@ class _Impulse:
         return ContactForces(1.0, friction, couple)
 
     def _rates(self, phase: ContactPhase) -> Rates:
-        _, friction, couple = self._needed(phase)
+        _, friction, couple = self._forces_in(phase)
         spin = 0.0 if phase.turn == 0 else (self.at - self.an * friction + couple) / self.J
         slip = 0.0 if phase.slip == 0 else friction / self.m - self.an * spin
         return Rates(slip, 1.0 / self.m + self.at * spin, spin)

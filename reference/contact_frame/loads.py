@@ -35,7 +35,7 @@ class LoadScales:
     @in_one_thread
     def __init__(self, load: Load):
         formulas = load.expression
-        found = dict.fromkeys(
+        pairs = dict.fromkeys(
             (node, argument)
             for formula in formulas
             for node in sp.preorder_traversal(formula)
@@ -46,8 +46,8 @@ class LoadScales:
         # A function may be multiplied by any of the formulas' numbers before it is a force.
         numbers = {abs(float(n)) for formula in formulas for n in formula.atoms(sp.Number)}
         negligible = NEGLIGIBLE + sum(abs(log(number)) for number in numbers if number)
-        self._lengths = [_length(node, negligible) for node, _ in found]
-        self._arguments = sp.lambdify(MOTION, [argument for _, argument in found], modules="numpy", cse=True)
+        self._lengths = [_length(node, negligible) for node, _ in pairs]
+        self._arguments = sp.lambdify(MOTION, [argument for _, argument in pairs], modules="numpy", cse=True)
 
     def allows(self, times: np.ndarray, bodies: np.ndarray) -> bool:
         """Whether a step is short enough: `times` (n,) and (x, y, θ, vx, vy, ω) along it, shape (6, n)."""

@@ -76,9 +76,9 @@ class MotionState:
         self.around: Surroundings | None = None  # sampled when the first flight begins
         self.last_xi1 = case.start.xi1
 
-    def touching(self, z, turns: int, **known) -> ContactState | None:
+    def contact_state(self, z, turns: int, **options) -> ContactState | None:
         """Contact at the present instant, if a phase of it is consistent; `known`: what has just been let go."""
-        phase = decide(self.scene, self.t, z, turns, **known)
+        phase = decide(self.scene, self.t, z, turns, **options)
         return ContactState(z, turns, phase) if phase else None
 
     def surroundings(self) -> Surroundings:

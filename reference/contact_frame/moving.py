@@ -10,7 +10,7 @@ import numpy as np
 # Bounds come from velocities at so many places of each smooth piece, and a margin.
 NODES, MARGIN = 9, 1.25
 # Differences of times shorter than so many of their roundings say nothing.
-RESOLVED = 64 * 2.0**-52
+ROUNDINGS = 64 * 2.0**-52
 
 
 class Motion(NamedTuple):
@@ -37,7 +37,7 @@ def limits(motion: Motion, start: float, end: float) -> Limits:
     times = edges[:-1, None] + np.diff(edges)[:, None] * parts
     _, _, _, vx, vy, spin = motion.bodies(times.ravel()).reshape(6, *times.shape)
     between = np.diff(times, axis=1)
-    per = 1.0 / np.where(between > RESOLVED * max(abs(start), abs(end)), between, np.inf)
+    per = 1.0 / np.where(between > ROUNDINGS * max(abs(start), abs(end)), between, np.inf)
     pull = MARGIN * float((np.hypot(np.diff(vx, axis=1), np.diff(vy, axis=1)) * per).max())
     swing = MARGIN * float((np.abs(np.diff(spin, axis=1)) * per).max())
     # Between two places a velocity goes beyond both by no more than its greatest rate times half of their distance.

@@ -9,17 +9,17 @@ import numpy as np
 from cases import Case
 
 from .moving import Motion, limits
-from .pairs import Touch, refined
+from .pairs import Touch, refine
 from .sampling import bodies_in_contact
 from .stretches import Stretches
 from .surroundings import Surroundings
 
 # A step in which the contact is not known to be alone around it is halved while it moves by more than this part of the
 # plate's reach, and so many times at most.
-MOVED, HALVINGS = 0.1, 10
+LONG_WAY, HALVINGS = 0.1, 10
 # A touch comes out of a gap that was more than so many roundings of a position one step before: where a flat side lies
 # next to its contact the gap is nothing but rounding.
-RESOLVED = 1024 * 2.0**-52
+ROUNDINGS = 1024 * 2.0**-52
 # Where the contact is looked at in a step, and how far it may go beyond, in parts of what it covers.
 PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
 
@@ -47,7 +47,7 @@ class Overlaps:
         motion, todo = Motion(bodies, np.array([start, end])), [(start, end, 0)]
         self.step = end - start
         while todo and self.touch is None:
-            start, end, halved = todo.pop()
+            start, end, depth = todo.pop()
             x, y = bodies(np.array([start]))[:2, 0].tolist()
             way = limits(motion, start, end).speed * (end - start)
             some = self.around.near(x, y, self.around.reach + way)
@@ -58,20 +58,20 @@ class Overlaps:
             more = BEYOND * (high - low)
             (first, second), (last, final) = (low - more).tolist(), (high + more).tolist()
             own = self.around.own((first, last), (second, final))
-            far = (last - first) * float(self.case.track.speed(first)) > MOVED * self.around.reach
-            if own is None and far and halved < HALVINGS:
+            far = (last - first) * float(self.case.track.speed(first)) > LONG_WAY * self.around.reach
+            if own is None and far and depth < HALVINGS:
                 middle = 0.5 * (start + end)
-                todo += [(middle, end, halved + 1), (start, middle, halved + 1)]
+                todo += [(middle, end, depth + 1), (start, middle, depth + 1)]
                 continue
             some, inside = self.around.inside(some, own or self.around.at(first, last))
             rest = some.some(~inside)
-            self.touch = self.around.search.first(motion, end, rest, np.full(rest.number, start), self._resolved)
+            self.touch = self.around.search.first(motion, end, rest, np.full(rest.number, start), self._is_resolved)
 
-    def _resolved(self, motion: Motion, touch: Touch) -> bool:
+    def _is_resolved(self, motion: Motion, touch: Touch) -> bool:
         """Whether a touch comes out of a gap that was there one step before."""
         body = motion.bodies(np.array([touch.time - self.step]))[:, 0].tolist()
-        pair = refined(self.around.scene, body, touch.xi1, touch.xi2, self.around.size)
-        return pair is not None and pair.gap > RESOLVED * (self.around.reach + abs(body[0]) + abs(body[1]))
+        pair = refine(self.around.scene, body, touch.xi1, touch.xi2, self.around.size)
+        return pair is not None and pair.gap > ROUNDINGS * (self.around.reach + abs(body[0]) + abs(body[1]))
 
 
 def _fits(around: Surroundings, some: Stretches) -> bool:
@@ -83,5 +83,5 @@ def _fits(around: Surroundings, some: Stretches) -> bool:
         return True
     one_piece = bool(np.all(some.low[1:] == some.high[:-1]))
     angles = np.arctan2(some.ty, some.tx)
-    turned = np.angle(np.exp(1j * (angles - angles[0])))
-    return one_piece and float(np.ptp(turned)) + 2.0 * float((some.bend * some.half).max()) < 0.9 * np.pi
+    turning = np.angle(np.exp(1j * (angles - angles[0])))
+    return one_piece and float(np.ptp(turning)) + 2.0 * float((some.bend * some.half).max()) < 0.9 * np.pi

@@ -66,7 +66,7 @@ def frame(scene: ContactScene, body, xi1: float, xi2: float) -> PairFrame:
     )  # fmt: skip
 
 
-def refined(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> Pair | None:
+def refine(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> Pair | None:
     """The pair next to parameters whose tangents are parallel and whose points are straight above each other, by
     Newton's method in arc lengths; None if it finds none."""
     features = scene.track.features
@@ -126,7 +126,7 @@ def _step(f: PairFrame, spin: float) -> list[float] | None:
     return step.tolist() if np.isfinite(step).all() else None
 
 
-def polished(scene: ContactScene, exactly, touch: Touch, size: float) -> Touch:
+def polish(scene: ContactScene, exactly, touch: Touch, size: float) -> Touch:
     """The same touch with states that are integrated up to it: dense output is one order less accurate than a step."""
     time, xi1, xi2, smallest, best = touch.time, touch.xi1, touch.xi2, inf, touch
     for _ in range(8):

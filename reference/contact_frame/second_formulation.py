@@ -43,7 +43,7 @@ BLIND = 1e-6
 
 # Friction and normal force that are both below this part of the scene's forces when friction reaches its bound have
 # vanished together: the contact ends, and no slip begins.
-VANISHED = 1e-9
+NEGLIGIBLE = 1e-9
 
 # A start's spin or slip that is this part of the other is a few roundings of it.
 NOTHING = 1e-15
@@ -145,14 +145,14 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
     slip = begin.slip if abs(begin.slip) > NOTHING * size * abs(begin.omega) else 0.0
     z = [begin.xi1, begin.xi2, omega, slip]
     if course.case.start.in_contact:
-        return course.touching(z, 0) or _without_mode(course, z, 0)
+        return course.contact_state(z, 0) or _without_mode(course, z, 0)
     if course.case.start.gap > 0.0:
         return FlightState(body)
     lift = course.case.start.gap_rate
-    if lift < 0.0 or flight_guards.drowns(
+    if lift < 0.0 or flight_guards.is_unresolved(
         course, z, 0, lift
     ):  # what rises by less than a rounding comes down at once, as fast
-        return flight_guards.land(course, LandingState(z, 0, -abs(lift)), flown=lift < 0.0)
+        return flight_guards.land(course, LandingState(z, 0, -abs(lift)), from_flight=lift < 0.0)
     return flight_guards.leap(course, z, 0, lift)
 
 
@@ -176,53 +176,53 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
         guards["elsewhere"] = overlaps.before
     solution = _integrate(course, now, guards, overlaps)
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
-    fired = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
-    if not fired:
+    guard_names = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
+    if not guard_names:
         return EndState("completed" if course.t >= course.end else UNFINISHED)
-    stop = next((STOPS[name] for name in fired if name in STOPS), None)
+    stop = next((STOPS[name] for name in guard_names if name in STOPS), None)
     if stop:
         return EndState(stop)
     after: ContactState | FlightState | EndState
-    if _vanishes(course, phase, fired, z, turns):
+    if _vanishes(course, phase, guard_names, z, turns):
         if course.scene.laws.stick == inf and not lets_go(course.scene, course.t, z, phase, turns):
             return EndState("paradox")
         after = _off(course, z, turns)
     else:
-        after = _after(course, phase, fired, z, turns) or _without_mode(course, z, turns)
+        after = _after(course, phase, guard_names, z, turns) or _without_mode(course, z, turns)
     mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
     if mode is not phase.mode and after != EndState("paradox"):
         course.transitions.append(Transition(course.t, phase.mode, mode, z[0], z[1]))
     return after
 
 
-def _vanishes(course: MotionState, phase: ContactPhase, fired: list[str], z, turns: int) -> bool:
+def _vanishes(course: MotionState, phase: ContactPhase, guard_names: list[str], z, turns: int) -> bool:
     """Whether the normal force has vanished: by itself, or together with the friction that it bounds."""
-    if "normal_force" in fired:
+    if "normal_force" in guard_names:
         return True
-    if not course.scene.unilateral or not any(name.startswith("cone") for name in fired):
+    if not course.scene.unilateral or not any(name.startswith("cone") for name in guard_names):
         return False
     return _forceless(course, phase, z, turns)
 
 
 def _forceless(course: MotionState, phase: ContactPhase, z, turns: int) -> bool:
     """Whether the contact's forces have vanished together."""
-    held, scale = course.scene.forces(course.t, z, phase, turns), course.scene.scale(course.t, z, turns)
-    return max(abs(held.friction), abs(held.normal)) <= VANISHED * scale
+    forces, scale = course.scene.forces(course.t, z, phase, turns), course.scene.scale(course.t, z, turns)
+    return max(abs(forces.friction), abs(forces.normal)) <= NEGLIGIBLE * scale
 
 
-def _after(course: MotionState, phase: ContactPhase, fired: list[str], z, turns: int) -> ContactState | None:
+def _after(course: MotionState, phase: ContactPhase, guard_names: list[str], z, turns: int) -> ContactState | None:
     """What follows when a guard has fired; sets velocities that have vanished to zero. None: no phase does."""
-    if "side" in fired:
+    if "side" in guard_names:
         return ContactState(z, turns, phase._replace(side=-phase.side))
-    if "slip" in fired:
+    if "slip" in guard_names:
         z[3] = 0.0
-    if "turn" in fired:
+    if "turn" in guard_names:
         z[2] = 0.0
-    cone = any(name.startswith("cone") for name in fired)
-    couple = any(name.startswith("couple") for name in fired)
+    cone = any(name.startswith("cone") for name in guard_names)
+    couple = any(name.startswith("couple") for name in guard_names)
     if couple and not course.scene.unilateral and _forceless(course, phase, z, turns):
         return ContactState(z, turns, phase._replace(side=-phase.side))  # the couple's bound vanished, and grows again
-    return course.touching(z, turns, may_stick=not cone, may_hold=not couple)
+    return course.contact_state(z, turns, may_stick=not cone, may_hold=not couple)
 
 
 def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, Callable]:
@@ -260,17 +260,17 @@ def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, C
 
 def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callable], overlaps: Overlaps | None):
     scene, phase, turns, start = course.scene, now.phase, now.turns, course.t
-    just_begun = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
+    at_zero = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
     if not scene.unilateral and _forceless(course, phase, now.z, turns):
-        just_begun |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
+        at_zero |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
     pace = scene.pace(start, now.z, turns)
     blind = BLIND / pace if pace > 0.0 else inf
     events = []
     for name, guard in guards.items():
-        watched = start + blind if just_begun.get(name) else start
+        watch_from = start + blind if at_zero.get(name) else start
 
-        def event(t, z, guard=guard, watched=watched):
-            return 1.0 if t < watched else guard(t, z)
+        def event(t, z, guard=guard, watch_from=watch_from):
+            return 1.0 if t < watch_from else guard(t, z)
 
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         events.append(event)
@@ -282,8 +282,8 @@ def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callabl
         load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
         after_step=overlaps.look if overlaps else None, features=scene.in_contact,
     )  # fmt: skip
-    unfinished = not solution.success and course.work.used_up
-    if not (solution.success or unfinished) or not np.isfinite(solution.y[:, -1]).all():
+    out_of_work = not solution.success and course.work.used_up
+    if not (solution.success or out_of_work) or not np.isfinite(solution.y[:, -1]).all():
         raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
     course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
     return solution

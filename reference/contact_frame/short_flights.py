@@ -69,18 +69,18 @@ def hop(scene: ContactScene, t: float, z, turns: int, lift: float, estimate: flo
     None if it has not come down after `LONGEST` times that.
     """
 
-    def scaled(s, state):
+    def scaled_rates(s, state):
         return [estimate * rate for rate in rates(scene, t + estimate * s, state.tolist(), turns)]
 
-    def landed(s, state):
+    def landing(s, state):
         return state[5] if s > 0.0 else 1.0
 
-    landed.terminal, landed.direction = True, -1  # type: ignore[attr-defined]
+    landing.terminal, landing.direction = True, -1  # type: ignore[attr-defined]
     # Absolute tolerances of the size each has in this hop; time in units of its estimate, which brackets its end well.
     sizes = np.array([1.0, 1.0, 1.0, 1.0, lift, lift * estimate])
     solution = solve_ivp(
-        scaled, (0.0, LONGEST), [*z, lift, 0.0], method="DOP853", rtol=rtol, atol=1e-2 * rtol * sizes,
-        events=landed, max_step=0.5, dense_output=True,
+        scaled_rates, (0.0, LONGEST), [*z, lift, 0.0], method="DOP853", rtol=rtol, atol=1e-2 * rtol * sizes,
+        events=landing, max_step=0.5, dense_output=True,
     )  # fmt: skip
     if not len(solution.t_events[0]):
         return None

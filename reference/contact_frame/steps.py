@@ -36,12 +36,12 @@ class WorkBudget:
     """Steps, hops and looks for a landing that a motion has taken so far."""
 
     def __init__(self) -> None:
-        self.done = 0
+        self.count = 0
 
     @property
     def used_up(self) -> bool:
         """Whether it may take no more."""
-        return self.done >= MOST_WORK
+        return self.count >= MOST_WORK
 
 
 class StepFailure(FloatingPointError):
@@ -77,7 +77,7 @@ class FrequencyLimitedDOP853(DOP853):
     ):  # fmt: skip
         self.pace, self.looks, self.work, self.load_allows = pace, looks, work, load_allows
         self.after_step = after_step
-        self.features = [(row, found) for row, found in features if not found.plain]
+        self.features = [(row, feature) for row, feature in features if not feature.plain]
         self.steps, self.counted_until = 0, -inf
         super().__init__(fun, t0, y0, t_bound, **options)
 
@@ -105,7 +105,7 @@ class FrequencyLimitedDOP853(DOP853):
         self.max_step = turn / self.looks
         t, y, f = self.t, self.y, self.f
         while True:
-            self.work.done += 1
+            self.work.count += 1
             success, message = super()._step_impl()
             h = self.t - t
             # A step as short as ten roundings of the time is SciPy's shortest.

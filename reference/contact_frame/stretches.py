@@ -35,7 +35,7 @@ class Stretches(NamedTuple):
     def some(self, which: np.ndarray) -> Stretches:
         return Stretches(*(column[which] for column in self))
 
-    def joined(self, other: Stretches) -> Stretches:
+    def join(self, other: Stretches) -> Stretches:
         return Stretches(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
 
 
@@ -67,7 +67,7 @@ def cut(track: Curve, some: Stretches, ends: tuple[float, float]) -> Stretches:
         if across.any():
             old, at = some.some(across), np.full(int(across.sum()), end)
             parts = between(track, np.concatenate([old.low, at]), np.concatenate([at, old.high]))
-            some = some.some(~across).joined(parts)
+            some = some.some(~across).join(parts)
     return some
 
 

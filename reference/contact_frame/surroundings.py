@@ -23,10 +23,10 @@ LENGTH = 1 / 8
 # A track this many plates long is not searched for landings, nor one with more stretches than a gigabyte holds.
 LONGEST_TRACK, MOST_STRETCHES = 1e7, 4_000_000
 # A window of an endless track begins with so many sizes to either side, and is widened so many times at most.
-MARGIN, WIDENED = 8.0, 60
+MARGIN, MOST_WIDENINGS = 8.0, 60
 # Around a contact a stretch in which it is alone is tried from half of the plate's reach downwards; where none is found
 # points closer than this part of the size are the contact: far above what Newton's method leaves.
-TRIED, SAME = 20, 1e-6
+MOST_TRIES, SAME = 20, 1e-6
 # Over such a stretch both curves turn by less than this (rad), and their curvatures are looked at in so many places.
 STRAIGHT, PLACES, BETWEEN = 0.5, 9, 0.25
 
@@ -69,13 +69,13 @@ class Surroundings:
 
     def away(self, x: float, y: float) -> float:
         """How far the plate is from its track at least with its centre of mass there, m; negative if it may touch."""
-        for _ in range(WIDENED):
+        for _ in range(MOST_WIDENINGS):
             far, i = self.tree.query([x, y])
-            if not self.endless or not self._widened(int(i)):
+            if not self.endless or not self._widen(int(i)):
                 return float(far) - self.longest - self.reach
         raise StepFailure(f"the plate at ({x:.9g}, {y:.9g}) m is too far from its endless track; end the case before")
 
-    def _widened(self, i: int) -> bool:
+    def _widen(self, i: int) -> bool:
         """Whether the window of an endless track had to grow, because what is nearest is close to one of its ends."""
         margin, width = self.stretches.number // 8, self.high - self.low
         before, after = i < margin, i >= self.stretches.number - margin
@@ -85,10 +85,10 @@ class Surroundings:
 
     def near(self, x: float, y: float, radius: float) -> Stretches:
         """The stretches that come within a distance (m) of a place; their ranges are in order."""
-        for _ in range(WIDENED):
+        for _ in range(MOST_WIDENINGS):
             which = np.array(sorted(self.tree.query_ball_point([x, y], radius + self.longest)), dtype=int)
             ends = which[[0, -1]] if which.size else which
-            if not self.endless or not any(self._widened(int(i)) for i in ends):
+            if not self.endless or not any(self._widen(int(i)) for i in ends):
                 break
         some = self.stretches.some(which)
         return some.some(np.hypot(some.x - x, some.y - y) <= radius + some.half)
@@ -113,22 +113,22 @@ class Surroundings:
         none known."""
         track, outline = self.scene.track, self.scene.outline
         length = 0.5 * self.reach
-        for _ in range(TRIED):
-            first, second = _widened(track, xi1, length), _widened(outline, xi2, length)
+        for _ in range(MOST_TRIES):
+            first, second = _widen(track, xi1, length), _widen(outline, xi2, length)
             (lowest, highest), (least, most) = _bends(track, first), _bends(outline, second)
-            turned = max(abs(lowest), abs(highest)) * _length(track, first)
-            turned += max(abs(least), abs(most)) * _length(outline, second)
-            if least > max(highest, 0.0) and turned < STRAIGHT:
+            turning = max(abs(lowest), abs(highest)) * _length(track, first)
+            turning += max(abs(least), abs(most)) * _length(outline, second)
+            if least > max(highest, 0.0) and turning < STRAIGHT:
                 return first
             length *= 0.5
         return None
 
     def at(self, low: float, high: float) -> tuple[float, float]:
         """The range of the track's parameter that is the contact, where it is not known to be alone around it."""
-        return _widened(self.scene.track, (low, high), SAME * self.size)
+        return _widen(self.scene.track, (low, high), SAME * self.size)
 
 
-def _widened(curve: Curve, ends: Sequence[float], length: float) -> tuple[float, float]:
+def _widen(curve: Curve, ends: Sequence[float], length: float) -> tuple[float, float]:
     low, high = ends[0] - length / float(curve.speed(ends[0])), ends[1] + length / float(curve.speed(ends[1]))
     if curve.domain is not None and not curve.period:
         low, high = max(low, curve.domain[0]), min(high, curve.domain[1])

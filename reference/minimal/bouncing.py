@@ -37,7 +37,7 @@ SMALL = 2e-2
 # An impact after which the plate flies is listed among the transitions if it closes with at least this part of the
 # greatest closing speed since the plate last lay on its track: so the list of bouncing that comes to rest is finite.
 # (Powers of round coefficients of restitution stay away from it.)
-LISTED = 7e-4
+LISTING_PART = 7e-4
 
 
 class Accumulation(NamedTuple):
@@ -55,7 +55,7 @@ class _Bounce(NamedTuple):
     after: ContactVelocity
     pull: float  # what brings it back, m/s²
     natural: float  # s
-    left: float  # estimated time until the limit, s
+    remaining: float  # estimated time until the limit, s
 
 
 class Bounces:
@@ -76,7 +76,7 @@ class Bounces:
         if since > self.struck:  # the plate has lain on its track meanwhile
             self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
         self.struck, self.greatest = landing.time, max(self.greatest, closing)
-        return closing >= LISTED * self.greatest
+        return closing >= LISTING_PART * self.greatest
 
     def rebound(self, landing: Landing, after: ContactVelocity, pull: float) -> None:
         """The velocities after the last impact, with lift > 0, and how fast gravity and load bring the plate back, m/s²
@@ -84,11 +84,11 @@ class Bounces:
         closing = -landing.touch.lift
         ratio = after.lift / closing if closing > 0.0 else inf
         natural = self._natural(landing, after, pull)
-        left = 2.0 * after.lift / (pull * (1.0 - ratio)) if pull > 0.0 and ratio < 1.0 else inf
-        self.last = _Bounce(landing, after, pull, natural, left)
-        if not left <= SMALL * natural or abs(ratio - self.ratio) > SMALL:
+        remaining = 2.0 * after.lift / (pull * (1.0 - ratio)) if pull > 0.0 and ratio < 1.0 else inf
+        self.last = _Bounce(landing, after, pull, natural, remaining)
+        if not remaining <= SMALL * natural or abs(ratio - self.ratio) > SMALL:
             self.some.clear()
-        if left <= SMALL * natural and (not self.some or after.lift <= APART * self.some[-1].after.lift):
+        if remaining <= SMALL * natural and (not self.some or after.lift <= APART * self.some[-1].after.lift):
             self.some = [*self.some[1 - MOST :], self.last]
         self.ratio = ratio
 
@@ -113,17 +113,19 @@ class Bounces:
             return None
         landing, after, _, natural, _ = self.last
         speeds = [b.after.lift for b in self.some]
-        rows = [(b.landing.time + b.left, b.landing.xi1, b.landing.xi2, b.after.slip, b.after.omega) for b in self.some]
-        found = [extrapolate(speeds, column) for column in zip(*rows, strict=True)]
-        time, xi1, xi2, slip, omega = (value for value, _ in found)
+        rows = [
+            (b.landing.time + b.remaining, b.landing.xi1, b.landing.xi2, b.after.slip, b.after.omega) for b in self.some
+        ]
+        limits = [extrapolate(speeds, column) for column in zip(*rows, strict=True)]
+        time, xi1, xi2, slip, omega = (value for value, _ in limits)
         # A length that the motion covers in the natural time is as small as that.
         lengths = [self.size / float(c.speed(s)) for c, s in ((self.case.track, xi1), (self.case.plate.outline, xi2))]
         scales = (natural, *lengths, self.size / natural, 1.0 / natural)
         agree = all(
             spread <= max(NEGLIGIBLE * scale, 4.0 * np.spacing(abs(value)))
-            for (value, spread), scale in zip(found, scales, strict=True)
+            for (value, spread), scale in zip(limits, scales, strict=True)
         )
-        if not agree and np.prod([b.left / b.natural for b in self.some]) > NEGLIGIBLE:
+        if not agree and np.prod([b.remaining / b.natural for b in self.some]) > NEGLIGIBLE:
             return None
         # A slip or a rotation that the impacts themselves end is none at the limit either.
         touch = ContactVelocity(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)

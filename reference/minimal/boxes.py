@@ -76,7 +76,7 @@ class Bounds(NamedTuple):
     rounding: np.ndarray
 
 
-class _Seen(NamedTuple):
+class _PieceView(NamedTuple):
     """The outline's pieces as the middles of the track's see them.
 
     Their middles' offset along the tangent and the normal, and its rate; how far they reach from there along both; how
@@ -137,23 +137,25 @@ class Geometry:
         possible = ~((start > end) | opens | (o.bend_high < t[BEND_LOW]) | ~o.parallel)
         # Both as graphs over the tangent of the track's middle, where y'' is the curvature over cos³ of the angle.
         steep = np.cos(np.minimum(o.bent, STRAIGHT)) ** -3
-        bends = _stretched(-o.bend_low, steep), _stretched(t[BEND_HIGH], steep)
+        bends = _graph_bend(-o.bend_low, steep), _graph_bend(t[BEND_HIGH], steep)
         single = closes & (o.bent < STRAIGHT) & (-bends[0] > bends[1])
         blur = o.blur + np.array([np.abs(o.lift) * half + later, t[ABOVE] - t[BELOW], 0.0 * half])
         return Bounds(possible, middle + start, middle + end, blur, single, rounding)
 
-    def _disc(self, t: np.ndarray, place: np.ndarray, rate: np.ndarray) -> _Seen:
+    def _disc(self, t: np.ndarray, place: np.ndarray, rate: np.ndarray) -> _PieceView:
         """A disc's point with the track's tangent is a radius off its centre along the track's normal."""
         dx, dy, r, none = place[0] - t[X], place[1] - t[Y], float(self.radius or 0.0), np.zeros(t.shape[1])
         level, side = r * np.cos(np.minimum(t[TURN], pi)), r * _sine(t[TURN])
-        return _Seen(
+        return _PieceView(
             dx * t[TX] + dy * t[TY], dy * t[TX] - dx * t[TY],
             rate[0] * t[TX] + rate[1] * t[TY], rate[1] * t[TX] - rate[0] * t[TY],
             -side, side, none - r, -level, none, none, none + 1.0 / r, none + 1.0 / r, 2.0 * t[TURN], none == 0.0,
             np.array([none, r - level, none]),
         )  # fmt: skip
 
-    def _outline(self, t: np.ndarray, boxes: Boxes, place: np.ndarray, rate: np.ndarray, turned: np.ndarray) -> _Seen:
+    def _outline(
+        self, t: np.ndarray, boxes: Boxes, place: np.ndarray, rate: np.ndarray, turn: np.ndarray
+    ) -> _PieceView:
         """Pieces of the outline, which turn by up to `turned` (rad) with the plate."""
         o = self.outline.table(boxes.outline)
         (x, y, theta), (vx, vy, omega) = place, rate
@@ -162,11 +164,11 @@ class Geometry:
         ox, oy = c * o[TX] - s * o[TY], s * o[TX] + c * o[TY]
         dx, dy, ux, uy = x + rx - t[X], y + ry - t[Y], vx - omega * ry, vy + omega * rx
         cosine, sine = t[TX] * ox + t[TY] * oy, t[TX] * oy - t[TY] * ox
-        bent = t[TURN] + o[TURN] + turned
-        loose = o[REACH] * np.minimum(turned, 2.0)
+        bent = t[TURN] + o[TURN] + turn
+        loose = o[REACH] * np.minimum(turn, 2.0)
         long, wide = (o[BACK], o[AHEAD]), (o[BELOW], o[ABOVE])
         along, across = _sum(_times(long, cosine), _times(wide, -sine)), _sum(_times(long, sine), _times(wide, cosine))
-        return _Seen(
+        return _PieceView(
             dx * t[TX] + dy * t[TY], dy * t[TX] - dx * t[TY], ux * t[TX] + uy * t[TY], uy * t[TX] - ux * t[TY],
             along[0] - loose, along[1] + loose, across[0] - loose, across[1] + loose,
             o[REACH], np.hypot(o[X], o[Y]), o[BEND_LOW], o[BEND_HIGH], bent,
@@ -188,13 +190,13 @@ class Geometry:
         inside, meets = np.ones(boxes.number, dtype=bool), np.ones(boxes.number, dtype=bool)
         blur = np.zeros((3, boxes.number))
         for i, (curve, table, core) in enumerate(places):
-            within, beside = _placed(curve, table[LOW], table[HIGH], core[:, w])
+            within, beside = _core_membership(curve, table[LOW], table[HIGH], core[:, w])
             inside &= within
             meets &= ~beside
             blur[1 + i] = np.where(within, 0.0, table[REACH] ** 2 / self.reach)
         return inside, meets & ~inside, blur
 
-    def divided(self, boxes: Boxes, blur: np.ndarray) -> Boxes:
+    def divide(self, boxes: Boxes, blur: np.ndarray) -> Boxes:
         """The boxes with the stretch halved that blurs the gap most. Raises `pieces.TooFine`."""
         widest = np.argmax(blur, axis=0)
         time, track, outline = (np.flatnonzero(widest == which) for which in range(3))
@@ -219,7 +221,7 @@ def _sine(turn: np.ndarray) -> np.ndarray:
     return np.where(turn < 0.5 * pi, np.sin(turn), 1.0)
 
 
-def _stretched(bend: np.ndarray, steep: np.ndarray) -> np.ndarray:
+def _graph_bend(bend: np.ndarray, steep: np.ndarray) -> np.ndarray:
     """A bound on y'' above, from one on the curvature."""
     return bend * np.where(bend > 0.0, steep, 1.0)
 
@@ -250,7 +252,7 @@ def _while_across(
     )
 
 
-def _placed(curve: Curve, low: np.ndarray, high: np.ndarray, core: np.ndarray) -> Range:
+def _core_membership(curve: Curve, low: np.ndarray, high: np.ndarray, core: np.ndarray) -> Range:
     """Which stretches of the parameter lie in a core, and which apart from it, whole turns aside."""
     if curve.period:
         turns = np.round((core.mean(axis=0) - 0.5 * (low + high)) / curve.period)

@@ -11,10 +11,10 @@ import numpy as np
 from cases import Case, Curve
 
 from .boxes import STRAIGHT, Cores
-from .pieces import BEND_HIGH, BEND_LOW, TURN, bounded
+from .pieces import BEND_HIGH, BEND_LOW, TURN, piece_bounds
 
 # Stretches on each side of a pair are tried from half of the plate's reach downwards, each half as long as the last.
-TRIED = 20
+MOST_TRIES = 20
 # Where no such stretch is known, as next to where the plate no longer fits, points closer to the pair than this part of
 # the reach are the pair.
 SAME = 1e-6
@@ -24,19 +24,21 @@ def cores(case: Case, xi1: np.ndarray, xi2: np.ndarray, gap: np.ndarray) -> tupl
     """The cores around n pairs whose parameters stay within `xi1` and `xi2`, (2, n), and whose gap (m) is at most that,
     (n,); and which of them are proven. The others are no more than the pair."""
     n, reach = len(gap), case.plate.reach
-    lengths = np.append(reach * 0.5 ** np.arange(1, TRIED + 1), SAME * reach)
-    track, outline = (_widened(curve, ends, lengths) for curve, ends in ((case.track, xi1), (case.plate.outline, xi2)))
-    t = bounded(case.track, *track.reshape(2, -1))
+    lengths = np.append(reach * 0.5 ** np.arange(1, MOST_TRIES + 1), SAME * reach)
+    track, outline = (_widen(curve, ends, lengths) for curve, ends in ((case.track, xi1), (case.plate.outline, xi2)))
+    t = piece_bounds(case.track, *track.reshape(2, -1))
     if case.plate.radius is not None:
         turns, bend = 2.0 * t[TURN], np.full(t.shape[1], 1.0 / case.plate.radius)
     else:
-        o = bounded(case.plate.outline, *outline.reshape(2, -1))
+        o = piece_bounds(case.plate.outline, *outline.reshape(2, -1))
         turns, bend = t[TURN] + o[TURN], o[BEND_LOW]
     gaps = np.tile(gap, len(lengths))
     with np.errstate(all="ignore"):
         steep = np.cos(np.minimum(turns, STRAIGHT)) ** -3
-        grown = np.where(bend * gaps > -1.0, bend / (1.0 + bend * gaps), -np.inf)
-        alone = grown * np.where(grown < 0.0, steep, 1.0) > t[BEND_HIGH] * np.where(t[BEND_HIGH] > 0.0, steep, 1.0)
+        outer_bend = np.where(bend * gaps > -1.0, bend / (1.0 + bend * gaps), -np.inf)
+        alone = outer_bend * np.where(outer_bend < 0.0, steep, 1.0) > t[BEND_HIGH] * np.where(
+            t[BEND_HIGH] > 0.0, steep, 1.0
+        )
     alone = (alone & (turns < STRAIGHT)).reshape(len(lengths), n)
     proven = alone.any(axis=0)
     first = np.where(proven, np.argmax(alone, axis=0), len(lengths) - 1)
@@ -44,7 +46,7 @@ def cores(case: Case, xi1: np.ndarray, xi2: np.ndarray, gap: np.ndarray) -> tupl
     return Cores(track[:, first, which], outline[:, first, which]), proven
 
 
-def _widened(curve: Curve, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+def _widen(curve: Curve, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """Ranges (2, n) of a parameter, widened on both sides by each of some lengths (m): (2, lengths, n)."""
     wide = lengths[:, None] / np.asarray(curve.speed(ends.mean(axis=0)))
     return np.array([ends[0] - wide, ends[1] + wide])

@@ -82,8 +82,8 @@ def close(error: float) -> float:
 def _by_series(candidate: Phase, t, y, error) -> bool:
     for order in (QUICK, ORDER):
         signs = _leading_signs(candidate, t, y, error, order)
-        undecided = any(sign == 0 for sign in signs.values())
-        if not undecided or any(sign < 0 for sign in signs.values()):
+        has_zero = any(sign == 0 for sign in signs.values())
+        if not has_zero or any(sign < 0 for sign in signs.values()):
             break
     # A velocity that stays zero is none; any other condition may stay at its bound (weightless, level, at rest).
     velocities = candidate.system.condition_rates
@@ -102,13 +102,13 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
 
 def _values(candidate: Phase, t, y, bounds, order: int) -> Sequence[Series | float]:
     """The conditions' series in numbers, compiled or not; Undecidable where there are none."""
-    compiled = series_code.compile_series(candidate.system, order) if order == QUICK else None
-    if compiled:
-        told = compiled(t, y, bounds, candidate.parameters)
-        if all(isfinite(sum(value.c)) for value in told):
-            return told
+    series_function = series_code.compile_series(candidate.system, order) if order == QUICK else None
+    if series_function:
+        series_list = series_function(t, y, bounds, candidate.parameters)
+        if all(isfinite(sum(value.c)) for value in series_list):
+            return series_list
     try:
-        _, values = candidate.system.expanded(t, y, bounds, candidate.parameters, order)
+        _, values = candidate.system.expand(t, y, bounds, candidate.parameters, order)
     except (ArithmeticError, ValueError) as problem:
         raise Undecidable from problem
     if not all(isfinite(c) for value in values if isinstance(value, Series) for c in value.c):

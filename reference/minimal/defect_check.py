@@ -52,8 +52,8 @@ def good_part(phase: Phase, course: Course, tolerance: float, most: float) -> fl
     if part < 1.0:
         return part
     inside = course.start + course.length * INSIDE
-    missed = defect(phase, inside, course.states(INSIDE), course.slopes(INSIDE), course.length)
-    return 1.0 if missed <= most else 0.5
+    largest = defect(phase, inside, course.states(INSIDE), course.slopes(INSIDE), course.length)
+    return 1.0 if largest <= most else 0.5
 
 
 def clear_part(phase: Phase, course: Course, tolerance: float) -> float:

@@ -57,16 +57,16 @@ class AppliedLoad:
 
     @property
     def torsor(self):
-        return tuple(e / MASS for e in self._named(self.formulas))
+        return tuple(e / MASS for e in self._with_names(self.formulas))
 
     @property
     def checked_quantities(self) -> tuple[sp.Expr, ...]:
         """The arguments of the load's functions, then force and moment (N, N m); empty if steps need no check."""
-        return self._named(checked_quantities(self.formulas))
+        return self._with_names(checked_quantities(self.formulas))
 
-    def _named(self, expressions: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
-        named = {s: sp.Symbol(f"load_{s.name}", positive=True) for s in self.sizes}
-        return tuple(e.xreplace(named) for e in expressions)
+    def _with_names(self, expressions: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
+        names = {s: sp.Symbol(f"load_{s.name}", positive=True) for s in self.sizes}
+        return tuple(e.xreplace(names) for e in expressions)
 
     def values(self, case: Case) -> dict[str, float]:
         load = case.effect(Load)
@@ -131,7 +131,7 @@ class NoResistance:
     couple = ZERO
     by_magnitude = False
 
-    def conditions(self, held: bool, motion: Elimination, side) -> Conditions:
+    def conditions(self, holds: bool, motion: Elimination, side) -> Conditions:
         return {}
 
     def values(self, case: Case, turn: int | None, side: int) -> dict[str, float]:
@@ -149,9 +149,9 @@ class LeverArm(NoResistance):
     couple = RESISTANCE
     by_magnitude = True
 
-    def conditions(self, held: bool, motion: Elimination, side) -> Conditions:
+    def conditions(self, holds: bool, motion: Elimination, side) -> Conditions:
         size = sp.sqrt(GYRATION)
-        if not held:
+        if not holds:
             return {"turn": TURN * motion.omega * size}
         bound = side * ARM * motion.normal
         # Forward is the way the plate begins to turn when the couple that holds it, against that, is not enough.
@@ -172,14 +172,14 @@ class Laws(NamedTuple):
     unilateral: bool
 
     @property
-    def sided(self) -> bool:
+    def depends_on_side(self) -> bool:
         """Whether the law of the contact depends on which side of the track presses."""
         return not self.unilateral and (self.friction.by_magnitude or self.resistance.by_magnitude)
 
     @property
     def side(self) -> sp.Expr:
         """Sign of the normal force in the equations."""
-        return SIDE if self.sided else ONE
+        return SIDE if self.depends_on_side else ONE
 
     @property
     def torsor(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:

@@ -40,7 +40,7 @@ def frame(structure, parameter: sp.Symbol, prefix: str) -> Frame:
 
 # Sums of fractions multiply out to tens of thousands of operations, whose factors SymPy looks for without an end in
 # sight; of the catalogue's expressions none has more than ninety.
-FACTORED = 200
+FACTOR_LIMIT = 200
 
 
 @lru_cache(maxsize=256)
@@ -76,7 +76,7 @@ def short(expression: sp.Expr) -> sp.Expr:
     if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
         return expression
     flat, inside = _expand_products(expression)
-    if sp.count_ops(flat) > FACTORED:
+    if sp.count_ops(flat) > FACTOR_LIMIT:
         return expression
     shapes = (expression, flat.xreplace(inside), sp.factor(flat).xreplace(inside))
     return min((_sign_inside(e) for e in shapes), key=sp.count_ops)

@@ -46,18 +46,18 @@ class Looks:
     """Looks at pairs of points in the flights of a motion, and how many they were."""
 
     def __init__(self, case: Case) -> None:
-        self.case, self.done = case, 0
+        self.case, self.count = case, 0
 
-    def at(self, segment: Segment, t: float, near: tuple[float, float], turned: bool = False) -> Look | None:
+    def at(self, segment: Segment, t: float, near: tuple[float, float], far_turn: bool = False) -> Look | None:
         """The pair next to `near` at the time t, s; None if there is none. Raises TooMuch once the looks are used up.
 
         `turned`: the plate may have turned far since then; its outline is convex.
         """
-        if self.done >= MOST_LOOKS:
+        if self.count >= MOST_LOOKS:
             raise TooMuch
-        self.done += 1
+        self.count += 1
         now = state(segment, t)
-        if turned:
+        if far_turn:
             near = near[0], facing(self.case, near[0], now[2])
         try:
             contact = find(self.case, now[0], now[1], now[2], near)

@@ -25,7 +25,7 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
     across has no length where the force only reaches zero, and does not go beyond the time `end`.
     """
     now, t, y = segment.phase, segment.event.time, segment.event.state
-    motion, force = _expanded(now, t, y)
+    motion, force = _expand(now, t, y)
     value, slope, bend = force[:3]
     if not bend > 0.0:
         return None
@@ -48,9 +48,9 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
     return Segment.of(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
 
 
-def _expanded(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:
+def _expand(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:
     """The coefficients in time of the state, shape (variables, ORDER + 1), and of the normal force's guard."""
     now = phase(now.case, now.regime)  # whose system has series, whatever equations integrated the segment
-    state, conditions = now.system.expanded(t, y, [0.0] * len(y), now.parameters, ORDER)
+    state, conditions = now.system.expand(t, y, [0.0] * len(y), now.parameters, ORDER)
     force = conditions[list(now.system.conditions).index(GUARD)]
     return np.array([component.c for component in state]), list(force.c)

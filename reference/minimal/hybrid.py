@@ -16,7 +16,7 @@ from .decision import Undecidable, decide
 from .elimination import Elimination
 from .grazing import over_touch
 from .impact import ContactVelocity, collide, energy, law_of
-from .integrators.segment import BREAKDOWN, EXHAUSTED, LOST_SIGHT, Segment
+from .integrators.segment import BREAKDOWN, LOST_SIGHT, OUT_OF_STEPS, Segment
 from .landing import Landing, Landings
 from .modes import (
     FLIGHT,
@@ -46,7 +46,7 @@ MANY, NO_TIME = 1000, 1e-9
 MOST_PHASES, MOST_STEPS = 200_000, 1_000_000
 
 # Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
-LOCATED = 1e-12
+LOCATION_ERROR = 1e-12
 
 # So many phases of no length one after the other are no motion any more (a slip that begins, ends and begins), and how
 # far from a bound counts as being at it then: a thousand times the location's error.
@@ -54,10 +54,10 @@ IDLE, ROUGH = 4, 1e-9
 
 # A rebound that rises by no more roundings of positions than this is none: bouncing is over. Its limit is extrapolated
 # from the rebounds before it; where it could not be (each impact ends otherwise than the one before), it is here.
-DROWNS = 4
+REBOUND_ROUNDINGS = 4
 
 Ending = tuple[str, str]  # status and sentence
-COMPLETED: Ending = (Trajectory.status, Trajectory.reason)
+COMPLETION: Ending = (Trajectory.status, Trajectory.reason)
 
 # Guards whose zero ends the motion.
 ENDS = {
@@ -72,7 +72,7 @@ ENDS = {
     "outline_end": ("outline_end", "The contact reached the end of the outline's domain."),
 }
 LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
-LANDED = ("landing", "The plate meets its track again, and the case names no Impact.")
+LANDING_END = ("landing", "The plate meets its track again, and the case names no Impact.")
 ENERGY = ("energy_gain", "Newton's law of restitution would create energy in this impact; give law='poisson'.")
 NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
 NO_SLIP = (
@@ -106,13 +106,13 @@ class Step(NamedTuple):
     cause: str = ""
     state: tuple[float, ...] = ()
     regime: Regime | None = None
-    ending: Ending = COMPLETED
-    listed: bool = True  # whether an impact between two flights is listed
+    ending: Ending = COMPLETION
+    is_listed: bool = True  # whether an impact between two flights is listed
 
 
 def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
     """Phase after phase until the end of time or a status: (segments, transitions, (status, sentence))."""
-    t, y, begun = 0.0, start, start_motion(case)
+    t, y, initial = 0.0, start, start_motion(case)
     segments: list[Segment] = []
     transitions: list[Transition] = []
     if regime is None:
@@ -124,7 +124,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
     bounces, progress, idle, steps = Bounces(case), _Progress(), 0, 0
-    landings, place = None, (begun.xi1, begun.xi2)
+    landings, place = None, (initial.xi1, initial.xi2)
     for _ in range(MOST_PHASES):
         now = phase(case, regime)
         y = state_in(now, y)
@@ -133,10 +133,10 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         try:
             if regime == FLIGHT:
                 landings = landings or Landings(case)
-                fly = _flown if segments or not _closes(case) else _thrown
+                fly = _flight if segments or not _closes(case) else _start_flight
                 step = _after_flight(case, *fly(case, now, t, y, place, rtol, integrate, landings), bounces)
             else:
-                step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATED))
+                step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATION_ERROR))
             idle = idle + 1 if step.time == t else 0
             if idle > IDLE and step.regime not in (None, FLIGHT):
                 step = _advance(case, regime, step)
@@ -147,7 +147,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         segments.extend(step.segments)
         steps += sum(segment.steps for segment in step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
-        if following is not regime.mode or (step.regime == FLIGHT == regime and step.listed):
+        if following is not regime.mode or (step.regime == FLIGHT == regime and step.is_listed):
             transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
         if step.regime is None:
             return segments, transitions, step.ending
@@ -184,15 +184,15 @@ class _Progress:
     """Whether phases still get anywhere, by the motion's own time."""
 
     def __init__(self) -> None:
-        self.since, self.begun = 0.0, list[tuple[Phase, float, Sequence[float]]]()
+        self.since, self.phases = 0.0, list[tuple[Phase, float, Sequence[float]]]()
 
     def none(self, now: Phase, t: float, y: Sequence[float]) -> bool:
         """A phase begins at t with that state: whether MANY took no time, by whichever of them changes fastest."""
-        self.begun.append((now, t, y))
-        if len(self.begun) <= MANY:
+        self.phases.append((now, t, y))
+        if len(self.phases) <= MANY:
             return False
-        took = any((t - self.since) * frequency(*begun) > NO_TIME for begun in self.begun)
-        self.since, self.begun = t, []
+        took = any((t - self.since) * frequency(*entry) > NO_TIME for entry in self.phases)
+        self.since, self.phases = t, []
         return not took
 
 
@@ -220,7 +220,7 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     y = full_state(case, now, segment.event.state)
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
-    if guard == EXHAUSTED:
+    if guard == OUT_OF_STEPS:
         return Step((segment,), t, ending=work_limit_ending(t, segment.steps))
     if guard == BREAKDOWN:
         return Step((segment,), t, ending=_breakdown(now, segment))
@@ -241,19 +241,19 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
-        return decide(case, t, y, LOCATED, [other] if other in candidates(case) else [])
+        return decide(case, t, y, LOCATION_ERROR, [other] if other in candidates(case) else [])
     if guard in BEGINS:
         # Friction or its like has reached its bound from inside; the motion that begins is against it.
         slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
-        begun = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
-        begun = [r for r in begun if _unique_force(phase(case, r), t, y)]
-        return begun[0] if len(begun) == 1 else decide(case, t, y, LOCATED, begun)
+        starting = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
+        starting = [r for r in starting if _unique_force(phase(case, r), t, y)]
+        return starting[0] if len(starting) == 1 else decide(case, t, y, LOCATION_ERROR, starting)
     slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
-    following = decide(case, t, y, LOCATED, able(case, slip, turn))
+    following = decide(case, t, y, LOCATION_ERROR, able(case, slip, turn))
     if following is None:
         # What began a rounding ago and ends with the event is no motion that goes on.
-        slips, turns = senses(case, y, *slip_and_spin(case, y), LOCATED)
-        following = decide(case, t, y, LOCATED, able(case, slip * abs(slips), turn * abs(turns)))
+        slips, turns = senses(case, y, *slip_and_spin(case, y), LOCATION_ERROR)
+        following = decide(case, t, y, LOCATION_ERROR, able(case, slip * abs(slips), turn * abs(turns)))
     return following
 
 
@@ -317,7 +317,7 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
     )
     scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
     # At a lift-off the normal force has vanished, to the location's error and the growth of what it is a difference of.
-    if m.free_approach <= 1e6 * LOCATED * scale:
+    if m.free_approach <= 1e6 * LOCATION_ERROR * scale:
         return LIFT_OFF
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 
@@ -325,13 +325,13 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
 def _free(case: Case, t: float, y: Sequence[float]) -> Elimination:
     """What the equations of the contact say of a full state; its `free_approach` needs no contact to be there."""
     now = phase(case, candidates(case)[-1])
-    return Elimination(*now.system.observed_of_numbers(t, state_in(now, y), now.parameters))
+    return Elimination(*now.system.outputs_of_numbers(t, state_in(now, y), now.parameters))
 
 
 # --- after flight -----------------------------------------------------------------------------------------------------
 
 
-def _flown(
+def _flight(
     case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
 ) -> tuple[list[Segment], Landing | None]:
     """A flight's segments up to its landing, and that; `place` is the pair of points that touched last.
@@ -351,8 +351,8 @@ def _flown(
         segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
         if landing or segment.event.guard or segment.event.time >= case.duration:
             return segments, landing
-        if sum(flown.steps for flown in segments) >= MOST_STEPS:
-            return [*segments[:-1], segment.ended_by(EXHAUSTED)], None
+        if sum(segment.steps for segment in segments) >= MOST_STEPS:
+            return [*segments[:-1], segment.ended_by(OUT_OF_STEPS)], None
         t, y, lasts = segment.event.time, segment.event.state, 2.0 * lasts
 
 
@@ -361,7 +361,7 @@ def _closes(case: Case) -> bool:
     return case.start.gap == 0.0 and case.start.gap_rate < 0.0
 
 
-def _thrown(
+def _start_flight(
     case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
 ) -> tuple[list[Segment], Landing]:
     """The flight of no length before the impact that a case begins with, and that."""
@@ -381,58 +381,58 @@ def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
 def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, bounces: Bounces) -> Step:
     """What the impact makes of a landing."""
     last = segments[-1]
-    if landing is None and last.event.guard == EXHAUSTED:
+    if landing is None and last.event.guard == OUT_OF_STEPS:
         steps = sum(segment.steps for segment in segments)
         return Step(tuple(segments), last.event.time, ending=work_limit_ending(last.event.time, steps))
     if landing is None and last.event.guard == LOST_SIGHT:
         return Step(tuple(segments), last.event.time, ending=_search_limit_ending(last.event.time))
     if landing is None:
         return Step(
-            tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETED
+            tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETION
         )
-    flown, place = tuple(segments), (landing.xi1, landing.xi2)
+    path, place = tuple(segments), (landing.xi1, landing.xi2)
     if case.effect(Impact) is None:
-        return Step(flown, landing.time, place, "landing", ending=LANDED)
+        return Step(path, landing.time, place, "landing", ending=LANDING_END)
     law, since = law_of(case, landing.arm_t, landing.arm_n), segments[0].start
     # What opens and has not flown does not get off its track: it comes down as fast as it rose, and stays.
     none = landing.time == since and landing.touch.lift >= 0.0
-    listed = not none and bounces.strike(since, landing)
+    is_listed = not none and bounces.strike(since, landing)
     touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
     after = collide(law, touch)
     if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
-        return Step(flown, landing.time, place, "landing", ending=ENERGY)
+        return Step(path, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
     if none or after.lift <= 0.0:
         bounces.no_rebound()
         cause = "rest" if after.lift > 0.0 else "landing"
-        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), cause, listed)
-    drowns = _drowns(case, after.lift, pull, place)
+        return _rest(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), cause, is_listed)
+    is_unresolved = _is_unresolved(case, after.lift, pull, place)
     bounces.rebound(landing, after, pull)
-    limit = None if listed and not drowns else bounces.limit()  # what is listed is stepped through
+    limit = None if is_listed and not is_unresolved else bounces.limit()  # what is listed is stepped through
     if limit and landing.time < limit.time < case.duration:
-        settled = (*flown, bounces.settling(last.phase, limit))
-        return _rest(case, settled, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest", False)
-    if drowns:
-        return _rest(case, flown, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", listed)
+        with_rest = (*path, bounces.settling(last.phase, limit))
+        return _rest(case, with_rest, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest", False)
+    if is_unresolved:
+        return _rest(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", is_listed)
     aloft = in_flight(case, y, after.slip, after.omega, after.lift)
-    return Step(flown, landing.time, place, "landing", aloft, FLIGHT, listed=listed)
+    return Step(path, landing.time, place, "landing", aloft, FLIGHT, is_listed=is_listed)
 
 
-def _drowns(case: Case, lift: float, pull: float, place: tuple[float, float]) -> bool:
+def _is_unresolved(case: Case, lift: float, pull: float, place: tuple[float, float]) -> bool:
     """Whether a rebound of that speed, brought back with `pull` (m/s²), is no higher than positions are known."""
     x, y, _ = pose(case, *place)
-    known = DROWNS * EPS * (abs(x) + abs(y) + float(np.hypot(*case.plate.outline.point(place[1]))))
-    return lift * lift <= 2.0 * pull * known
+    rounding = REBOUND_ROUNDINGS * EPS * (abs(x) + abs(y) + float(np.hypot(*case.plate.outline.point(place[1]))))
+    return lift * lift <= 2.0 * pull * rounding
 
 
 def _rest(
-    case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str, listed: bool
+    case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str, is_listed: bool
 ) -> Step:
     """Contact that neither opens nor closes: the mode that follows, or flight, `listed` or not, where none does."""
     y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
-    moves = senses(case, y, touch.slip, touch.omega, LOCATED)
-    following = decide(case, t, y, LOCATED, able(case, *moves))
+    moves = senses(case, y, touch.slip, touch.omega, LOCATION_ERROR)
+    following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))
     if following:
         return Step(segments, t, place, cause, y, following)
-    return _leave(case, segments, t, y, cause)._replace(listed=listed)
+    return _leave(case, segments, t, y, cause)._replace(is_listed=is_listed)

@@ -81,13 +81,13 @@ def collide(law: Law, before: ContactVelocity) -> ContactVelocity:
         return now  # what ended the slip has lifted the contact
     compression = 0.0
     if now.lift < 0.0:
-        now, compression = _advance(law, now, lambda spent, now, rates: _until(now.lift, rates.lift, 0.0))
+        now, compression = _advance(law, now, lambda total, now, rates: _until(now.lift, rates.lift, 0.0))
         now = now._replace(lift=0.0)
     if law.restitution == 0.0:
         return now
     if law.name == "poisson":
-        return _advance(law, now, lambda spent, now, rates: law.restitution * compression - spent)[0]
-    return _advance(law, now, lambda spent, now, rates: _until(now.lift, rates.lift, goal))[0]._replace(lift=goal)
+        return _advance(law, now, lambda total, now, rates: law.restitution * compression - total)[0]
+    return _advance(law, now, lambda total, now, rates: _until(now.lift, rates.lift, goal))[0]._replace(lift=goal)
 
 
 def energy(law: Law, touch: ContactVelocity) -> float:
@@ -97,16 +97,16 @@ def energy(law: Law, touch: ContactVelocity) -> float:
 
 
 def _advance(
-    law: Law, now: ContactVelocity, left: Callable[[float, ContactVelocity, _Rates], float]
+    law: Law, now: ContactVelocity, remaining: Callable[[float, ContactVelocity, _Rates], float]
 ) -> tuple[ContactVelocity, float]:
     """Piece after piece until `left(spent, velocities, rates)`, the impulse still to come, is used up.
 
     Raises Undecidable where the velocities are not finite numbers, so that no piece ends it.
     """
-    spent = 0.0
+    total = 0.0
     for _ in range(MOST_PIECES):
         rates = _rates(law, now)
-        rest = max(left(spent, now, rates), 0.0)
+        rest = max(remaining(total, now, rates), 0.0)
         slip_ends = _until(now.slip, rates.slip, 0.0)
         spin_ends = _until(now.omega, rates.omega, 0.0) if law.arm else inf  # otherwise nothing changes there
         step = min(rest, slip_ends, spin_ends)
@@ -115,9 +115,9 @@ def _advance(
             now.lift + step * rates.lift,
             0.0 if step == spin_ends else now.omega + step * rates.omega,
         )
-        spent += step
+        total += step
         if step == rest:
-            return now, spent
+            return now, total
     raise Undecidable(f"the impact does not end at {now} under {law}")
 
 
@@ -133,8 +133,8 @@ def _rates(law: Law, now: ContactVelocity) -> _Rates:
     for slip, turn in product(slips, turns):
         rates = _piece(law, slip, turn)
         sticks = abs(rates.friction) <= law.stick if not slip else bool(now.slip) or rates.slip * slip > 0.0
-        held = abs(rates.couple) <= law.arm if not turn else bool(now.omega) or rates.omega * turn > 0.0
-        if sticks and held:
+        holds = abs(rates.couple) <= law.arm if not turn else bool(now.omega) or rates.omega * turn > 0.0
+        if sticks and holds:
             return rates
     # The matrix from (friction, couple) to the rates of (slip, ω) is positive definite, so one of them agrees.
     raise Undecidable(f"no piece of the impact agrees with its laws at {now} under {law}")
@@ -142,13 +142,13 @@ def _rates(law: Law, now: ContactVelocity) -> _Rates:
 
 def _piece(law: Law, slip: float, turn: float) -> _Rates:
     """Rates while it slips and turns in those senses; 0: it sticks, it is held (or nothing resists the rotation)."""
-    held = bool(law.arm) and not turn
+    holds = bool(law.arm) and not turn
     couple = -law.arm * turn
     if slip:
         friction = -law.mu * slip
     else:
-        friction = 0.0 if held else law.arm_n * (law.arm_t + couple) / (law.gyration + law.arm_n**2)
-    if held:
+        friction = 0.0 if holds else law.arm_n * (law.arm_t + couple) / (law.gyration + law.arm_n**2)
+    if holds:
         couple = law.arm_n * friction - law.arm_t
     omega = (law.arm_t - law.arm_n * friction + couple) / law.gyration
     along = friction - law.arm_n * omega if slip else 0.0
@@ -158,8 +158,8 @@ def _piece(law: Law, slip: float, turn: float) -> _Rates:
 def _at_once(law: Law, before: ContactVelocity) -> ContactVelocity:
     """Moreau's law: of the ways to end, those that hold most first, the one that agrees with its impulse."""
     goal = -law.restitution * before.lift
-    if law.mu == inf and (stopped := _stops(law, before)).lift >= goal:
-        return stopped  # what ends the slip lifts the contact fast enough without a normal impulse
+    if law.mu == inf and (sticking := _stops(law, before)).lift >= goal:
+        return sticking  # what ends the slip lifts the contact fast enough without a normal impulse
     slips, turns = (0.0,) if law.mu == inf else (0.0, 1.0, -1.0), (0.0, 1.0, -1.0) if law.arm else (0.0,)
     ends = [_ending(law, before, slip, turn) for slip, turn in product(slips, turns)]
     excess, after = min(ends, key=lambda end: end[0])
@@ -174,13 +174,13 @@ def _ending(law: Law, before: ContactVelocity, slip: float, turn: float) -> tupl
 
     The impulse (T, P, C) is the solution of a condition each on friction, normal velocity and couple.
     """
-    held = bool(law.arm) and not turn
+    holds = bool(law.arm) and not turn
     spins = np.array([-law.arm_n, law.arm_t, 1.0]) / law.gyration
     slips, lifts = np.array([1.0, 0.0, 0.0]) - law.arm_n * spins, np.array([0.0, 1.0, 0.0]) + law.arm_t * spins
     conditions = (
         (np.array([1.0, law.mu * slip, 0.0]), 0.0) if slip else (slips, -before.slip),
         (lifts, -(1.0 + law.restitution) * before.lift),
-        (spins, -before.omega) if held else (np.array([0.0, law.arm * turn, 1.0]), 0.0),
+        (spins, -before.omega) if holds else (np.array([0.0, law.arm * turn, 1.0]), 0.0),
     )
     try:
         impulse = np.linalg.solve([row for row, _ in conditions], [value for _, value in conditions])
@@ -194,16 +194,16 @@ def _ending(law: Law, before: ContactVelocity, slip: float, turn: float) -> tupl
         -along * slip / (abs(before.slip) + abs(along)) if slip and along else 0.0,
         -omega * turn / (abs(before.omega) + abs(omega)) if turn and omega else 0.0,
         abs(friction) / normal - law.stick if not slip else 0.0,
-        (abs(couple) / normal - law.arm) / law.arm if held else 0.0,
+        (abs(couple) / normal - law.arm) / law.arm if holds else 0.0,
     )
-    return max(excess, 0.0), ContactVelocity(along if slip else 0.0, before.lift, 0.0 if held else omega)
+    return max(excess, 0.0), ContactVelocity(along if slip else 0.0, before.lift, 0.0 if holds else omega)
 
 
 def _stops(law: Law, now: ContactVelocity) -> ContactVelocity:
     """Friction without bound ends the slip before there is any normal impulse."""
     impulse = -now.slip / (1.0 + law.arm_n**2 / law.gyration)
-    turned = -law.arm_n * impulse / law.gyration
-    return ContactVelocity(0.0, now.lift + law.arm_t * turned, now.omega + turned)
+    spin_change = -law.arm_n * impulse / law.gyration
+    return ContactVelocity(0.0, now.lift + law.arm_t * spin_change, now.omega + spin_change)
 
 
 def law_of(case: Case, arm_t: float, arm_n: float) -> Law:

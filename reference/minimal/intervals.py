@@ -25,11 +25,11 @@ class Interval:
         self.low, self.high = low, high
 
     def __array_ufunc__(self, ufunc, method, *inputs, **options):
-        made = _FUNCTIONS.get(ufunc.__name__)
-        if made is None or method != "__call__" or options:
+        function = _FUNCTIONS.get(ufunc.__name__)
+        if function is None or method != "__call__" or options:
             return NotImplemented
         with np.errstate(all="ignore"):
-            return made(*inputs)
+            return function(*inputs)
 
     def __neg__(self) -> Interval:
         return Interval(-self.high, -self.low)
@@ -113,19 +113,19 @@ def _power(a: Interval, exponent) -> Interval:
     if exponent < 0:
         return _inverse(_power(a, -exponent))
     if exponent == round(exponent) and round(exponent) % 2 == 0:
-        return _known(a.least**exponent, a.size**exponent)
+        return _finite_bounds(a.least**exponent, a.size**exponent)
     return _rising(lambda x: x**exponent)(a)  # NaN below zero where it is a root
 
 
 def _rising(function: Callable) -> Callable[[Interval], Interval]:
-    return lambda a: _known(function(a.low), function(a.high))
+    return lambda a: _finite_bounds(function(a.low), function(a.high))
 
 
 def _falling(function: Callable) -> Callable[[Interval], Interval]:
-    return lambda a: _known(function(a.high), function(a.low))
+    return lambda a: _finite_bounds(function(a.high), function(a.low))
 
 
-def _known(low: np.ndarray, high: np.ndarray) -> Interval:
+def _finite_bounds(low: np.ndarray, high: np.ndarray) -> Interval:
     """The bounds, unbounded where there is no value; a value beyond all numbers is a large one, so that differences of
     two of them are no NaN."""
     return Interval(
@@ -150,7 +150,7 @@ def _sine(a: Interval) -> Interval:
 
 
 def _hyperbolic_cosine(a: Interval) -> Interval:
-    return _known(np.cosh(a.least), np.cosh(a.size))
+    return _finite_bounds(np.cosh(a.least), np.cosh(a.size))
 
 
 def _tangent(a: Interval) -> Interval:

@@ -93,25 +93,25 @@ class Landings:
             look = first or before
             other = self._elsewhere(segment, before, look)
             if other is not None:
-                return self._located(segment, other, place[0])
+                return self._landing_at(segment, other, place[0])
             if first is None or not isnan(first.beyond):
                 return self._landing(segment, look, place[0])
             before = first
         since, motion = start, windows(partial(_poses, segment), segment.times, self.size, self.degree)
         if before is not None:
-            landing, since = self._followed(segment, motion, before, place[0])
+            landing, since = self._follow(segment, motion, before, place[0])
             if landing or self.pair:
                 return landing
         for some in self._stretches(segment, motion, since):
             self.flies_until = float(some.start[0])
             meeting = self.search.first(some)
             if meeting is not None:
-                return self._located(segment, meeting, place[0])
+                return self._landing_at(segment, meeting, place[0])
         return None
 
     # --- one pair of points -------------------------------------------------------------------------------------------
 
-    def _followed(self, segment: Segment, motion: Windows, before: Look, near: float) -> tuple[Landing | None, float]:
+    def _follow(self, segment: Segment, motion: Windows, before: Look, near: float) -> tuple[Landing | None, float]:
         """The landing at a pair that is the only nearest one, and until when (s) there is none. Where it is lost, or no
         longer the only one, `pair` is None."""
         window, end = 0, float(motion.end[-1])
@@ -121,21 +121,21 @@ class Landings:
                 window += 1
             free = self._room(before.contact.xi1)
             if not before.gap < ALONE * free.gap:
-                return self._lost(before.time)
+                return self._stop_following(before.time)
             step = self._clear(motion, window, before, free)
             now = self._ahead(segment, before, min(before.time + step, float(motion.end[window])), free)
             if now is None:
-                return self._lost(before.time)
+                return self._stop_following(before.time)
             still = now.time <= before.time  # no more than a rounding of the time is clear
             if now.gap <= 0.0 or (now.rate < 0.0 and (still or now.gap <= self._rounding(segment, now))):
                 return self._landing(segment, self._closed(segment, now), near), now.time
             if still:
-                return self._lost(float(np.nextafter(before.time, inf)))
+                return self._stop_following(float(np.nextafter(before.time, inf)))
             before = now
         self.pair = before.pair
         return None, end
 
-    def _lost(self, time: float) -> tuple[None, float]:
+    def _stop_following(self, time: float) -> tuple[None, float]:
         """Nothing is followed from that time on."""
         self.pair = None
         return None, time
@@ -143,7 +143,7 @@ class Landings:
     def _ahead(self, segment: Segment, before: Look, time: float, free: Room) -> Look | None:
         """The same pair at a later time, or sooner where it is not found; None if it is lost."""
         for _ in range(STEPS):
-            now = self.looks.at(segment, time, before.pair, turned=True)
+            now = self.looks.at(segment, time, before.pair, far_turn=True)
             if now is not None and self._on_track(now) and -ALONE * self.size < now.gap < free.gap:
                 return now
             time = 0.5 * (before.time + time)
@@ -160,16 +160,16 @@ class Landings:
         within = rest
         for _ in range(2):
             speed = min(float(motion.speed[window]), look.centre + pull * within) + turns
-            room_left = ALONE * free.gap + 0.25 * free.gap - gap
-            if speed * within > room_left:
-                within = room_left / speed
+            spare_gap = ALONE * free.gap + 0.25 * free.gap - gap
+            if speed * within > spare_gap:
+                within = spare_gap / speed
             bend = self._bending(free, gap + speed * within, speed, spin, swing) + pull
             root = sqrt(look.rate**2 + 2.0 * bend * gap)
             if look.rate < 0.0:
-                found = 2.0 * gap / (root - look.rate)
+                zero_time = 2.0 * gap / (root - look.rate)
             else:
-                found = (look.rate + root) / bend if bend else inf
-            clear = max(clear, min(found, within))
+                zero_time = (look.rate + root) / bend if bend else inf
+            clear = max(clear, min(zero_time, within))
             within = min(within, 4.0 * clear)
         return min(clear, rest)
 
@@ -222,25 +222,25 @@ class Landings:
     def _stretches(self, segment: Segment, motion: Windows, since: float) -> Iterator[Windows]:
         """The motion from a time on, in stretches in which the plate moves by some of its sizes, each farther than the
         last."""
-        limit, gone, edges = STRETCH * self.size, 0.0, [since]
+        limit, distance, edges = STRETCH * self.size, 0.0, [since]
         speeds = motion.speed + motion.spin * self.size
         for start, end, speed in zip(motion.start.tolist(), motion.end.tolist(), speeds.tolist(), strict=True):
             time = max(start, since)
             while time < end:
-                until = time + (limit - gone) / speed if speed > 0.0 else end
+                until = time + (limit - distance) / speed if speed > 0.0 else end
                 until = end if not until < end - 1e-9 * (end - start) else until
                 edges.append(until)
-                gone += speed * (until - time)
+                distance += speed * (until - time)
                 time = until
-                if gone >= (1.0 - 1e-9) * limit:
+                if distance >= (1.0 - 1e-9) * limit:
                     yield windows(partial(_poses, segment), np.array(edges), self.size, self.degree)
-                    limit, gone, edges = 2.0 * limit, 0.0, [time]
+                    limit, distance, edges = 2.0 * limit, 0.0, [time]
         if len(edges) > 1:
             yield windows(partial(_poses, segment), np.array(edges), self.size, self.degree)
 
     # --- the landing itself -------------------------------------------------------------------------------------------
 
-    def _located(self, segment: Segment, meeting: Meeting, near: float) -> Landing:
+    def _landing_at(self, segment: Segment, meeting: Meeting, near: float) -> Landing:
         """The landing at a meeting."""
         pair = meeting.xi1, meeting.xi2
         if isnan(meeting.xi2):

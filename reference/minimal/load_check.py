@@ -40,7 +40,7 @@ _SLOPES = chebyshev.chebval(_GRID, chebyshev.chebder(np.eye(2 * DEGREE + 1))).T
 # that of 1/(1 + exp(u)) from u = 710 on.
 LARGE = 1e60
 # Last coefficients below this part of the largest are rounding.
-TRIMMED = 1e-15
+TRIM = 1e-15
 # Roots of a polynomial so near to the real axis are real to rounding: those of two that have just met are 1e-7 off it.
 NEARLY_REAL = 1e-6
 # Around such a place the load is sampled so many times, each time at half the distance, down to 1e-12 of the step.
@@ -54,7 +54,7 @@ PART, FINEST, COARSEST = 1e-2, 1e-13, 1e-6
 # what a polynomial makes of that.
 ULPS, ROUNDINGS = 4.0 * float(np.finfo(float).eps), 16.0
 # A step is halved so often; then it is shorter than a rounding of any time that it may begin at.
-MOST_HALVED = 100
+MOST_HALVINGS = 100
 
 
 class Course(Protocol):
@@ -78,9 +78,9 @@ class Course(Protocol):
 def resolved_part(phase: Phase, course: Course, tolerance: float) -> float:
     """The part of a step on which the load of the phase is resolved: 1, 1/2, 1/4, …"""
     part, acting = 1.0, _acting(phase, course)
-    allowed = min(max(PART * tolerance, FINEST), COARSEST)
-    for _ in range(MOST_HALVED):
-        if _resolved(phase, course, part, allowed, acting):
+    bound = min(max(PART * tolerance, FINEST), COARSEST)
+    for _ in range(MOST_HALVINGS):
+        if _is_resolved(phase, course, part, bound, acting):
             break
         part *= 0.5
     return part
@@ -93,7 +93,7 @@ def _acting(phase: Phase, course: Course) -> float:
     return phase.case.weight + phase.case.plate.mass * phase.size * often**2
 
 
-def _resolved(phase: Phase, course: Course, part: float, allowed: float, acting: float) -> bool:
+def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting: float) -> bool:
     """Whether the load is resolved on that part of the step: its polynomial misses at most `allowed` of the forces."""
     places = part * PLACES
     arguments, forces = _quantities(phase, course, places)
@@ -103,47 +103,47 @@ def _resolved(phase: Phase, course: Course, part: float, allowed: float, acting:
         return False
     coefficients = _TO_COEFFICIENTS @ arguments.T
     tails, sizes = np.max(np.abs(coefficients[-2:]), axis=0), np.max(np.abs(arguments), axis=1)
-    missed = np.max(np.abs(forces[:, ::2] @ _AT_THE_OTHERS.T - forces[:, 1::2]))
-    errors, error = ARGUMENT * sizes, allowed * (acting + np.max(np.abs(forces)))
-    if missed > error or np.any(tails > errors):
-        moved = _quantities(phase, course, places, ULPS)
-        errors = np.maximum(errors, ROUNDINGS * np.max(np.abs(moved[0][small] - arguments), axis=1))
-        error = max(error, ROUNDINGS * np.max(np.abs(moved[1] - forces)))
-        if not (missed <= error and np.all(tails <= errors)):
+    misfit = np.max(np.abs(forces[:, ::2] @ _AT_THE_OTHERS.T - forces[:, 1::2]))
+    errors, error = ARGUMENT * sizes, bound * (acting + np.max(np.abs(forces)))
+    if misfit > error or np.any(tails > errors):
+        perturbation = _quantities(phase, course, places, ULPS)
+        errors = np.maximum(errors, ROUNDINGS * np.max(np.abs(perturbation[0][small] - arguments), axis=1))
+        error = max(error, ROUNDINGS * np.max(np.abs(perturbation[1] - forces)))
+        if not (misfit <= error and np.all(tails <= errors)):
             return False
     events = _events(coefficients)
     if not len(events):
         return True
-    seen = np.unique((events[:, None] + _AROUND).clip(0.0, 1.0))
-    there = _quantities(phase, course, part * seen)[1]
-    polynomial = chebyshev.chebval(2.0 * seen - 1.0, _THROUGH_EVERY_SECOND @ forces[:, ::2].T)
-    missed = np.max(np.abs(polynomial - there))  # NaN, which is not less than what is allowed, where there is no value
-    if missed > error:
-        error = max(error, ROUNDINGS * np.max(np.abs(_quantities(phase, course, part * seen, ULPS)[1] - there)))
-    return bool(missed <= error)
+    samples = np.unique((events[:, None] + _AROUND).clip(0.0, 1.0))
+    there = _quantities(phase, course, part * samples)[1]
+    polynomial = chebyshev.chebval(2.0 * samples - 1.0, _THROUGH_EVERY_SECOND @ forces[:, ::2].T)
+    misfit = np.max(np.abs(polynomial - there))  # NaN, which is not less than what is allowed, where there is no value
+    if misfit > error:
+        error = max(error, ROUNDINGS * np.max(np.abs(_quantities(phase, course, part * samples, ULPS)[1] - there)))
+    return bool(misfit <= error)
 
 
 def _events(coefficients: np.ndarray) -> np.ndarray:
     """Zeros and extrema (0 to 1) of arguments with these Chebyshev coefficients (degree + 1, k)."""
-    found = [np.empty(0)]
+    parts = [np.empty(0)]
     for matrix, order in ((_VALUES, 0), (_SLOPES, 1)):
         signs = matrix @ coefficients >= 0.0
         for k in np.flatnonzero((signs[1:] != signs[:-1]).any(axis=0)):
             own = coefficients[:, k]
             # Most are straight lines or parabolas but for rounding.
-            own = chebyshev.chebtrim(own, TRIMMED * float(np.max(np.abs(own))))
+            own = chebyshev.chebtrim(own, TRIM * float(np.max(np.abs(own))))
             roots = chebyshev.chebroots(chebyshev.chebder(own, order))
-            found.append(roots.real[np.abs(roots.imag) <= NEARLY_REAL])
-    every = 0.5 * (1.0 + np.concatenate(found))
+            parts.append(roots.real[np.abs(roots.imag) <= NEARLY_REAL])
+    every = 0.5 * (1.0 + np.concatenate(parts))
     return every[(every >= 0.0) & (every <= 1.0)]
 
 
-def _quantities(phase: Phase, course: Course, parts: np.ndarray, moved: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def _quantities(phase: Phase, course: Course, parts: np.ndarray, shift: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Arguments (k, n), and force and moment over the radius of gyration (3, n; N) at these parts of the step; `moved`:
     with each component of the course moved to and fro by that part of itself."""
     times, states = course.start + course.length * parts, course.states(parts)
-    if moved:
-        signs = moved * (-1.0) ** np.arange(len(parts))
+    if shift:
+        signs = shift * (-1.0) ** np.arange(len(parts))
         times, states = times * (1.0 + signs), states * (1.0 - signs)
     with np.errstate(all="ignore"):  # what has no value, or overflows, is looked for in the result
         rows = phase.system.load_quantities_of_arrays(times, states, phase.parameters)

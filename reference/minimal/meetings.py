@@ -25,7 +25,7 @@ ONE_BY_ONE = 100
 # Boxes looked at together: a hundred megabytes.
 TOGETHER = 60_000
 # Newton's method is tried in so many boxes between two looks, and takes so many steps.
-TRIED, STEPS = 4, 20
+MOST_TRIES, STEPS = 4, 20
 # A meeting outside a box by this part of it is its own: its neighbour may take it to be this one's.
 BEYOND = 1e-6
 
@@ -44,17 +44,17 @@ class MeetingSearch:
     def __init__(self, case: Case):
         self.case = case
         self.geometry = Geometry(case, Pieces(case.track), Pieces(case.plate.outline))
-        self.done = 0
+        self.count = 0
 
     def first(self, motion: Windows, cores: Cores | None = None) -> Meeting | None:
         """The first meeting in the windows outside the cores, to the accuracy of their polynomials; None if there is
         none. Raises TooMuch."""
-        found: Meeting | None = None
-        todo = [self._begun(motion)]
+        earliest: Meeting | None = None
+        todo = [self._first_boxes(motion)]
         while todo:
             boxes = todo.pop()
-            if found:
-                boxes = boxes.some(boxes.start < found.time)
+            if earliest:
+                boxes = boxes.some(boxes.start < earliest.time)
             if not boxes.number:
                 continue
             if boxes.number > TOGETHER:
@@ -62,23 +62,23 @@ class MeetingSearch:
                 todo += [boxes.some(part) for part in reversed(np.array_split(order, 2))]
                 continue
             self._spend(boxes.number)
-            known = self.geometry.bounds(motion, boxes)
+            box_bounds = self.geometry.bounds(motion, boxes)
             if cores is not None:
-                known = self._outside(boxes, known, cores)
-            rest = np.flatnonzero(known.possible)
-            boxes = boxes.some(rest)._replace(start=known.start[rest], end=known.end[rest])
-            settled, found = self._settled(motion, boxes, known, rest, found)
-            some = np.flatnonzero(~settled)
+                box_bounds = self._outside(boxes, box_bounds, cores)
+            rest = np.flatnonzero(box_bounds.possible)
+            boxes = boxes.some(rest)._replace(start=box_bounds.start[rest], end=box_bounds.end[rest])
+            complete, earliest = self._complete_boxes(motion, boxes, box_bounds, rest, earliest)
+            some = np.flatnonzero(~complete)
             if some.size:
-                todo.append(self.geometry.divided(boxes.some(some), known.blur[:, rest[some]]))
-        return found
+                todo.append(self.geometry.divide(boxes.some(some), box_bounds.blur[:, rest[some]]))
+        return earliest
 
     def _spend(self, boxes: int) -> None:
-        self.done += boxes
-        if self.done > MOST_BOXES:
+        self.count += boxes
+        if self.count > MOST_BOXES:
             raise TooMuch
 
-    def _begun(self, motion: Windows) -> Boxes:
+    def _first_boxes(self, motion: Windows) -> Boxes:
         """The curves' first pieces, of the track those that the plate may reach in a window."""
         track, outline = self.geometry.track, self.geometry.outline
         (x, y, _), _ = motion.at(np.arange(len(motion.start)), 0.5 * (motion.start + motion.end))
@@ -92,37 +92,37 @@ class MeetingSearch:
         window = np.repeat(window, len(places))
         return Boxes(window, i, j, motion.start[window], motion.end[window])
 
-    def _outside(self, boxes: Boxes, known: Bounds, cores: Cores) -> Bounds:
+    def _outside(self, boxes: Boxes, box_bounds: Bounds, cores: Cores) -> Bounds:
         """What is known of boxes without those inside the cores; one that is partly inside is divided until it is
         not."""
         inside, across, blur = self.geometry.against(boxes, cores)
-        return known._replace(
-            possible=known.possible & ~inside,
-            single=known.single & ~across,
-            blur=np.where(across, np.maximum(known.blur, blur), known.blur),
+        return box_bounds._replace(
+            possible=box_bounds.possible & ~inside,
+            single=box_bounds.single & ~across,
+            blur=np.where(across, np.maximum(box_bounds.blur, blur), box_bounds.blur),
         )
 
-    def _settled(
-        self, motion: Windows, boxes: Boxes, known: Bounds, rest: np.ndarray, found: Meeting | None
+    def _complete_boxes(
+        self, motion: Windows, boxes: Boxes, box_bounds: Bounds, rest: np.ndarray, earliest: Meeting | None
     ) -> tuple[np.ndarray, Meeting | None]:
         """Which boxes need no more division, and the first meeting known by now."""
-        settled = np.zeros(boxes.number, dtype=bool)
+        complete = np.zeros(boxes.number, dtype=bool)
         order = np.argsort(boxes.start, kind="stable")
-        for k in order[known.single[rest][order]][:TRIED].tolist():
-            meeting = self._located(motion, boxes, k)
-            settled[k] = meeting is not None
-            found = _first(found, meeting)
+        for k in order[box_bounds.single[rest][order]][:MOST_TRIES].tolist():
+            meeting = self._locate(motion, boxes, k)
+            complete[k] = meeting is not None
+            earliest = _first(earliest, meeting)
         # Bounds that are no wider than rounding tell no more.
-        narrow = ~settled & (known.blur[:, rest].sum(axis=0) <= known.rounding[rest])
+        narrow = ~complete & (box_bounds.blur[:, rest].sum(axis=0) <= box_bounds.rounding[rest])
         for k in order[narrow[order]].tolist():
-            if found and boxes.start[k] >= found.time:
+            if earliest and boxes.start[k] >= earliest.time:
                 break
-            found = _first(found, self._touching(motion, boxes, k))
-        return settled | narrow, found
+            earliest = _first(earliest, self._touching(motion, boxes, k))
+        return complete | narrow, earliest
 
     # --- one box ------------------------------------------------------------------------------------------------------
 
-    def _located(self, motion: Windows, boxes: Boxes, k: int) -> Meeting | None:
+    def _locate(self, motion: Windows, boxes: Boxes, k: int) -> Meeting | None:
         """The meeting in one box by Newton's method; None if it does not find it there."""
         low, high = self._corners(boxes, k)
         wide = high - low

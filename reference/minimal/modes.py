@@ -80,7 +80,7 @@ def candidates(case: Case) -> tuple[Regime, ...]:
 
 @lru_cache(maxsize=256)
 def _regimes(law: Laws) -> tuple[Regime, ...]:
-    sides = (1, -1) if law.sided else (1,)
+    sides = (1, -1) if law.depends_on_side else (1,)
     return tuple(
         Regime(Mode.REST if mode is Mode.ROLL and turn == 0 else mode, side, turn)
         for mode in law.friction.modes
@@ -159,16 +159,16 @@ def _places(system: System) -> tuple[int, ...]:
 @lru_cache(maxsize=1024)
 def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, float]:
     """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian."""
-    begun, size = start.motion(track, plate.outline), plate.gyration
-    return size / float(track.speed(begun.xi1)), size / float(plate.outline.speed(begun.xi2)), 1.0
+    initial, size = start.motion(track, plate.outline), plate.gyration
+    return size / float(track.speed(initial.xi1)), size / float(plate.outline.speed(initial.xi2)), 1.0
 
 
 @lru_cache(maxsize=1024)
 def _features(load: Load | None, *curves: Curve) -> tuple[tuple[int | None, Features], ...]:
     """What a step may not pass over of a load and, in contact, of track and outline, where there is such a thing."""
-    met: list[tuple[int | None, Features | None]] = [(None, load.features if load else None)]
-    met += [(row, curve.features) for row, curve in enumerate(curves)]
-    return tuple((row, found) for row, found in met if found is not None and not found.plain)
+    all_features: list[tuple[int | None, Features | None]] = [(None, load.features if load else None)]
+    all_features += [(row, curve.features) for row, curve in enumerate(curves)]
+    return tuple((row, feature) for row, feature in all_features if feature is not None and not feature.plain)
 
 
 def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
@@ -180,10 +180,10 @@ def full_state(case: Case, phase: Phase, y: Sequence[float]) -> tuple[float, ...
     """A mode's own variables as the full state."""
     if phase.regime.mode is Mode.FLIGHT:
         return tuple(float(v) for v in y)
-    known = dict(zip(phase.places, map(float, y), strict=True))
-    xi1, xi2, u1 = known[0], known[1], known.get(2, 0.0)
-    u2 = known[3] if 3 in known else without_slip(case, xi1, xi2, u1)
-    return (xi1, xi2, u1, u2, known[4]) if 4 in known else (xi1, xi2, u1, u2)
+    values = dict(zip(phase.places, map(float, y), strict=True))
+    xi1, xi2, u1 = values[0], values[1], values.get(2, 0.0)
+    u2 = values[3] if 3 in values else without_slip(case, xi1, xi2, u1)
+    return (xi1, xi2, u1, u2, values[4]) if 4 in values else (xi1, xi2, u1, u2)
 
 
 def without_slip(case: Case, xi1: float, xi2: float, u1: float) -> float:

@@ -23,7 +23,7 @@ from .meetings import Meeting, MeetingSearch
 from .modes import FLIGHT
 from .pieces import TooMuch
 from .room import fits_everywhere
-from .windows import EPS, Windows, joined, windows
+from .windows import EPS, Windows, join_windows, windows
 
 # Steps searched together: what was integrated beyond a second contact is looked at no further.
 TOGETHER = 32
@@ -32,7 +32,7 @@ HALVINGS = 16
 # Places of the contact looked at in a window, and how far it may go beyond them, in parts of what it covers.
 PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
 # How far a zero of the gap is from a meeting, at most: so many times the time between them is made wider by four.
-WIDENED = 20
+MOST_WIDENINGS = 20
 
 Solution = tuple[list[Segment], list[Transition], tuple[str, str]]
 
@@ -53,9 +53,9 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
             return _cut(solution, t, "unfinished", f"Looking for second contacts took too much work from {t:.9g} s on.")
         if meeting is not None:
             segment = next(segment for segment in reversed(lot) if segment.start <= meeting.time or segment is lot[0])
-            found = _located(case, segment, meeting)
-            reason = f"The plate meets its track in a second place, xi1 = {found.xi1:.9g}, at t = {found.time:.9g} s."
-            return _cut(solution, found.time, "second_contact", reason)
+            touch = _locate(case, segment, meeting)
+            reason = f"The plate meets its track in a second place, xi1 = {touch.xi1:.9g}, at t = {touch.time:.9g} s."
+            return _cut(solution, touch.time, "second_contact", reason)
     return solution
 
 
@@ -66,8 +66,8 @@ def _cut(solution: Solution, time: float, status: str, reason: str) -> Solution:
     number = max((i for i, segment in enumerate(segments) if segment.start < time), default=0)
     # What was integrated beyond was work all the same.
     work = sum(segment.evaluations for segment in segments[number:])
-    kept = [*segments[:number], segments[number].until(time, work)]
-    return kept, [t for t in transitions if t.time < time], (status, reason)
+    parts = [*segments[:number], segments[number].until(time, work)]
+    return parts, [t for t in transitions if t.time < time], (status, reason)
 
 
 def _lots(case: Case, segments: list[Segment]) -> Iterator[tuple[list[Segment], Windows, Cores]]:
@@ -86,7 +86,7 @@ def _lots(case: Case, segments: list[Segment]) -> Iterator[tuple[list[Segment], 
             steps += len(part) - 1
             if steps >= TOGETHER or (segment is segments[-1] and part[-1] == edges[-1]):
                 track, outline = (np.concatenate([around[i] for _, around in some], axis=1) for i in range(2))
-                yield lot, joined([motion for motion, _ in some]), Cores(track, outline)
+                yield lot, join_windows([motion for motion, _ in some]), Cores(track, outline)
                 lot, some, steps = [], [], 0
 
 
@@ -115,7 +115,7 @@ def _poses(case: Case, segment: Segment, times: np.ndarray) -> np.ndarray:
     return np.array([x, y, theta])
 
 
-def _located(case: Case, segment: Segment, meeting: Meeting) -> Meeting:
+def _locate(case: Case, segment: Segment, meeting: Meeting) -> Meeting:
     """The zero of the gap at a meeting's pair of points, to rounding."""
     from scipy.optimize import brentq  # slow to import, and most motions never come here
 
@@ -138,7 +138,7 @@ def _located(case: Case, segment: Segment, meeting: Meeting) -> Meeting:
 def _zero(gap: Callable[[float], float], near: float, root: Callable[..., float]) -> float:
     """A zero at which a gap closes. Raises ValueError if there is none near."""
     wide = max(4.0 * EPS * abs(near), 1e-300)
-    for _ in range(WIDENED):
+    for _ in range(MOST_WIDENINGS):
         if gap(near - wide) > 0.0 >= gap(near + wide):
             return float(root(gap, near - wide, near + wide, xtol=1e-15, rtol=8.9e-16))
         wide *= 4.0

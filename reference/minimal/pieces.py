@@ -39,7 +39,7 @@ class Pieces:
         self._count = 0
         low, high = curve.span
         # The first pieces; of a curve without ends also those of each doubling of what is looked at.
-        self._roots = [self._added(*_parted(low, high, FIRST))]
+        self._roots = [self._add(*_split(low, high, FIRST))]
         self._ends = [(low, high)]
 
     @property
@@ -61,8 +61,8 @@ class Pieces:
                 raise TooMuch
             low, high = self._table[LOW, whole], self._table[HIGH, whole]
             middle = 0.5 * (low + high)
-            made = self._added(np.column_stack([low, middle]).ravel(), np.column_stack([middle, high]).ravel())
-            self._halves[whole] = made[::2]
+            numbers = self._add(np.column_stack([low, middle]).ravel(), np.column_stack([middle, high]).ravel())
+            self._halves[whole] = numbers[::2]
             first = self._halves[some]
         return first
 
@@ -77,7 +77,7 @@ class Pieces:
             return roots
         for doublings in range(MOST_DOUBLINGS):
             if doublings:
-                roots = np.concatenate([self._doubled(doublings)[:FIRST], roots, self._doubled(doublings)[FIRST:]])
+                roots = np.concatenate([self._doubling(doublings)[:FIRST], roots, self._doubling(doublings)[FIRST:]])
             if not self._ends_near(roots, self._ends[doublings], x, y, reach):
                 return roots
         raise TooMuch
@@ -92,33 +92,33 @@ class Pieces:
         outside, inside = away[:, ~inner].min(axis=1), away[:, inner].min(axis=1)
         return bool((outside < np.maximum(reach, inside)).any())
 
-    def _doubled(self, number: int) -> np.ndarray:
+    def _doubling(self, number: int) -> np.ndarray:
         """The pieces that a doubling adds, on the left and on the right."""
         while len(self._roots) <= number:
             low, high = self._ends[-1]
             half = 0.5 * (high - low)
-            left, right = _parted(low - half, low, FIRST), _parted(high, high + half, FIRST)
-            self._roots.append(np.concatenate([self._added(*left), self._added(*right)]))
+            left, right = _split(low - half, low, FIRST), _split(high, high + half, FIRST)
+            self._roots.append(np.concatenate([self._add(*left), self._add(*right)]))
             self._ends.append((low - half, high + half))
         return self._roots[number]
 
-    def _added(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    def _add(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """The numbers of new pieces."""
-        made = np.arange(self._count, self._count + len(low))
+        numbers = np.arange(self._count, self._count + len(low))
         while self._count + len(low) > self._table.shape[1]:
             self._table = np.concatenate([self._table, np.empty_like(self._table)], axis=1)
             self._halves = np.concatenate([self._halves, np.full_like(self._halves, -1)])
-        self._table[:, made] = bounded(self.curve, low, high)
+        self._table[:, numbers] = piece_bounds(self.curve, low, high)
         self._count += len(low)
-        return made
+        return numbers
 
 
-def _parted(low: float, high: float, parts: int) -> tuple[np.ndarray, np.ndarray]:
+def _split(low: float, high: float, parts: int) -> tuple[np.ndarray, np.ndarray]:
     edges = np.linspace(low, high, parts + 1)
     return edges[:-1], edges[1:]
 
 
-def bounded(curve: Curve, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def piece_bounds(curve: Curve, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """The bounds on the pieces of a curve between `low` and `high`, shape (ROWS, n): infinite where there are none."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     with np.errstate(all="ignore"):
@@ -145,14 +145,14 @@ def bounded(curve: Curve, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         rise = rise.within(Interval(np.minimum(sagitta.low, 0.0), np.maximum(sagitta.high, 0.0)))
         turn = np.where(ahead.low > 0.0, np.arctan(aside.size / ahead.low), np.pi)
         bend = (ahead * second[1] - aside * second[0]) / (ahead**2 + aside**2) ** 1.5
-        made = np.array([
+        table = np.array([
             low, high, at[0], at[1], tx, ty, reach.low, reach.high, rise.low, rise.high, turn, bend.low, bend.high,
             np.hypot(reach.size, rise.size),
         ])  # fmt: skip
-    unknown = ~np.isfinite(made[[X, Y, TX, TY]]).all(axis=0)
-    made[X:TX, unknown], made[TX, unknown], made[TY, unknown] = 0.0, 1.0, 0.0
+    without_value = ~np.isfinite(table[[X, Y, TX, TY]]).all(axis=0)
+    table[X:TX, without_value], table[TX, without_value], table[TY, without_value] = 0.0, 1.0, 0.0
     for row, value in ((BACK, -np.inf), (AHEAD, np.inf), (BELOW, -np.inf), (ABOVE, np.inf), (TURN, np.pi)):
-        made[row, unknown | np.isnan(made[row])] = value
+        table[row, without_value | np.isnan(table[row])] = value
     for row, value in ((BEND_LOW, -np.inf), (BEND_HIGH, np.inf), (REACH, np.inf)):
-        made[row, unknown | np.isnan(made[row])] = value
-    return made
+        table[row, without_value | np.isnan(table[row])] = value
+    return table

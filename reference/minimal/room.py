@@ -32,7 +32,7 @@ from .integrators.segment import Segment
 # A parabola through three even places goes beyond the middle one by up to an eighth of their second difference.
 BETWEEN = 0.25
 # Bounds on curvatures are as narrow as this part of the largest.
-KNOWN = 1e-7
+BEND_PRECISION = 1e-7
 # So often stretches around an extreme are looked at more closely, in so many places: a part in 1e8 of a swing is left.
 CLOSER, PARTS = 3, 17
 
@@ -64,7 +64,7 @@ def room(track: Curve, outline: Curve, low: float, high: float) -> Room:
     """How much room there is on a stretch of the track; a gap of 0 says nothing."""
     places = _places(track, low, high)
     bend, bends = _range(track, places), _range(outline, _places(outline, *outline.span))
-    flat = KNOWN * bends[1]  # a flat side's curvature may be a little less than nothing
+    flat = BEND_PRECISION * bends[1]  # a flat side's curvature may be a little less than nothing
     convex = bends[0] > max(bend[1], 0.0) or (bends[0] >= -flat and bend[1] < -flat)
     if not outline.period or not convex:
         return Room(0.0, bend, bends)  # not convex, or tighter than the track somewhere

@@ -164,18 +164,18 @@ def exp(x):
 def _from_slope(function: Callable[[float], float], slope: Callable[[Series], Series]):
     """The elementary function with that closed-form derivative, for numbers and series."""
 
-    def extended(x):
+    def elementary(x):
         if not isinstance(x, Series):
             return _of_number(function.__name__, x)
-        value = extended(x.c[0])
+        value = elementary(x.c[0])
         if len(x.c) == 1:
             return Series([value], [abs(slope(x).c[0]) * x.e[0] + EPS * abs(value)])
         shorter = Series(x.c[:-1], x.e[:-1])
         return _integrate(slope(shorter) * x.derivative(), value, abs(slope(shorter).c[0]) * x.e[0])
 
     # By its name in this module it travels to a file and back.
-    extended.__name__ = extended.__qualname__ = function.__name__
-    return extended
+    elementary.__name__ = elementary.__qualname__ = function.__name__
+    return elementary
 
 
 log = _from_slope(math.log, lambda x: x**-1)

@@ -35,22 +35,22 @@ class Symbol:
         return Symbol(2.0 * hy.relu(self.expression) - self.expression)  # exact, as is the double of a float
 
 
-def _operation(name: str, turned: bool = False) -> Callable:
+def _operation(name: str, swap: bool = False) -> Callable:
     """That operation of `operator` on symbols and floats; `turned` with the float first."""
 
-    def applied(self, other):
+    def apply(self, other):
         if not isinstance(other, Symbol | float | int):
             return NotImplemented
-        pair = (other, self) if turned else (self, other)
+        pair = (other, self) if swap else (self, other)
         first, second = (v.expression if isinstance(v, Symbol) else hy.expression(float(v)) for v in pair)
         return Symbol(getattr(operator, name)(first, second))
 
-    return applied
+    return apply
 
 
 for _name in ("add", "sub", "mul", "truediv", "pow"):
     setattr(Symbol, f"__{_name}__", _operation(_name))
-    setattr(Symbol, f"__r{_name}__", _operation(_name, turned=True))
+    setattr(Symbol, f"__r{_name}__", _operation(_name, swap=True))
 for _name in ("exp", "log", "sqrt", "sin", "cos", "sinh", "cosh", "tanh", "asin", "acos", "atan"):
     setattr(Symbol, _name, lambda self, name=_name: Symbol(getattr(hy, name)(self.expression)))
 
@@ -60,17 +60,17 @@ def compile_series(system: System, order: int) -> Callable[..., list[Series]] | 
     """The conditions of `System.expanded` in that order, compiled; None where that is not worth its time."""
     if not AVAILABLE:
         return None
-    function = system.kept("series", (order, hy.__version__, build()), lambda: _compile_source(system, order))
+    function = system.from_cache("series", (order, hy.__version__, build()), lambda: _compile_source(system, order))
     if function is None:
         return None
     terms = order + 1
 
-    def called(t, y, bounds, parameters) -> list[Series]:
-        told = function([t, *y, *bounds, *parameters]).tolist()
-        starts = range(0, len(told), 2 * terms)
-        return [Series(told[i : i + terms], told[i + terms : i + 2 * terms]) for i in starts]
+    def evaluate(t, y, bounds, parameters) -> list[Series]:
+        values = function([t, *y, *bounds, *parameters]).tolist()
+        starts = range(0, len(values), 2 * terms)
+        return [Series(values[i : i + terms], values[i + terms : i + 2 * terms]) for i in starts]
 
-    return called
+    return evaluate
 
 
 def _compile_source(system: System, order: int):
@@ -82,7 +82,9 @@ def _compile_source(system: System, order: int):
     symbols = list(map(Symbol, inputs))
     parts = symbols[1 : 1 + len(y)], symbols[1 + len(y) : 1 + 2 * len(y)], symbols[1 + 2 * len(y) :]
     outputs: list = []
-    for value in system.expanded(symbols[0], *parts, order)[1]:
-        told = value if isinstance(value, Series) else Series([value] + [0.0] * order, [0.0] * (order + 1))
-        outputs += (v.expression if isinstance(v, Symbol) else hy.expression(v) for v in (*told.c, *told.e))
+    for value in system.expand(symbols[0], *parts, order)[1]:
+        value_series = value if isinstance(value, Series) else Series([value] + [0.0] * order, [0.0] * (order + 1))
+        outputs += (
+            v.expression if isinstance(v, Symbol) else hy.expression(v) for v in (*value_series.c, *value_series.e)
+        )
     return compile_quickly(outputs, inputs)

@@ -28,7 +28,7 @@ EVEN = 1e-14
 # Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
 HOP = 1.0625
 # How often that is looked for again with the rate there: a pull that grows makes it longer than the first look says.
-REFINED = 5
+REFINEMENTS = 5
 _LOOKS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
 
 
@@ -39,7 +39,7 @@ def first_look(looks: Looks, segment: Segment, start: Look) -> Look | None:
     soonest = SOONEST * part
     while part > soonest:
         look = looks.at(segment, start.time + part, start.pair)
-        if look is None or not _resolved(looks.case, start, look):
+        if look is None or not _is_resolved(looks.case, start, look):
             part *= 0.25
             continue
         if start.rate > 0.0 > look.rate:
@@ -61,7 +61,7 @@ def _hop(looks: Looks, segment: Segment, start: Look, ahead: Look) -> Look | Non
     themselves, its integral's zero is the landing.
     """
     most, lasts, whole = ahead.time - start.time, inf, ahead
-    for _ in range(REFINED):
+    for _ in range(REFINEMENTS):
         if not whole.rate < start.rate:
             return None
         before, lasts = lasts, 2.0 * start.rate * (whole.time - start.time) / (start.rate - whole.rate)
@@ -90,14 +90,14 @@ def _hop(looks: Looks, segment: Segment, start: Look, ahead: Look) -> Look | Non
 
 def _uneven(looks: Looks, segment: Segment, start: Look, lasts: float) -> float:
     """How long a hop lasts whose rate falls unevenly, about `lasts`; NaN where a polynomial does not tell."""
-    seen = [start]
+    samples = [start]
     for x in _LOOKS[1:]:
         look = looks.at(segment, start.time + x * HOP * lasts, start.pair)
         if look is None:
             return nan
-        seen.append(look)
-    parts = [(look.time - start.time) / (HOP * lasts) for look in seen]
-    rate = Chebyshev.fit(parts, [look.rate for look in seen], len(seen) - 1, domain=(0.0, 1.0))
+        samples.append(look)
+    parts = [(look.time - start.time) / (HOP * lasts) for look in samples]
+    rate = Chebyshev.fit(parts, [look.rate for look in samples], len(samples) - 1, domain=(0.0, 1.0))
     if not np.max(np.abs(rate.coef[-2:])) <= 10.0 * EVEN * start.speed:
         return nan
     gap, x = rate.integ(lbnd=0.0), 1.0 / HOP
@@ -120,7 +120,7 @@ def _speed(now: list[float], size: float) -> float:
     return hypot(vx, vy) + abs(omega) * size
 
 
-def _resolved(case: Case, start: Look, look: Look) -> bool:
+def _is_resolved(case: Case, start: Look, look: Look) -> bool:
     """Whether between two looks the pair stays within a part of what the curves are polynomials on."""
     curves = (case.track, case.plate.outline)
     return all(

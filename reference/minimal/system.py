@@ -59,7 +59,7 @@ class Equations:
     variables: tuple[sp.Symbol, ...]
     positions: int
     rates: tuple[sp.Expr, ...]
-    observed: Elimination
+    outputs: Elimination
     conditions: dict[str, sp.Expr] = field(default_factory=dict)
     condition_rates: dict[str, sp.Expr] = field(default_factory=dict)
     guards: dict[str, sp.Expr] = field(default_factory=dict)
@@ -68,19 +68,19 @@ class Equations:
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
         """The symbols that are neither time nor variables: sizes, friction, loads, signs."""
-        used = [*self.rates, *self.observed, *self.conditions.values(), *self.condition_rates.values()]
-        found = set().union(*(e.free_symbols for e in (*used, *self.guards.values(), *self.load_quantities)))
-        return tuple(sorted(found - {*self.variables, T}, key=lambda symbol: symbol.name))
+        used = [*self.rates, *self.outputs, *self.conditions.values(), *self.condition_rates.values()]
+        symbols = set().union(*(e.free_symbols for e in (*used, *self.guards.values(), *self.load_quantities)))
+        return tuple(sorted(symbols - {*self.variables, T}, key=lambda symbol: symbol.name))
 
 
 class CompiledExpressions(Mapping[str, sp.Expr]):
     """Expressions by name. Their names are known at once; the expressions are derived when one is asked for."""
 
-    def __init__(self, names: Sequence[str], derived: Callable[[], Mapping[str, sp.Expr]]):
-        self.names, self._derived = tuple(names), derived
+    def __init__(self, names: Sequence[str], derive: Callable[[], Mapping[str, sp.Expr]]):
+        self.names, self._derive = tuple(names), derive
 
     def __getitem__(self, name: str) -> sp.Expr:
-        return self._derived()[name]
+        return self._derive()[name]
 
     def __contains__(self, name: object) -> bool:
         return name in self.names  # Mapping's own would derive
@@ -102,7 +102,7 @@ class System:
 
     def __init__(self, decided_by: tuple, derive: Callable[[], Equations]):
         self._decided_by, self._derive = decided_by, derive
-        names = self.kept("outline", (), lambda: _outline(self.equations))
+        names = self.from_cache("outline", (), lambda: _outline(self.equations))
         self.variables, self.positions, self.parameters, conditions, condition_rates, guards = names
         self.conditions = CompiledExpressions(conditions, lambda: self.equations.conditions)
         self.condition_rates = CompiledExpressions(condition_rates, lambda: self.equations.condition_rates)
@@ -117,10 +117,10 @@ class System:
         return self.equations.rates
 
     @property
-    def observed(self) -> Elimination:
-        return self.equations.observed
+    def outputs(self) -> Elimination:
+        return self.equations.outputs
 
-    def kept(self, kind: str, further: tuple, make: Callable[[], Any]) -> Any:
+    def from_cache(self, kind: str, further: tuple, make: Callable[[], Any]) -> Any:
         """What `make` makes of these equations and what else decides it, from disk where it is there."""
         return cached(kind, (self._decided_by, further), Path(__file__).parent, make)
 
@@ -131,12 +131,12 @@ class System:
             modules = [series.FUNCTIONS] if library == "series" else library
             return sp.lambdify([T, self.variables, self.parameters], expressions, modules=modules, cse=True)
 
-        compiled = self.kept("function", (what, library), make)
-        return _without_raising(compiled, self._count(what)) if library == "math" else compiled
+        function = self.from_cache("function", (what, library), make)
+        return _without_raising(function, self._count(what)) if library == "math" else function
 
     def _count(self, what: str) -> int:
-        known = {"rates": self.variables, "observed": Elimination._fields}
-        return len(known[what] if what in known else getattr(self, what))
+        names = {"rates": self.variables, "outputs": Elimination._fields}
+        return len(names[what] if what in names else getattr(self, what))
 
     @derived
     def rates_of_numbers(self):
@@ -188,7 +188,7 @@ class System:
         """The same as `conditions_of_numbers` on `series.Series`; a constant condition stays a number."""
         return self._compile("conditions", "series")
 
-    def expanded(self, t, y: Sequence, bounds: Sequence, parameters: Sequence, order: int):
+    def expand(self, t, y: Sequence, bounds: Sequence, parameters: Sequence, order: int):
         """The motion from (t, y) and its conditions as series in time of that order, a constant condition as a number.
 
         `bounds` are those of the errors of `y`. Numbers may be floats, or symbols that compute as floats do.
@@ -202,14 +202,14 @@ class System:
         return state, self.conditions_of_series(time, state, parameters)
 
     @derived
-    def observed_of_arrays(self):
+    def outputs_of_arrays(self):
         """(t, y, parameters) -> list in the order of `Elimination`, on arrays."""
-        return self._compile("observed", "numpy")
+        return self._compile("outputs", "numpy")
 
     @derived
-    def observed_of_numbers(self):
+    def outputs_of_numbers(self):
         """The same on floats."""
-        return self._compile("observed", "math")
+        return self._compile("outputs", "math")
 
     @derived
     def load_quantities_of_arrays(self):
@@ -217,39 +217,39 @@ class System:
         return self._compile("load_quantities", "numpy")
 
 
-def _outline(found: Equations) -> tuple:
+def _outline(equations: Equations) -> tuple:
     """What a system needs to be used: symbols and names, without expressions."""
-    names = (tuple(some) for some in (found.conditions, found.condition_rates, found.guards))
-    return found.variables, found.positions, found.parameters, *names
+    names = (tuple(some) for some in (equations.conditions, equations.condition_rates, equations.guards))
+    return equations.variables, equations.positions, equations.parameters, *names
 
 
-def _without_raising(compiled: Callable[..., list], count: int) -> Callable[..., list]:
+def _without_raising(function: Callable[..., list], count: int) -> Callable[..., list]:
     """The same function of floats, NaN where it has no value there (a logarithm of less than 0, an overflow), like that
     of arrays: integrators stop at it, a decision finds nothing."""
 
-    def evaluated(t, y, parameters) -> list:
+    def evaluate(t, y, parameters) -> list:
         try:
-            values = compiled(t, y, parameters)
+            values = function(t, y, parameters)
             isfinite(sum(values))  # Python's root of less than 0 is a complex number, which this refuses
             return values
         except (ArithmeticError, ValueError, TypeError):
             return [nan] * count
 
-    return evaluated
+    return evaluate
 
 
 class Kind(NamedTuple):
     """Which rows a mode of contact has: none against slip, or rolling; one against rotation, or none."""
 
     slips: bool
-    held: bool
+    holds: bool
 
 
 _STATES = {
-    Kind(slips=True, held=False): (U1, U2),
-    Kind(slips=True, held=True): (U1, U2),
-    Kind(slips=False, held=False): (U1,),
-    Kind(slips=False, held=True): (),
+    Kind(slips=True, holds=False): (U1, U2),
+    Kind(slips=True, holds=True): (U1, U2),
+    Kind(slips=False, holds=False): (U1,),
+    Kind(slips=False, holds=True): (),
 }
 
 
@@ -265,38 +265,40 @@ def flight_system(case: Case) -> System:
 
 
 @lru_cache(maxsize=256)
-def _in_contact(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kind) -> System:
-    given = (track, outline, bounded, law, kind)
-    return System(("contact", *given), lambda: _contact_equations(*given))
+def _in_contact(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> System:
+    structure_key = (track, outline, has_ends, law, kind)
+    return System(("contact", *structure_key), lambda: _contact_equations(*structure_key))
 
 
-def _contact_equations(track, outline, bounded: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
+def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
     f = frame(track, X1, "track_")
     h = frame(outline, X2, "outline_")
-    seen = _motion(f, h, kind)
-    force = _force(f, law, seen)
-    if kind.held:
+    pose = _motion(f, h, kind)
+    force = _force(f, law, pose)
+    if kind.holds:
         motion = translating(f, h, force, law.friction.ratio) if kind.slips else resting(h, force)
     elif kind.slips:
         motion = sliding(f, h, force, law.friction.ratio, law.resistance.couple)
     else:
         motion = rolling(f, h, force, law.resistance.couple)
     conditions = law.friction.conditions(kind.slips, motion, law.side)
-    conditions |= law.resistance.conditions(kind.held, motion, law.side)
-    if (law.unilateral or law.sided) and "cone_forward" not in conditions:  # inside the cone the force is not negative
+    conditions |= law.resistance.conditions(kind.holds, motion, law.side)
+    if (
+        law.unilateral or law.depends_on_side
+    ) and "cone_forward" not in conditions:  # inside the cone the force is not negative
         conditions["normal_force"] = law.side * motion.normal
     velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sp.sqrt(GYRATION)}
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
     variables = (*positions, *_STATES[kind])
     u2 = U2 if kind.slips else U1 * f.P / h.P
-    known = {X1: U1, X2: u2, THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
+    rate_of = {X1: U1, X2: u2, THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
     rests = not _STATES[kind]
-    rates = tuple(ZERO if rests else known[v] for v in variables)
+    rates = tuple(ZERO if rests else rate_of[v] for v in variables)
     moving = {T} if rests else {*variables, T}
-    limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(bounded)}
+    limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
     guards = {name: g for name, g in (conditions | limits).items() if g.free_symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    load_quantities = tuple(e.xreplace(seen) for e in law.checked_quantities)
+    load_quantities = tuple(e.xreplace(pose) for e in law.checked_quantities)
     return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, load_quantities)
 
 
@@ -304,7 +306,7 @@ def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
     """Pose and velocities of the plate, what a load may depend on, in the contact's state."""
     u1, u2 = (U1, U2) if kind.slips else (U1, U1 * f.P / h.P)
     rests = not _STATES[kind]
-    omega = ZERO if kind.held else spin(f, h, u1, u2)
+    omega = ZERO if kind.holds else spin(f, h, u1, u2)
     slip = U1 * f.P - U2 * h.P if kind.slips else ZERO
     along, across = (ZERO, ZERO) if rests else (slip + omega * h.hn, -omega * h.ht)
     _, x, y, _, vx, vy, w = MOTION
@@ -317,9 +319,9 @@ def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
     }
 
 
-def _force(f: Frame, law: Laws, seen: dict[sp.Symbol, sp.Expr]) -> Torsor:
+def _force(f: Frame, law: Laws, pose: dict[sp.Symbol, sp.Expr]) -> Torsor:
     """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
-    fx, fy, moment = (sp.sympify(e).xreplace(seen) for e in law.torsor)
+    fx, fy, moment = (sp.sympify(e).xreplace(pose) for e in law.torsor)
     return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
 
 
@@ -336,10 +338,10 @@ def _flight_equations(law: Laws) -> Equations:
     return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 
-def _ends(bounded: tuple[bool, bool]) -> dict[str, sp.Expr]:
+def _ends(has_ends: tuple[bool, bool]) -> dict[str, sp.Expr]:
     """Where a curve ends, the contact ends."""
     guards = {}
-    for name, bound, variable in zip(("track", "outline"), bounded, (X1, X2), strict=True):
+    for name, bound, variable in zip(("track", "outline"), has_ends, (X1, X2), strict=True):
         if bound:
             low, high = sp.symbols(f"{name}_low {name}_high", real=True)
             guards[f"{name}_start"], guards[f"{name}_end"] = variable - low, high - variable
@@ -352,19 +354,19 @@ def _has_ends(curve: Curve) -> bool:
 
 def parameter_values(case: Case, values: dict[str, float], names: tuple[sp.Symbol, ...]) -> tuple[float, ...]:
     """The runtime parameters in the system's order: the case's own and the mode's `values`, by name."""
-    known = _sizes(case.track, case.plate) | values
+    numbers = _sizes(case.track, case.plate) | values
     for load in laws(case).loads:
-        known |= load.values(case)
-    return tuple([known[symbol.name] for symbol in names])
+        numbers |= load.values(case)
+    return tuple([numbers[symbol.name] for symbol in names])
 
 
 # Kept by what friction has no part in: scenes are made again and again with another friction.
 @lru_cache(maxsize=1024)
 def _sizes(track: Curve, plate: Plate) -> dict[str, float]:
     """What the parameters of curves and plate are in all modes, by name."""
-    known: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
+    sizes: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
     for prefix, curve in (("track", track), ("outline", plate.outline)):
-        known |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}
+        sizes |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}
         if curve.domain:
-            known |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
-    return known
+            sizes |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
+    return sizes

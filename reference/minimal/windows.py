@@ -12,7 +12,7 @@ EPS = float(np.finfo(float).eps)
 # Polynomials of this degree go through a window; a motion under constant forces is one of degree two.
 DEGREE, PARABOLA = 16, 2
 # A window whose last coefficients are larger than this part of the largest is halved, so many times at most.
-RESOLVED, HALVINGS = 1e-13, 8
+TAIL_PART, HALVINGS = 1e-13, 8
 # Of a place worked out from some coefficients.
 ROUNDINGS = 16
 
@@ -53,23 +53,23 @@ def windows(poses: Poses, edges: np.ndarray, size: float, degree: int = DEGREE) 
     """The windows between the times `edges`, halved where the polynomials need it. `poses` maps times (m,) to
     (x, y, θ), shape (3, m); `size` (m) is the plate's, by which a turn moves its points."""
     start, end = edges[:-1], edges[1:]
-    places = _fitted(poses, start, end, degree)
+    places = _fit(poses, start, end, degree)
     for _ in range(HALVINGS):
-        coarse = (_tail(places) > RESOLVED * _scale(places, size)).any(axis=1)
+        coarse = (_tail(places) > TAIL_PART * _scale(places, size)).any(axis=1)
         if degree < DEGREE or not coarse.any():
             break
         middle = 0.5 * (start[coarse] + end[coarse])
         halves = np.concatenate([start[coarse], middle]), np.concatenate([middle, end[coarse]])
-        made = _fitted(poses, *halves, degree)
+        new_places = _fit(poses, *halves, degree)
         start, end, places = (
-            np.concatenate([kept[~coarse], new])
-            for kept, new in zip((start, end, places), (*halves, made), strict=True)
+            np.concatenate([old[~coarse], new])
+            for old, new in zip((start, end, places), (*halves, new_places), strict=True)
         )
     order = np.argsort(start)
     start, end, places = start[order], end[order], places[order]
     tail, scale = _tail(places) if degree == DEGREE else np.zeros((len(start), 3)), _scale(places, size)
     error = np.max((tail + ROUNDINGS * EPS * scale) * np.array([1.0, 1.0, size]), axis=1)
-    places = places[:, :, : _needed(places)]
+    places = places[:, :, : _count_terms(places)]
     per_second = 2.0 / (end - start)[:, None, None]
     rates = chebyshev.chebder(places, axis=2) * per_second
     changes = np.abs(chebyshev.chebder(rates, axis=2) * per_second).sum(axis=2)
@@ -80,7 +80,7 @@ def windows(poses: Poses, edges: np.ndarray, size: float, degree: int = DEGREE) 
     )  # fmt: skip
 
 
-def _fitted(poses: Poses, start: np.ndarray, end: np.ndarray, degree: int) -> np.ndarray:
+def _fit(poses: Poses, start: np.ndarray, end: np.ndarray, degree: int) -> np.ndarray:
     """Chebyshev coefficients of x, y, θ, shape (n, 3, degree + 1)."""
     nodes, to_coefficients = _nodes(degree)
     times = 0.5 * (start + end)[:, None] + 0.5 * (end - start)[:, None] * nodes
@@ -88,15 +88,15 @@ def _fitted(poses: Poses, start: np.ndarray, end: np.ndarray, degree: int) -> np
     return (values @ to_coefficients.T).transpose(1, 0, 2)
 
 
-_KNOWN: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+_NODE_CACHE: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
 
 def _nodes(degree: int) -> tuple[np.ndarray, np.ndarray]:
     """Chebyshev's nodes and the matrix from values there to coefficients."""
-    if degree not in _KNOWN:
+    if degree not in _NODE_CACHE:
         nodes = chebyshev.chebpts1(degree + 1)
-        _KNOWN[degree] = nodes, np.linalg.inv(chebyshev.chebvander(nodes, degree))
-    return _KNOWN[degree]
+        _NODE_CACHE[degree] = nodes, np.linalg.inv(chebyshev.chebvander(nodes, degree))
+    return _NODE_CACHE[degree]
 
 
 def _tail(places: np.ndarray) -> np.ndarray:
@@ -111,7 +111,7 @@ def _scale(places: np.ndarray, size: float) -> np.ndarray:
     return np.array([far, far, 1.0 + rows[:, 2]]).T
 
 
-def _needed(places: np.ndarray) -> int:
+def _count_terms(places: np.ndarray) -> int:
     """How many coefficients are more than rounding anywhere, two at least."""
     large = np.abs(places) > 0.1 * EPS * np.abs(places).sum(axis=2)[:, :, None]
     return max(2, int(np.flatnonzero(large.any(axis=(0, 1)))[-1]) + 1) if large.any() else 2
@@ -137,12 +137,12 @@ def _value(coefficients: list[float], z: float) -> float:
     return coefficients[0] + z * b1 - b2
 
 
-def joined(lots: list[Windows]) -> Windows:
+def join_windows(lots: list[Windows]) -> Windows:
     """The windows of all lots, in their order."""
     most = max(lot.places.shape[2] for lot in lots)
 
-    def padded(rows: np.ndarray, length: int) -> np.ndarray:
+    def pad(rows: np.ndarray, length: int) -> np.ndarray:
         return np.concatenate([rows, np.zeros((*rows.shape[:2], length - rows.shape[2]))], axis=2)
 
-    full = [lot._replace(places=padded(lot.places, most), rates=padded(lot.rates, most - 1)) for lot in lots]
+    full = [lot._replace(places=pad(lot.places, most), rates=pad(lot.rates, most - 1)) for lot in lots]
     return Windows(*(np.concatenate(column) for column in zip(*full, strict=True)))

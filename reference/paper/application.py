@@ -34,7 +34,7 @@ class SlipEnd(NamedTuple):
 
     time: float
     xi1: float
-    needed: float
+    demand: float
 
 
 def slip_end(mu: float, release: float = 0.0, k: float = DISC) -> SlipEnd:
@@ -61,14 +61,14 @@ def slip_end(mu: float, release: float = 0.0, k: float = DISC) -> SlipEnd:
     # Finer than 1e-12 a double has no digits left for; the first zero is then known to 1e-11.
     run = solve_ivp(rates, (0.0, _LONGEST), [release, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14, events=slip)
     (time,), ((xi1, p, _),) = run.t_events[0], run.y_events[0]
-    needed = k / (1.0 + k) * abs(np.cos(xi1)) / (mu * (np.sin(xi1) + p * p))
-    return SlipEnd(float(time), float(xi1), float(needed))
+    demand = k / (1.0 + k) * abs(np.cos(xi1)) / (mu * (np.sin(xi1) + p * p))
+    return SlipEnd(float(time), float(xi1), float(demand))
 
 
 def rolls_beyond(mu: float, k: float = DISC) -> float:
     """The ξ₁ in rad from which on a disc let go at rest rolls when its slip ends; 0 if it does from the start at 0."""
-    if slip_end(mu, 0.0, k).needed <= 1.0:
+    if slip_end(mu, 0.0, k).demand <= 1.0:
         return 0.0
     # With μ₀ (1 + 1/k) tan ξ₁ ≥ 1 it rolls from the very start; short of that it slips a little and then rolls.
     high = float(np.arctan(1.0 / (1.5 * mu * (1.0 + 1.0 / k))))
-    return float(brentq(lambda release: slip_end(mu, release, k).needed - 1.0, 0.0, high, xtol=1e-12))
+    return float(brentq(lambda release: slip_end(mu, release, k).demand - 1.0, 0.0, high, xtol=1e-12))

@@ -57,7 +57,7 @@ class AugmentedSystem(NamedTuple):
     ratio: float
     arm: float
     rolls: bool
-    held: bool
+    rotation_fixed: bool
 
 
 # --- M and F ----------------------------------------------------------------------------------------------------------
@@ -108,11 +108,11 @@ def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """B (3×3), D (3×2) of (23) from (8) and (9), and C (3,) of (25), where the third derivatives enter."""
     # Products of the derivatives p, s, t of the track (rows) with the outline's, turned by θ (columns), all at once: by
     # themselves and by way of U. It is filled at every evaluation, and U² = −I₂.
-    turned = k.turn @ np.array([k.r, k.rp, k.rs, k.rt]).T
+    outline = k.turn @ np.array([k.r, k.rp, k.rs, k.rt]).T
     track = np.array([k.Rp, k.Rs, k.Rt])
-    (_, S, p_s, _), (_, s_p, *_), _ = (track @ turned).tolist()
-    (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = (track @ U @ turned).tolist()
-    (arm_x, rp_x, rs_x, _), (arm_y, rp_y, rs_y, _) = turned.tolist()
+    (_, S, p_s, _), (_, s_p, *_), _ = (track @ outline).tolist()
+    (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = (track @ U @ outline).tolist()
+    (arm_x, rp_x, rs_x, _), (arm_y, rp_y, rs_y, _) = outline.tolist()
     (Rp_x, Rp_y), (Rs_x, Rs_y), _ = track.tolist()
     (u1, u2), w = k.q_dot.tolist(), float(k.theta_dot)
     B = np.array([[1.0, 0.0, -arm_y], [0.0, 1.0, arm_x], [0.0, 0.0, -S]])
@@ -156,9 +156,9 @@ def assemble(
 ) -> AugmentedSystem:
     """(27) from kinematics that are known, whether or not they fit the contact; `motion` as of `applied_torsor`."""
     ratio = _friction_ratio(case, mode, side)
-    arm, held = _resistance(case, mode, side, turn, k)
+    arm, rotation_fixed = _resistance(case, mode, side, turn, k)
     rolls = mode in WITHOUT_SLIP
-    size = 6 + rolls + held
+    size = 6 + rolls + rotation_fixed
     matrix, right = np.zeros((size, size)), np.zeros(size)
     matrix[:3, :3], right[:3] = mass_matrix(case), applied_torsor(case, motion)
     matrix[3:6, :3], matrix[3:6, 3:5], right[3:6] = constraints(k)
@@ -166,9 +166,9 @@ def assemble(
     if rolls:
         matrix[:3, 6:7] = -tangential_column(k)
         matrix[6, 3:5], right[6] = rolling_row(k)
-    if held:
+    if rotation_fixed:
         matrix[2, -1], matrix[-1, 2] = -1.0, 1.0
-    return AugmentedSystem(matrix, right, k, ratio, arm, rolls, held)
+    return AugmentedSystem(matrix, right, k, ratio, arm, rolls, rotation_fixed)
 
 
 def _friction_ratio(case: Case, mode: Mode, side: int) -> float:
@@ -199,8 +199,8 @@ def augmented_system(
     case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """The matrix and right-hand side of (27); arguments as of `fill`."""
-    filled = fill(case, mode, state, side, turn, time)
-    return filled.matrix, filled.right
+    system = fill(case, mode, state, side, turn, time)
+    return system.matrix, system.right
 
 
 def solve_augmented(
@@ -210,14 +210,14 @@ def solve_augmented(
     return solution(fill(case, mode, state, side, turn, time))
 
 
-def solution(filled: AugmentedSystem) -> Solution:
+def solution(system: AugmentedSystem) -> Solution:
     """A filled system solved; raises numpy.linalg.LinAlgError where it is singular."""
-    answer = np.linalg.solve(filled.matrix, filled.right)
+    answer = np.linalg.solve(system.matrix, system.right)
     multipliers = answer[5:]
-    P = sqrt(filled.k.Rp @ filled.k.Rp)
+    P = sqrt(system.k.Rp @ system.k.Rp)
     normal = float(multipliers[0] * P)
-    friction = float(multipliers[1] * P) if filled.rolls else filled.ratio * normal
-    couple = float(multipliers[-1]) if filled.held else filled.arm * normal
+    friction = float(multipliers[1] * P) if system.rolls else system.ratio * normal
+    couple = float(multipliers[-1]) if system.rotation_fixed else system.arm * normal
     return Solution(answer[:3], answer[3:5], multipliers, normal, friction, couple)
 
 
@@ -229,26 +229,26 @@ def flight_acceleration(case: Case, time: float, y: Sequence[float]) -> np.ndarr
 # --- how near to singular ---------------------------------------------------------------------------------------------
 
 
-def uniqueness(filled: AugmentedSystem) -> float:
+def uniqueness(system: AugmentedSystem) -> float:
     """The determinant of (27) over what it is without friction and resistance: 1 there, 0 at Painlevé's paradox.
 
     Where it vanishes, the normal force is no longer a unique answer of (27). NaN where the curvatures are equal, which
     makes (27) singular in any case.
     """
-    smooth = filled.matrix.copy()
-    smooth[:3, 5:6] = -sliding_column(filled.k, 0.0)
+    smooth = system.matrix.copy()
+    smooth[:3, 5:6] = -sliding_column(system.k, 0.0)
     without = float(np.linalg.det(smooth))
-    return float(np.linalg.det(filled.matrix)) / without if without else nan
+    return float(np.linalg.det(system.matrix)) / without if without else nan
 
 
-def condition(case: Case, filled: AugmentedSystem) -> float:
+def condition(case: Case, system: AugmentedSystem) -> float:
     """The 2-norm condition number of (27) in the plate's own units, in which mass, radius of gyration and arc length
     are one; infinite where the matrix is singular."""
     m, rho = case.plate.mass, case.plate.gyration
-    P, p = float(np.hypot(*filled.k.Rp)), float(np.hypot(*filled.k.rp))
+    P, p = float(np.hypot(*system.k.Rp)), float(np.hypot(*system.k.rp))
     # Units of the unknowns Ẍ₀, Ÿ₀, θ̈, ξ̈₁, ξ̈₂, the multipliers N/P and T/P, a couple; then of the rows: two forces, a
     # moment, (8) twice, (9), R_pᵀ v, θ̈.
     force, couple = m * rho / P, m * rho**2
-    unknowns = [rho, rho, 1.0, rho / P, rho / p, force, *[force] * filled.rolls, *[couple] * filled.held]
-    rows = [m * rho, m * rho, m * rho**2, rho, rho, P * p, *[P * rho] * filled.rolls, *[1.0] * filled.held]
-    return float(np.linalg.cond(filled.matrix * np.array(unknowns) / np.array(rows)[:, None]))
+    unknowns = [rho, rho, 1.0, rho / P, rho / p, force, *[force] * system.rolls, *[couple] * system.rotation_fixed]
+    rows = [m * rho, m * rho, m * rho**2, rho, rho, P * p, *[P * rho] * system.rolls, *[1.0] * system.rotation_fixed]
+    return float(np.linalg.cond(system.matrix * np.array(unknowns) / np.array(rows)[:, None]))

@@ -77,20 +77,20 @@ def _constrain(
     """B, D and C of (23) and (25) in their places, as `augmented.constraints` has them."""
     (Rp, Rs, _), (u1, u2, w) = track, rates
     # By Python's power, as there: NumPy's square is another function.
-    u1_squared, u2_squared, w_squared = (np.array([value**2 for value in rate.tolist()]) for rate in rates)
-    turned = turn @ np.stack(outline, axis=1).swapaxes(1, 2)
+    u1_square, u2_square, w_square = (np.array([value**2 for value in rate.tolist()]) for rate in rates)
+    outline_rows = turn @ np.stack(outline, axis=1).swapaxes(1, 2)
     rows = np.stack(track, axis=1)
-    (_, S, p_s, _), (_, s_p, *_), _ = np.moveaxis(rows @ turned, 0, -1)
-    (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = np.moveaxis(rows @ U @ turned, 0, -1)
-    (arm_x, rp_x, rs_x, _), (arm_y, rp_y, rs_y, _) = np.moveaxis(turned, 0, -1)
+    (_, S, p_s, _), (_, s_p, *_), _ = np.moveaxis(rows @ outline_rows, 0, -1)
+    (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = np.moveaxis(rows @ U @ outline_rows, 0, -1)
+    (arm_x, rp_x, rs_x, _), (arm_y, rp_y, rs_y, _) = np.moveaxis(outline_rows, 0, -1)
     matrix[:, 3, 2], matrix[:, 4, 2], matrix[:, 5, 2] = -arm_y, arm_x, -S
     matrix[:, 3:5, 3], matrix[:, 3, 4], matrix[:, 4, 4] = -Rp, rp_x, rp_y
     matrix[:, 5, 3], matrix[:, 5, 4] = E, G
     S_dot = u1 * s_p + w * p_Up + u2 * p_s
     E_dot = u1 * t_Up - w * s_p + u2 * s_Us
     G_dot = u1 * s_Us - w * p_s + u2 * p_Ut
-    right[:, 3] = u1_squared * Rs[:, 0] + w_squared * arm_x + 2.0 * w * u2 * rp_y - u2_squared * rs_x
-    right[:, 4] = u1_squared * Rs[:, 1] + w_squared * arm_y - 2.0 * w * u2 * rp_x - u2_squared * rs_y
+    right[:, 3] = u1_square * Rs[:, 0] + w_square * arm_x + 2.0 * w * u2 * rp_y - u2_square * rs_x
+    right[:, 4] = u1_square * Rs[:, 1] + w_square * arm_y - 2.0 * w * u2 * rp_x - u2_square * rs_y
     right[:, 5] = w * S_dot - u1 * E_dot - u2 * G_dot
 
 

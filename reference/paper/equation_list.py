@@ -17,10 +17,10 @@ class Equation(NamedTuple):
 
 
 _KINEMATICS = "reference.paper.kinematics:"
-_AUGMENTED = "reference.paper.augmented:"
-_FILL = _AUGMENTED + "assemble"
-_CONSTRAINTS = _AUGMENTED + "constraints"
-_COLUMN = _AUGMENTED + "sliding_column"
+_SYSTEM = "reference.paper.augmented:"
+_FILL = _SYSTEM + "assemble"
+_CONSTRAINTS = _SYSTEM + "constraints"
+_COLUMN = _SYSTEM + "sliding_column"
 
 LINES = (
     Equation(1, "the track and its first three derivatives", ("cases.curves:Curve.jet", _KINEMATICS + "kinematics")),
@@ -38,21 +38,21 @@ LINES = (
     Equation(13, "v along R_p: R_pᵀ v > 0", (_KINEMATICS + "slip_velocity",)),
     Equation(14, "v against R_p", (_KINEMATICS + "slip_velocity", "reference.errata:_14")),
     Equation(15, "Newton and Euler, with N and T at the contact", (_FILL, "reference.errata:_torsor")),
-    Equation(16, "the mass matrix M and q₁", (_AUGMENTED + "mass_matrix",)),
-    Equation(17, "the torsors of N and T", (_COLUMN, _AUGMENTED + "tangential_column", "reference.errata:_20")),
+    Equation(16, "the mass matrix M and q₁", (_SYSTEM + "mass_matrix",)),
+    Equation(17, "the torsors of N and T", (_COLUMN, _SYSTEM + "tangential_column", "reference.errata:_20")),
     Equation(18, "F_L = N + T", (_FILL, "reference.errata:_20")),
-    Equation(19, "M q̈₁ = F + F_L", (_FILL, _AUGMENTED + "applied_torsor", _AUGMENTED + "flight_acceleration")),
+    Equation(19, "M q̈₁ = F + F_L", (_FILL, _SYSTEM + "applied_torsor", _SYSTEM + "flight_acceleration")),
     Equation(20, "F_L written out again", ("reference.errata:_20",)),
-    Equation(21, "F_L = A λ", (_COLUMN, _AUGMENTED + "tangential_column")),
+    Equation(21, "F_L = A λ", (_COLUMN, _SYSTEM + "tangential_column")),
     Equation(22, "M q̈₁ = F + A λ", (_FILL,)),
     Equation(23, "B q̇₁ + D q̇₂ = 0", (_CONSTRAINTS,)),
     Equation(24, "q₂ = (ξ₁, ξ₂)", (_KINEMATICS + "Kinematics",)),
     Equation(25, "C, where the third derivatives enter", (_CONSTRAINTS,)),
-    Equation(26, "B q̈₁ + D q̈₂ = C", (_CONSTRAINTS, _AUGMENTED + "rolling_row")),
-    Equation(27, "the augmented system", (_FILL, _AUGMENTED + "solution", "reference.minimal.elimination:sliding")),
-    Equation(28, "Coulomb: T is μ₀ N in size", (_AUGMENTED + "_friction_ratio",)),
+    Equation(26, "B q̈₁ + D q̈₂ = C", (_CONSTRAINTS, _SYSTEM + "rolling_row")),
+    Equation(27, "the augmented system", (_FILL, _SYSTEM + "solution", "reference.minimal.elimination:sliding")),
+    Equation(28, "Coulomb: T is μ₀ N in size", (_SYSTEM + "_friction_ratio",)),
     Equation(29, "T along R_p", (_COLUMN,)),
-    Equation(30, "the sign of μ, against the slip", (_AUGMENTED + "SIGN", _AUGMENTED + "_friction_ratio")),
+    Equation(30, "the sign of μ, against the slip", (_SYSTEM + "SIGN", _SYSTEM + "_friction_ratio")),
     Equation(31, "N and T together", (_COLUMN, "reference.errata:_32")),
     Equation(32, "Ũ and R̃_p", (_COLUMN, "reference.errata:_32")),
     Equation(33, "the column Ã", (_COLUMN,)),

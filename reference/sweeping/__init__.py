@@ -38,16 +38,16 @@ def sweep_chunks(
     """The same, CHUNK rows at a time: memory does not grow with the sweep."""
     from . import table
 
-    asked = plan(case, vary, sample, number, seed, rtol)
-    table.check_names(asked)
-    return _frames(asked)
+    request = plan(case, vary, sample, number, seed, rtol)
+    table.check_names(request)
+    return _frames(request)
 
 
-def _frames(asked: Plan) -> Iterator[pd.DataFrame]:
+def _frames(request: Plan) -> Iterator[pd.DataFrame]:
     import pandas as pd
 
     from . import table
 
-    for start in range(0, len(asked), CHUNK):
-        rows = table.is_solved(asked, start, min(start + CHUNK, len(asked)), len(asked) >= MANY)
+    for start in range(0, len(request), CHUNK):
+        rows = table.scenario_rows(request, start, min(start + CHUNK, len(request)), len(request) >= MANY)
         yield rows.to_pandas(types_mapper=pd.ArrowDtype)

@@ -26,7 +26,7 @@ from ..minimal.series import EPS
 from ..minimal.system import contact_system
 from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
-from .decisions import UNDECIDED, Columns, decide
+from .decisions import NO_DECISION, Columns, decide
 from .first_step import course, leave
 from .motions import NUMBER, PHRASES, Events, Motions, simulate_rows
 from .scenario_values import ScenarioGroup, structure
@@ -35,9 +35,9 @@ from .single_contact import one_contact
 # The places of a full state's variables, by name.
 _ROWS = {"xi1": 0, "xi2": 1, "u1": 2, "u2": 3, "theta": 4}
 # In the place of a regime's number: it has ended, or is to be simulated alone.
-_ENDED, _ALONE = -1, -2
+_OVER, _ALONE = -1, -2
 # In the place of a guard's number: the end of time, or the integrator does not tell.
-_TIME, _UNKNOWN = -1, -2
+_TIME, _UNCLEAR = -1, -2
 
 
 def move(scenes: ScenarioGroup, rtol: float, optimised: bool = False) -> Motions:
@@ -48,16 +48,16 @@ def move(scenes: ScenarioGroup, rtol: float, optimised: bool = False) -> Motions
 
 def _advance(scenes: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
     n = len(scenes.rows)
-    moved, left = Motions.none(n), np.arange(n)
+    motions, remaining = Motions.none(n), np.arange(n)
     if _plain(scenes):
         together = np.flatnonzero(one_contact(scenes))
         if together.size:
             wave = _Wave(scenes.only(together), rtol, optimised)
             wave.run()
-            wave.put(moved, together)
-            left = np.flatnonzero(moved.status == "")
-    simulate_rows(scenes, left, rtol, moved)
-    return moved
+            wave.put(motions, together)
+            remaining = np.flatnonzero(motions.status == "")
+    simulate_rows(scenes, remaining, rtol, motions)
+    return motions
 
 
 def _plain(scenes: ScenarioGroup) -> bool:
@@ -71,17 +71,17 @@ class _Wave:
 
     def __init__(self, scenes: ScenarioGroup, rtol: float, optimised: bool):
         self.scenes, self.rtol, self.optimised, n = scenes, rtol, optimised, len(scenes.rows)
-        known, base = scenes.numbers, scenes.base
+        inputs, base = scenes.numbers, scenes.base
         self.base, self.regimes = base, candidates(base)
         self.sizes = scenes.constants("track"), scenes.constants("outline")
-        self.everybody = np.arange(n)
-        f, h = self._places(self.everybody, known["xi1"], known["xi2"])
-        gyration = np.sqrt(known["inertia"] / known["mass"])
+        self.all_indices = np.arange(n)
+        f, h = self._places(self.all_indices, inputs["xi1"], inputs["xi2"])
+        gyration = np.sqrt(inputs["inertia"] / inputs["mass"])
         lengths = gyration / f.speed, gyration / h.speed, np.ones(n)
         self.columns = [_columns(scenes, regime, gyration, lengths) for regime in self.regimes]
-        u1, u2 = geometry.rates(f, h, known["slip"], known["omega"])
-        angle = [known["theta"]] if laws(base).needs_angle else []
-        self.y, self.t = np.array([known["xi1"], known["xi2"], u1, u2, *angle]), np.zeros(n)
+        u1, u2 = geometry.rates(f, h, inputs["slip"], inputs["omega"])
+        angle = [inputs["theta"]] if laws(base).needs_angle else []
+        self.y, self.t = np.array([inputs["xi1"], inputs["xi2"], u1, u2, *angle]), np.zeros(n)
         self.now, self.first = np.full(n, _ALONE), np.full(n, -1)
         self.phases, self.idle, self.steps = (np.zeros(n, dtype=int) for _ in range(3))
         self.status, self.reason = (np.full(n, "", dtype=object) for _ in range(2))
@@ -92,32 +92,34 @@ class _Wave:
         self._begin()
         while (self.now >= 0).any():
             waves = [np.flatnonzero(self.now == number) for number in range(len(self.regimes))]
-            for number, who in enumerate(waves):
-                if who.size:
-                    self._phase(number, who)
+            for number, indices in enumerate(waves):
+                if indices.size:
+                    self._phase(number, indices)
 
-    def put(self, moved: Motions, rows: np.ndarray) -> None:
+    def put(self, motions: Motions, rows: np.ndarray) -> None:
         """Write what has ended into its rows."""
-        done = self.now == _ENDED
-        there, known = rows[done], self.scenes.numbers
+        is_over = self.now == _OVER
+        there, inputs = rows[is_over], self.scenes.numbers
         for name in ("first", "status", "reason", "steps"):
-            getattr(moved, name)[there] = getattr(self, name)[done]
-        moved.end[there] = self.t[done]
-        begun = known["xi1"], known["xi2"], known["slip"], known["omega"]
-        moved.energy_start[there] = self._energy(*begun)[done]
-        f, h = self._places(self.everybody, self.y[0], self.y[1])
-        moved.energy_end[there] = self._energy(self.y[0], self.y[1], *geometry.slip_and_spin(f, h, *self.y[2:4]))[done]
-        events = Events.joined(self.events, done)
-        moved.events = events._replace(who=rows[events.who])
+            getattr(motions, name)[there] = getattr(self, name)[is_over]
+        motions.end[there] = self.t[is_over]
+        initial = inputs["xi1"], inputs["xi2"], inputs["slip"], inputs["omega"]
+        motions.energy_start[there] = self._energy(*initial)[is_over]
+        f, h = self._places(self.all_indices, self.y[0], self.y[1])
+        motions.energy_end[there] = self._energy(self.y[0], self.y[1], *geometry.slip_and_spin(f, h, *self.y[2:4]))[
+            is_over
+        ]
+        events = Events.join(self.events, is_over)
+        motions.events = events._replace(scenario=rows[events.scenario])
 
     def _energy(self, xi1, xi2, slip, omega) -> np.ndarray:
-        known = self.scenes.numbers
-        f, h = self._places(self.everybody, xi1, xi2)
-        pull = known.get("gx", np.zeros(1)), known.get("gy", np.zeros(1))
-        return geometry.energy(f, h, slip, omega, pull, known["mass"], known["inertia"])
+        inputs = self.scenes.numbers
+        f, h = self._places(self.all_indices, xi1, xi2)
+        pull = inputs.get("gx", np.zeros(1)), inputs.get("gy", np.zeros(1))
+        return geometry.energy(f, h, slip, omega, pull, inputs["mass"], inputs["inertia"])
 
-    def _places(self, who: np.ndarray, xi1, xi2) -> tuple[geometry.CurvePoints, geometry.CurvePoints]:
-        track, outline = ([c[who] for c in sizes] for sizes in self.sizes)
+    def _places(self, indices: np.ndarray, xi1, xi2) -> tuple[geometry.CurvePoints, geometry.CurvePoints]:
+        track, outline = ([c[indices] for c in sizes] for sizes in self.sizes)
         return (
             geometry.places(self.base.track, tuple(track), xi1),
             geometry.places(self.base.plate.outline, tuple(outline), xi2),
@@ -127,21 +129,23 @@ class _Wave:
 
     def _begin(self) -> None:
         """The first regimes, as `solve.first_regime` finds one."""
-        known = self.scenes.numbers
-        f, h = self._places(self.everybody, known["xi1"], known["xi2"])
+        inputs = self.scenes.numbers
+        f, h = self._places(self.all_indices, inputs["xi1"], inputs["xi2"])
         along = np.abs(self.y[2]) * f.speed, np.abs(self.y[3]) * h.speed
-        turned = along[0] * np.abs(f.curvature), along[1] * np.abs(h.curvature)
-        slips = np.sign(known["slip"]) * (np.abs(known["slip"]) > 8 * EPS * np.maximum(*along))
-        turns = np.sign(known["omega"]) * (np.abs(known["omega"]) > 8 * EPS * np.maximum(*turned))
+        rotation = along[0] * np.abs(f.curvature), along[1] * np.abs(h.curvature)
+        slips = np.sign(inputs["slip"]) * (np.abs(inputs["slip"]) > 8 * EPS * np.maximum(*along))
+        turns = np.sign(inputs["omega"]) * (np.abs(inputs["omega"]) > 8 * EPS * np.maximum(*rotation))
         for slip, turn in set(zip(slips.tolist(), turns.tolist(), strict=True)):
-            who = np.flatnonzero((slips == slip) & (turns == turn))
-            numbers, found = self._decide(able(self.base, slip, turn), who, self.t[who], self.y[:, who], EPS)
-            self.now[who] = np.where(found == UNDECIDED, _ALONE, numbers[found])
-            for i in who[found == UNDECIDED].tolist():
+            indices = np.flatnonzero((slips == slip) & (turns == turn))
+            numbers, choice = self._decide(
+                able(self.base, slip, turn), indices, self.t[indices], self.y[:, indices], EPS
+            )
+            self.now[indices] = np.where(choice == NO_DECISION, _ALONE, numbers[choice])
+            for i in indices[choice == NO_DECISION].tolist():
                 self.now[i] = self._first(i)
-        begun = self.now >= 0
+        running = self.now >= 0
         modes = np.array([NUMBER[regime.mode] for regime in self.regimes])
-        self.first[begun] = modes[self.now[begun]]
+        self.first[running] = modes[self.now[running]]
 
     def _first(self, i: int) -> int:
         """The regime at the start of one scenario, by the decision of one."""
@@ -152,36 +156,36 @@ class _Wave:
             return _ALONE
         return self.regimes.index(regime) if regime in self.regimes else _ALONE
 
-    def _decide(self, among, who: np.ndarray, t, y, error: float) -> tuple[np.ndarray, np.ndarray]:
+    def _decide(self, among, indices: np.ndarray, t, y, error: float) -> tuple[np.ndarray, np.ndarray]:
         """The numbers of the regimes `among`, and which of these follows for each."""
         numbers = np.array([self.regimes.index(regime) for regime in among], dtype=int)
-        return numbers, decide([self.columns[k].only(who) for k in numbers], t, y, error)
+        return numbers, decide([self.columns[k].only(indices) for k in numbers], t, y, error)
 
     # --- one phase ----------------------------------------------------------------------------------------------------
 
-    def _phase(self, number: int, who: np.ndarray) -> None:
+    def _phase(self, number: int, indices: np.ndarray) -> None:
         """Take some scenarios through their phase and into what follows."""
-        columns, end = self.columns[number].only(who), self.scenes.numbers["duration"][who]
-        own = self.y[columns.places][:, who]
-        left = leave(columns, self.t[who], own, end)
-        sound = np.flatnonzero(left.sound)
-        guards = np.full(len(who), _UNKNOWN)
-        times, states = left.times, left.states
+        columns, end = self.columns[number].only(indices), self.scenes.numbers["duration"][indices]
+        own = self.y[columns.places][:, indices]
+        first_steps = leave(columns, self.t[indices], own, end)
+        sound = np.flatnonzero(first_steps.sound)
+        guards = np.full(len(indices), _UNCLEAR)
+        times, states = first_steps.times, first_steps.states
         integrators = taylor.integrators_of(columns.system, taylor.tolerance_of(self.rtol), float, self.optimised)
-        guards[sound], self.steps[who[sound]] = integrators.call(
-            self._integrated, columns, times, states, end, sound, who
+        guards[sound], self.steps[indices[sound]] = integrators.call(
+            self._integrate, columns, times, states, end, sound, indices
         )
-        for i in who[guards == _UNKNOWN].tolist():
+        for i in indices[guards == _UNCLEAR].tolist():
             self._one(i)
-        for guard in np.unique(guards[guards > _UNKNOWN]).tolist():
+        for guard in np.unique(guards[guards > _UNCLEAR]).tolist():
             some = guards == guard
-            y = self._full(columns, who[some], states[:, some])
+            y = self._full(columns, indices[some], states[:, some])
             if guard == _TIME:
-                self._end(who[some], times[some], y, hybrid.COMPLETED)
+                self._end(indices[some], times[some], y, hybrid.COMPLETION)
             else:
-                self._after(number, list(columns.system.guards)[guard], who[some], times[some], y)
+                self._after(number, list(columns.system.guards)[guard], indices[some], times[some], y)
 
-    def _integrated(self, integrator, columns: Columns, times, states, end, sound: np.ndarray, who: np.ndarray):
+    def _integrate(self, integrator, columns: Columns, times, states, end, sound: np.ndarray, indices: np.ndarray):
         """Integrate from `times` and `states`, which become those of the events: the guards, and the steps so far."""
         pars, state = integrator.pars, integrator.state
         count, many = len(pars), taylor.CHUNK
@@ -189,8 +193,8 @@ class _Wave:
         events = len(columns.system.guards)
         parameters = np.ascontiguousarray(columns.parameters.T[:, :count])
         guards, steps = [], []
-        for i, j in zip(sound.tolist(), who[sound].tolist(), strict=True):
-            until, guard, taken = float(end[i]), _TIME, 1
+        for i, j in zip(sound.tolist(), indices[sound].tolist(), strict=True):
+            until, guard, total = float(end[i]), _TIME, 1
             pars[:] = parameters[i]
             state[:] = states[:, i]
             integrator.time = times[i]
@@ -198,113 +202,115 @@ class _Wave:
                 integrator.reset_cooldowns()
             while integrator.time < until:
                 outcome, shortest, _, some, _, _ = integrator.propagate_until(until, max_steps=many)
-                taken += some
-                told = int(outcome)
-                if 0 <= -told - 1 < events:
-                    guard = -told - 1
-                elif told not in (success, limit, all_steps):
-                    guard = _UNKNOWN
+                total += some
+                code = int(outcome)
+                if 0 <= -code - 1 < events:
+                    guard = -code - 1
+                elif code not in (success, limit, all_steps):
+                    guard = _UNCLEAR
                 if some and shortest <= taylor.SHORTEST * ulp(integrator.time):
-                    guard = _UNKNOWN
-                if guard == _TIME and taken >= MOST_STEPS and integrator.time < until:
-                    guard = _UNKNOWN  # alone it ends as unfinished, and says where
+                    guard = _UNCLEAR
+                if guard == _TIME and total >= MOST_STEPS and integrator.time < until:
+                    guard = _UNCLEAR  # alone it ends as unfinished, and says where
                 if guard != _TIME:
                     break
             times[i], states[:, i] = integrator.time, state
             guards.append(guard)
-            steps.append(self.steps[j] + taken)
+            steps.append(self.steps[j] + total)
         return np.array(guards, dtype=int), np.array(steps, dtype=int)
 
-    def _full(self, columns: Columns, who: np.ndarray, own: np.ndarray) -> np.ndarray:
+    def _full(self, columns: Columns, indices: np.ndarray, own: np.ndarray) -> np.ndarray:
         """A regime's own variables as full states."""
-        y = np.zeros((len(self.y), len(who)))
+        y = np.zeros((len(self.y), len(indices)))
         y[columns.places] = own
         if _ROWS["u2"] not in columns.places and _ROWS["u1"] in columns.places:
-            self._stop_slip(who, y)
+            self._stop_slip(indices, y)
         return y
 
-    def _stop_slip(self, who: np.ndarray, y: np.ndarray) -> None:
+    def _stop_slip(self, indices: np.ndarray, y: np.ndarray) -> None:
         """ξ̇₂ of plates that do not slip: v = 0 in (12)."""
-        f, h = self._places(who, y[0], y[1])
+        f, h = self._places(indices, y[0], y[1])
         y[3] = y[2] * f.speed / h.speed
 
     # --- what follows -------------------------------------------------------------------------------------------------
 
-    def _after(self, number: int, guard: str, who: np.ndarray, t: np.ndarray, y: np.ndarray) -> None:
+    def _after(self, number: int, guard: str, indices: np.ndarray, t: np.ndarray, y: np.ndarray) -> None:
         """What follows where a guard reached zero, as `hybrid` says of one; what is not plain goes there."""
         regime = self.regimes[number]
         if guard in hybrid.ENDS:
-            self._end(who, t, y, hybrid.ENDS[guard])
+            self._end(indices, t, y, hybrid.ENDS[guard])
             return
         slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
         if guard == "slip":
             slip = 0.0
-            self._stop_slip(who, y)
+            self._stop_slip(indices, y)
             if regime.turn == 0:
                 y[2:4] = 0.0
         elif guard == "turn":
             turn = 0.0
-            f, h = self._places(who, y[0], y[1])
+            f, h = self._places(indices, y[0], y[1])
             y[2], y[3] = geometry.rates(f, h, geometry.slip_and_spin(f, h, y[2], y[3])[0], 0.0)
         elif guard in hybrid.BEGINS:
             slip, turn = (hybrid.BEGINS[guard], turn) if guard.startswith("cone") else (slip, hybrid.BEGINS[guard])
         else:
-            lifts = self._lifts_off(number, who, t, y)  # the one guard that is left: the normal force
-            self._leave(number, who[lifts], t[lifts], y[:, lifts], guard)
-            for i in who[~lifts].tolist():
+            lifts = self._lifts_off(number, indices, t, y)  # the one guard that is left: the normal force
+            self._leave(number, indices[lifts], t[lifts], y[:, lifts], guard)
+            for i in indices[~lifts].tolist():
                 self._one(i)
             return
-        among, sure = able(self.base, slip, turn), np.ones(len(who), dtype=bool)
+        among, sure = able(self.base, slip, turn), np.ones(len(indices), dtype=bool)
         if guard in hybrid.BEGINS:
             among = tuple(r for r in among if r.side == regime.side and r != regime)
             for other in among:
-                sure &= self._unique_force(self.regimes.index(other), who, t, y)
+                sure &= self._unique_force(self.regimes.index(other), indices, t, y)
         if guard in hybrid.BEGINS and len(among) == 1:
-            numbers, found = np.array([self.regimes.index(among[0])]), np.where(sure, 0, UNDECIDED)
+            numbers, choice = np.array([self.regimes.index(among[0])]), np.where(sure, 0, NO_DECISION)
         else:
-            numbers, found = self._decide(among, who, t, y, hybrid.LOCATED)
-            found[~sure] = UNDECIDED
-        for i in who[found == UNDECIDED].tolist():
+            numbers, choice = self._decide(among, indices, t, y, hybrid.LOCATION_ERROR)
+            choice[~sure] = NO_DECISION
+        for i in indices[choice == NO_DECISION].tolist():
             self._one(i)
-        known = found != UNDECIDED
+        is_decided = choice != NO_DECISION
         cause = PHRASES.index(hybrid.CAUSES[guard])
-        self._go_on(number, numbers[found[known]], who[known], t[known], y[:, known], cause)
+        self._go_on(number, numbers[choice[is_decided]], indices[is_decided], t[is_decided], y[:, is_decided], cause)
 
-    def _lifts_off(self, number: int, who: np.ndarray, t, y: np.ndarray) -> np.ndarray:
+    def _lifts_off(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> np.ndarray:
         """Where a normal force that vanished leaves no doubt: it falls on, or dips a million times as deep as a touch,
         and the plate would not move into its track."""
         if self.base.effect(Unilateral) is None:
-            return np.zeros(len(who), dtype=bool)
-        columns = self.columns[number].only(who)
+            return np.zeros(len(indices), dtype=bool)
+        columns = self.columns[number].only(indices)
         place = list(columns.system.guards).index("normal_force")
         slope, bend, force = course(columns, t, y[columns.places], place)
-        deep = slope**2 > 2e6 * max(self.rtol, hybrid.LOCATED) * force * bend
-        free = self.columns[-1].only(who)
-        m = free.system.record(*free.system.observed_of_arrays(t, y[free.places], free.parameters))
+        deep = slope**2 > 2e6 * max(self.rtol, hybrid.LOCATION_ERROR) * force * bend
+        free = self.columns[-1].only(indices)
+        m = free.system.record(*free.system.outputs_of_arrays(t, y[free.places], free.parameters))
         forces = np.abs(m.normal) + np.abs(m.friction) + np.abs(m.slip_dot)
         own = y[free.places][free.system.positions :]
         fastest = np.max([np.abs(u) / unit for u, unit in zip(own, free.lengths, strict=False)] or [0.0 * t], axis=0)
         scale = forces + free.size * (np.abs(m.omega_dot) + fastest**2)
-        return (slope < 0.0) & deep & (m.free_approach <= 1e6 * hybrid.LOCATED * scale)
+        return (slope < 0.0) & deep & (m.free_approach <= 1e6 * hybrid.LOCATION_ERROR * scale)
 
-    def _leave(self, number: int, who: np.ndarray, t, y: np.ndarray, guard: str) -> None:
+    def _leave(self, number: int, indices: np.ndarray, t, y: np.ndarray, guard: str) -> None:
         """The plate leaves its track: the end, or a flight, which is not for waves."""
         if self.base.effect(Flight) is not None:
-            self.now[who] = _ALONE
+            self.now[indices] = _ALONE
             return
-        mode, nothing = NUMBER[self.regimes[number].mode], np.ones(len(who), dtype=int)
+        mode, nothing = NUMBER[self.regimes[number].mode], np.ones(len(indices), dtype=int)
         cause = PHRASES.index(hybrid.CAUSES[guard])
-        self.events.append(Events(who, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing))
-        self._end(who, t, y, hybrid.LIFT_OFF)
+        self.events.append(
+            Events(indices, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing)
+        )
+        self._end(indices, t, y, hybrid.LIFT_OFF)
 
-    def _unique_force(self, number: int, who: np.ndarray, t, y) -> np.ndarray:
+    def _unique_force(self, number: int, indices: np.ndarray, t, y) -> np.ndarray:
         """Where a slip that begins has a force at all."""
-        columns = self.columns[number].only(who)
+        columns = self.columns[number].only(indices)
         names = list(columns.system.guards)
         if "painleve" not in names:
-            return np.ones(len(who), dtype=bool)
+            return np.ones(len(indices), dtype=bool)
         values = columns.system.guards_of_arrays(t, y[columns.places], columns.parameters)[names.index("painleve")]
-        return np.broadcast_to(values, who.shape) > 0.0
+        return np.broadcast_to(values, indices.shape) > 0.0
 
     def _one(self, i: int) -> None:
         """One scenario through its phase and into what follows, by the solver of one."""
@@ -314,51 +320,51 @@ class _Wave:
         try:
             own = state_in(now, tuple(self.y[:, i].tolist()))
             segment = integrate(now, float(self.t[i]), own, case.duration, self.rtol)
-            step = hybrid.after_contact(case, segment, max(self.rtol, hybrid.LOCATED))
+            step = hybrid.after_contact(case, segment, max(self.rtol, hybrid.LOCATION_ERROR))
         except Undecidable:
             self.now[i] = _ALONE
             return
-        who, t, last = np.array([i]), np.array([step.time]), step.segments[-1].event.state
+        indices, t, last = np.array([i]), np.array([step.time]), step.segments[-1].event.state
         y = np.array(step.state or hybrid.full_state(case, now, last))[:, None]
         self.steps[i] += sum(segment.steps for segment in step.segments)
         if step.ending is hybrid.LIFT_OFF:
-            self._leave(number, who, t, y, step.cause)
-        elif step.regime is None and step.ending is hybrid.COMPLETED:
-            self._end(who, t, y, step.ending)
+            self._leave(number, indices, t, y, step.cause)
+        elif step.regime is None and step.ending is hybrid.COMPLETION:
+            self._end(indices, t, y, step.ending)
         elif step.regime in self.regimes:
             after = np.array([self.regimes.index(step.regime)])
-            self._go_on(number, after, who, t, y, PHRASES.index(hybrid.CAUSES[step.cause]))
+            self._go_on(number, after, indices, t, y, PHRASES.index(hybrid.CAUSES[step.cause]))
         else:
             self.now[i] = _ALONE  # it flies, or its ending has a sentence of its own
 
-    def _go_on(self, number: int, after: np.ndarray, who: np.ndarray, t, y: np.ndarray, cause: int) -> None:
+    def _go_on(self, number: int, after: np.ndarray, indices: np.ndarray, t, y: np.ndarray, cause: int) -> None:
         """Note transitions and begin the next phases; what gets nowhere is left to the solver of one."""
         modes = np.array([NUMBER[regime.mode] for regime in self.regimes])
-        before, new = np.full(len(who), modes[number]), modes[after]
+        before, new = np.full(len(indices), modes[number]), modes[after]
         other = before != new
-        columns = who, t, before, new, y[0], y[1], np.full(len(who), cause)
+        columns = indices, t, before, new, y[0], y[1], np.full(len(indices), cause)
         self.events.append(Events(*(column[other] for column in columns)))
-        self.idle[who] = np.where(t == self.t[who], self.idle[who] + 1, 0)
-        self.phases[who] += 1
-        self.now[who], self.t[who], self.y[:, who] = after, t, y
-        stuck = (self.idle[who] > hybrid.IDLE) | (self.phases[who] > hybrid.MANY)
-        self.now[who[stuck]] = _ALONE
+        self.idle[indices] = np.where(t == self.t[indices], self.idle[indices] + 1, 0)
+        self.phases[indices] += 1
+        self.now[indices], self.t[indices], self.y[:, indices] = after, t, y
+        stuck = (self.idle[indices] > hybrid.IDLE) | (self.phases[indices] > hybrid.MANY)
+        self.now[indices[stuck]] = _ALONE
 
-    def _end(self, who: np.ndarray, t, y: np.ndarray, ending: tuple[str, str]) -> None:
-        self.now[who], self.t[who], self.y[:, who] = _ENDED, t, y
-        self.status[who], self.reason[who] = ending
+    def _end(self, indices: np.ndarray, t, y: np.ndarray, ending: tuple[str, str]) -> None:
+        self.now[indices], self.t[indices], self.y[:, indices] = _OVER, t, y
+        self.status[indices], self.reason[indices] = ending
 
 
 def _columns(scenes: ScenarioGroup, regime, gyration: np.ndarray, lengths: tuple[np.ndarray, ...]) -> Columns:
     """A regime's equations with the parameters of all scenarios, as `modes.phase` has them of one."""
     system, law, n = contact_system(scenes.base, regime.kind), laws(scenes.base), len(scenes.rows)
-    known = scenes.numbers
+    inputs = scenes.numbers
     effects = {
-        CoulombFriction: SimpleNamespace(mu=known.get("mu"), stick=known.get("mu_stick")),
-        RollingResistance: SimpleNamespace(arm=known.get("arm")),
+        CoulombFriction: SimpleNamespace(mu=inputs.get("mu"), stick=inputs.get("mu_stick")),
+        RollingResistance: SimpleNamespace(arm=inputs.get("arm")),
     }
     case: Any = SimpleNamespace(effect=effects.get)  # what the laws ask of a case, with columns for numbers
-    values = {**known, "G": known["inertia"] / known["mass"], "m": known["mass"], "nu": float(regime.side)}
+    values = {**inputs, "G": inputs["inertia"] / inputs["mass"], "m": inputs["mass"], "nu": float(regime.side)}
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)
     parameters = np.array([np.broadcast_to(values[s.name], n) for s in system.parameters]).reshape(-1, n)

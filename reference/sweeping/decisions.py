@@ -14,7 +14,7 @@ from ..minimal.decision import close, vanishes
 from ..minimal.modes import Regime
 from ..minimal.system import System
 
-UNDECIDED = -1
+NO_DECISION = -1
 
 
 class Columns(NamedTuple):
@@ -28,23 +28,23 @@ class Columns(NamedTuple):
     lengths: tuple[np.ndarray, ...]
     places: list[int]
 
-    def only(self, chosen: np.ndarray) -> Columns:
+    def only(self, indices: np.ndarray) -> Columns:
         """Those of some scenarios."""
-        parameters, lengths = self.parameters[:, chosen], tuple(unit[chosen] for unit in self.lengths)
-        return self._replace(parameters=parameters, size=self.size[chosen], lengths=lengths)
+        parameters, lengths = self.parameters[:, indices], tuple(unit[indices] for unit in self.lengths)
+        return self._replace(parameters=parameters, size=self.size[indices], lengths=lengths)
 
 
 def decide(among: Sequence[Columns], t: np.ndarray, y: np.ndarray, error: float) -> np.ndarray:
     """The place in `among` of the first regime that follows from full states `y` (rows, n) at `t`, or UNDECIDED."""
-    found = np.full(len(t), UNDECIDED)
-    left = np.arange(len(t))
+    choices = np.full(len(t), NO_DECISION)
+    remaining = np.arange(len(t))
     for place, candidate in enumerate(among):
-        if not left.size:
+        if not remaining.size:
             break
-        yes, no = follows(candidate.only(left), t[left], y[:, left], error)
-        found[left[yes]] = place
-        left = left[no]
-    return found
+        yes, no = follows(candidate.only(remaining), t[remaining], y[:, remaining], error)
+        choices[remaining[yes]] = place
+        remaining = remaining[no]
+    return choices
 
 
 def follows(candidate: Columns, t: np.ndarray, y: np.ndarray, error: float) -> tuple[np.ndarray, np.ndarray]:
@@ -61,11 +61,11 @@ def follows(candidate: Columns, t: np.ndarray, y: np.ndarray, error: float) -> t
         for name, rate in zip(system.condition_rates, rates, strict=True):
             row = names.index(name)
             values[row] = np.where(np.abs(values[row]) <= bound, rate, values[row])
-    known = np.isfinite(values).all(axis=0)
+    certain = np.isfinite(values).all(axis=0)
     scale = np.abs(values).max(axis=0)
-    known &= ~(np.abs(values) <= close(error) * scale).any(axis=0)
+    certain &= ~(np.abs(values) <= close(error) * scale).any(axis=0)
     holds = (values > 0.0).all(axis=0)
-    return known & holds, known & ~holds
+    return certain & holds, certain & ~holds
 
 
 def rows(values: Sequence, n: int) -> np.ndarray:

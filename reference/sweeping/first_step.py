@@ -54,7 +54,7 @@ def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstS
 def _often(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:
     """How fast the state changes, 1/s: by its speeds, its accelerations and the contact's forces."""
     p = now.system.positions
-    forces = now.system.record(*now.system.observed_of_arrays(t, y, now.parameters))
+    forces = now.system.record(*now.system.outputs_of_arrays(t, y, now.parameters))
     fastest = np.sqrt(np.maximum(np.abs(forces.normal), np.abs(forces.friction)) / now.size)
     rates = rows(now.system.rates_of_arrays(t, y, now.parameters), len(t))
     for speed, acceleration, length in zip(y[p:], rates[p:], now.lengths, strict=False):

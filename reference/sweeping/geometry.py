@@ -38,8 +38,8 @@ def rates(track: CurvePoints, outline: CurvePoints, slip, omega) -> tuple[np.nda
 
 def slip_and_spin(track: CurvePoints, outline: CurvePoints, u1, u2) -> tuple[np.ndarray, np.ndarray]:
     """Slip velocity (12) and spin (9)."""
-    along, turned = u1 * track.speed, u2 * outline.speed
-    return along - turned, track.curvature * along - outline.curvature * turned
+    track_speed, outline_speed = u1 * track.speed, u2 * outline.speed
+    return track_speed - outline_speed, track.curvature * track_speed - outline.curvature * outline_speed
 
 
 def energy(track: CurvePoints, outline: CurvePoints, slip, omega, pull: tuple, mass, inertia) -> np.ndarray:
@@ -59,13 +59,13 @@ def level_parameters(track: Curve, outline: Curve, xi1: np.ndarray) -> np.ndarra
     """
     low, high = outline.span
     grid = np.linspace(low, high, 721)
-    turned = outline.tangent_angle(grid)
+    angles = outline.tangent_angle(grid)
     goal = track.tangent_angle(xi1)
-    if not outline.period or np.any(np.diff(turned) <= 0.0):
+    if not outline.period or np.any(np.diff(angles) <= 0.0):
         return np.full(xi1.shape, np.nan)
-    whole = np.floor((goal - turned[0]) / (2 * np.pi))  # turns beyond the table, counted again at the end
+    whole = np.floor((goal - angles[0]) / (2 * np.pi))  # turns beyond the table, counted again at the end
     goal = goal - 2 * np.pi * whole
-    s = np.interp(goal, turned, grid)
+    s = np.interp(goal, angles, grid)
     for _ in range(4):  # from a 720th of a turn: 1e-3, 1e-6, 1e-12, rounding
         here = places(outline, tuple(np.full(s.shape, c) for c in outline.constants), s)
         s = s - (outline.tangent_angle(s) - goal) / (here.curvature * here.speed)

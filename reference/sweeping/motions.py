@@ -25,7 +25,7 @@ NUMBER = {mode: number for number, mode in enumerate(MODES)}
 class Events(NamedTuple):
     """Transitions: whose, when (s), from which mode to which, where, and why; modes and phrases by their numbers."""
 
-    who: np.ndarray
+    scenario: np.ndarray
     time: np.ndarray
     before: np.ndarray
     after: np.ndarray
@@ -34,7 +34,7 @@ class Events(NamedTuple):
     cause: np.ndarray
 
     @classmethod
-    def joined(cls, some: list[Events], keep: np.ndarray) -> Events:
+    def join(cls, some: list[Events], keep: np.ndarray) -> Events:
         """All of them by scenario, in time's order as they were noted; only of scenarios to `keep`."""
         types = (int, float, int, int, float, float, int)
         columns = [np.concatenate([np.empty(0, t), *(e[i] for e in some)]) for i, t in enumerate(types)]
@@ -68,27 +68,27 @@ class Motions:
         def numbers() -> np.ndarray:
             return np.full(n, np.nan)
 
-        events = Events.joined([], np.zeros(n, dtype=bool))
+        events = Events.join([], np.zeros(n, dtype=bool))
         steps, alone = np.zeros(n, dtype=int), np.zeros(n, dtype=bool)
         return cls(np.full(n, -1), words(), words(), numbers(), numbers(), numbers(), steps, alone, events)
 
 
-def simulate_rows(scenes: ScenarioGroup, who: np.ndarray, rtol: float, moved: Motions) -> None:
+def simulate_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motions: Motions) -> None:
     """Scenarios as `simulate` does them, one after the other, in the place of what is noted of them."""
-    keep, everybody = (np.ones(len(moved.first), dtype=bool) for _ in range(2))
-    keep[who] = False
-    noted = [Events.joined([moved.events], keep)]
-    for i in who.tolist():
+    keep, every_row = (np.ones(len(motions.first), dtype=bool) for _ in range(2))
+    keep[indices] = False
+    parts = [Events.join([motions.events], keep)]
+    for i in indices.tolist():
         with np.errstate(all="ignore"):  # as in `simulate`
-            transitions = _simulate(scenes.alone(i), rtol, moved, i)
+            transitions = _simulate(scenes.alone(i), rtol, motions, i)
         numbers = [
             (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions
         ]
-        noted += [Events(*(np.array(column) for column in zip(*numbers, strict=True)))] if numbers else []
-    moved.events = Events.joined(noted, everybody)
+        parts += [Events(*(np.array(column) for column in zip(*numbers, strict=True)))] if numbers else []
+    motions.events = Events.join(parts, every_row)
 
 
-def _simulate(case: Case, rtol: float, moved: Motions, i: int) -> list[Transition]:
+def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transition]:
     """What `simulate` finds, without samples, into row i; returns the transitions."""
     prepare(case, None, rtol)
     start = start_state(case)
@@ -98,15 +98,15 @@ def _simulate(case: Case, rtol: float, moved: Motions, i: int) -> list[Transitio
         )
     except Undecidable:
         segments, transitions, ending = [], [], undecidable(0.0)
-    moved.status[i], moved.reason[i] = ending
-    moved.alone[i], moved.steps[i] = True, sum(segment.steps for segment in segments)
+    motions.status[i], motions.reason[i] = ending
+    motions.alone[i], motions.steps[i] = True, sum(segment.steps for segment in segments)
     first = segments[0].phase.regime.mode if segments else at_once(ending[0])
-    moved.first[i] = -1 if first is None else NUMBER[first]
-    moved.energy_start[i] = moved.energy_end[i] = energy(case, start_motion(case))
-    moved.end[i] = 0.0
+    motions.first[i] = -1 if first is None else NUMBER[first]
+    motions.energy_start[i] = motions.energy_end[i] = energy(case, start_motion(case))
+    motions.end[i] = 0.0
     if segments:
         last = segments[-1]
-        moved.end[i], moved.energy_end[i] = (
+        motions.end[i], motions.energy_end[i] = (
             last.event.time,
             energy(case, _motion_in(case, last.phase, last.event.state)),
         )

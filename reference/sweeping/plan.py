@@ -50,8 +50,8 @@ class Axis:
         """Its values."""
         if self.values:
             return np.array(self.values)
-        spaced = np.geomspace if self.log else np.linspace
-        return spaced(self.low, self.high, self.count or 0)
+        spacing = np.geomspace if self.log else np.linspace
+        return spacing(self.low, self.high, self.count or 0)
 
     def __len__(self) -> int:
         return len(self.values) or self.count or 0
@@ -59,28 +59,28 @@ class Axis:
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
-    def drawn(self, part: np.ndarray) -> np.ndarray:
+    def at_parts(self, part: np.ndarray) -> np.ndarray:
         """Values at parts between 0 and 1 of the range."""
         if self.log:
             return self.low * (self.high / self.low) ** part
         return self.low + (self.high - self.low) * part
 
     @classmethod
-    def of(cls, name: str, given: Any) -> Axis:
+    def of(cls, name: str, source: Any) -> Axis:
         """From text ("0.01:0.5:200", "0.01:0.5:200:log", "0.1,0.2"), numbers, or a pair for a range."""
-        if isinstance(given, Axis):
-            return given
-        if isinstance(given, str):
-            return _from_text(name, given)
-        if real(given) is not None:
-            return cls(name, values=(finite(name, given),))
+        if isinstance(source, Axis):
+            return source
+        if isinstance(source, str):
+            return _from_text(name, source)
+        if real(source) is not None:
+            return cls(name, values=(finite(name, source),))
         try:
-            if isinstance(given, bytes | bytearray | memoryview | Mapping | Set):
+            if isinstance(source, bytes | bytearray | memoryview | Mapping | Set):
                 raise TypeError  # bytes would be read as numbers, keys as values; a set has no order
-            values = [finite(name, value) for value in (given.tolist() if isinstance(given, np.ndarray) else given)]
+            values = [finite(name, value) for value in (source.tolist() if isinstance(source, np.ndarray) else source)]
         except TypeError:
             raise BadValue(
-                f"{name} is {given!r}; give a number, a list of numbers or text such as 0.01:0.5:200"
+                f"{name} is {source!r}; give a number, a list of numbers or text such as 0.01:0.5:200"
             ) from None
         if not values:
             raise BadValue(f"{name} has no value; give at least one")
@@ -112,11 +112,11 @@ def _from_text(name: str, text: str) -> Axis:
         raise BadValue(how) from None
     if len(numbers) not in (2, 3):
         raise BadValue(how)
-    found = _range(name, numbers[0], numbers[1], log=log)
+    limits = _range(name, numbers[0], numbers[1], log=log)
     if len(numbers) == 2:
-        return found
+        return limits
     count = whole(f"the count of {name}", numbers[2], 1, MOST)
-    return Axis(name, found.low, found.high, count, log)
+    return Axis(name, limits.low, limits.high, count, log)
 
 
 def _range(name: str, low: float, high: float, log: bool) -> Axis:
@@ -147,18 +147,18 @@ class Plan:
     def __post_init__(self):
         if self.sample not in SAMPLES:
             raise unknown_name("sampling", str(self.sample), SAMPLES)
-        known = self.parameters
+        parameters = self.parameters
         names = [axis.name for axis in self.axes]
         for name in (*names, *self.fixed):
-            if name not in known:
-                raise unknown_name(f"parameter of {self.name}", name, known)
+            if name not in parameters:
+                raise unknown_name(f"parameter of {self.name}", name, parameters)
         for name in names:
             if names.count(name) > 1 or name in self.fixed:
                 raise BadValue(f"{name} is given twice; give each parameter once")
-            if real(known[name]) is None:
-                raise BadValue(f"{name} of {self.name} is {known[name]!r}, no number; only numbers can vary")
+            if real(parameters[name]) is None:
+                raise BadValue(f"{name} of {self.name} is {parameters[name]!r}, no number; only numbers can vary")
         if not names:
-            raise BadValue(f"nothing varies; give at least one parameter of {self.name}: {', '.join(known)}")
+            raise BadValue(f"nothing varies; give at least one parameter of {self.name}: {', '.join(parameters)}")
         object.__setattr__(self, "rtol", between("rtol", self.rtol, *TOLERANCES))
         self._check_sample()
 
@@ -228,14 +228,14 @@ class Plan:
             places = np.unravel_index(np.arange(start, stop), self.shape)
             return {axis.name: axis.all[place] for axis, place in zip(self.axes, places, strict=True)}
         parts = _random(self, start, stop) if self.sample == "random" else _sobol(self, start, stop)
-        return {axis.name: axis.drawn(part) for axis, part in zip(self.axes, parts.T, strict=True)}
+        return {axis.name: axis.at_parts(part) for axis, part in zip(self.axes, parts.T, strict=True)}
 
     def as_text(self) -> dict[str, Any]:
         """All that decides the rows, in a form that can be written down and compared."""
         axes = [[a.name, *map(repr, (a.low, a.high, a.count, a.log)), list(map(repr, a.values))] for a in self.axes]
         fixed = {name: repr(value) for name, value in sorted(self.fixed.items())}
-        sampled = {"sample": self.sample, "number": self.number, "seed": self.seed if self.sample != "grid" else None}
-        return {"case": self.name, "fixed": fixed, "axes": axes, **sampled, "rtol": repr(self.rtol)}
+        sampling = {"sample": self.sample, "number": self.number, "seed": self.seed if self.sample != "grid" else None}
+        return {"case": self.name, "fixed": fixed, "axes": axes, **sampling, "rtol": repr(self.rtol)}
 
 
 def plan(
@@ -274,8 +274,8 @@ def _random(plan: Plan, start: int, stop: int) -> np.ndarray:
     """Numbers in [0, 1) by Philox, whose state at any place is known at once: shape (stop − start, axes)."""
     blocks = -(-len(plan.axes) // _WORDS)  # each scenario begins a step of the generator
     generator = np.random.Philox(key=plan.seed).advance(start * blocks)
-    drawn = np.random.Generator(generator).random((stop - start, blocks * _WORDS))
-    return drawn[:, : len(plan.axes)]
+    points = np.random.Generator(generator).random((stop - start, blocks * _WORDS))
+    return points[:, : len(plan.axes)]
 
 
 def _sobol(plan: Plan, start: int, stop: int) -> np.ndarray:

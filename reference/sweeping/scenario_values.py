@@ -45,7 +45,7 @@ class Structure(NamedTuple):
     ends: tuple
     kinds: tuple[type, ...]
     in_contact: bool
-    fitted: bool  # whether ξ₂ follows from θ = 0
+    level_start: bool  # whether ξ₂ follows from θ = 0
     plain: bool  # whether there is nothing a step could pass over
 
 
@@ -67,10 +67,10 @@ class ScenarioGroup:
         count = len(self.base.track.constants if which == "track" else self.base.plate.outline.constants)
         return tuple(self.numbers[f"{which}_c{i}"] for i in range(count))
 
-    def only(self, chosen: np.ndarray) -> ScenarioGroup:
+    def only(self, indices: np.ndarray) -> ScenarioGroup:
         """Some of them."""
-        numbers = {name: column[chosen] for name, column in self.numbers.items()}
-        return ScenarioGroup(self.rows[chosen], self.base, self.same, numbers, partial(_nth, self.alone, chosen))
+        numbers = {name: column[indices] for name, column in self.numbers.items()}
+        return ScenarioGroup(self.rows[indices], self.base, self.same, numbers, partial(_nth, self.alone, indices))
 
 
 class RejectedScenario(NamedTuple):
@@ -102,39 +102,41 @@ def structure(case: Case) -> Structure:
     track, outline = case.track, case.plate.outline
     ends = tuple((c.domain is None, c.period is None) for c in (track, outline))
     kinds = tuple(type(effect) for effect in case.effects)
-    fitted = case.start.xi2 is None
+    level_start = case.start.xi2 is None
     load = case.effect(Load)
     features = (track.features, outline.features, load.features if load else None)
-    plain = all(found is None or found.plain for found in features) and not laws(case).checked_quantities
-    return Structure(track.structure, outline.structure, laws(case), ends, kinds, case.start.in_contact, fitted, plain)
+    plain = all(feature is None or feature.plain for feature in features) and not laws(case).checked_quantities
+    return Structure(
+        track.structure, outline.structure, laws(case), ends, kinds, case.start.in_contact, level_start, plain
+    )
 
 
 def numbers(case: Case) -> dict[str, float]:
     """Every number of a scenario by the name its equations know it by, but for a ξ₂ and θ that follow from the rest."""
     start, plate = case.start, case.plate
-    known = {"xi1": start.xi1, "slip": start.slip, "omega": start.omega, "duration": case.duration}
-    known |= {"mass": plate.mass, "inertia": plate.inertia}
-    known |= {} if start.xi2 is None else {"xi2": start.xi2}
+    values = {"xi1": start.xi1, "slip": start.slip, "omega": start.omega, "duration": case.duration}
+    values |= {"mass": plate.mass, "inertia": plate.inertia}
+    values |= {} if start.xi2 is None else {"xi2": start.xi2}
     for effect in case.effects:
         if isinstance(effect, Gravity):
-            known["gx"], known["gy"] = effect.vector
+            values["gx"], values["gy"] = effect.vector
         elif isinstance(effect, CoulombFriction):
-            known |= {"mu": effect.mu, "mu_stick": effect.stick}
+            values |= {"mu": effect.mu, "mu_stick": effect.stick}
         elif isinstance(effect, RollingResistance):
-            known["arm"] = effect.arm
+            values["arm"] = effect.arm
         elif isinstance(effect, Load):
-            known |= {f"load_c{i}": value for i, value in enumerate(constants(effect.expression))}
+            values |= {f"load_c{i}": value for i, value in enumerate(constants(effect.expression))}
     for name, curve in (("track", case.track), ("outline", plate.outline)):
-        known |= {f"{name}_c{i}": value for i, value in enumerate(curve.constants)}
+        values |= {f"{name}_c{i}": value for i, value in enumerate(curve.constants)}
         if curve.domain:
-            known |= {f"{name}_low": curve.domain[0], f"{name}_high": curve.domain[1]}
-    return known
+            values |= {f"{name}_low": curve.domain[0], f"{name}_high": curve.domain[1]}
+    return values
 
 
 def _place(case: Case) -> dict[str, float]:
     """The same with ξ₂ and θ."""
-    begun = start_motion(case)
-    return {**numbers(case), "xi2": begun.xi2, "theta": begun.theta}
+    initial = start_motion(case)
+    return {**numbers(case), "xi2": initial.xi2, "theta": initial.theta}
 
 
 # --- one by one -------------------------------------------------------------------------------------------------------
@@ -152,14 +154,14 @@ def _each(alone: Callable[[int], Case], n: int) -> tuple[list[ScenarioGroup], li
             bad.append(RejectedScenario(i, str(problem)))
         except Exception as problem:  # the function is its author's
             bad.append(RejectedScenario(i, f"the case cannot be made: {type(problem).__name__}: {problem}"))
-    found = []
+    scenario_groups = []
     for members in groups.values():
         rows = np.array([i for i, _, _ in members])
         base = members[0][2]
         same = all((c.track, c.plate.outline) == (base.track, base.plate.outline) for _, _, c in members)
-        columns = {name: np.array([known[name] for _, known, _ in members]) for name in members[0][1]}
-        found.append(ScenarioGroup(rows, base, same, columns, partial(_nth, alone, rows)))
-    return found, bad
+        columns = {name: np.array([values[name] for _, values, _ in members]) for name in members[0][1]}
+        scenario_groups.append(ScenarioGroup(rows, base, same, columns, partial(_nth, alone, rows)))
+    return scenario_groups, bad
 
 
 def _nth(alone: Callable[[int], Case], rows: np.ndarray, i: int) -> Case:
@@ -172,8 +174,8 @@ def _nth(alone: Callable[[int], Case], rows: np.ndarray, i: int) -> Case:
 class _Column(NamedTuple):
     """What a parameter does alone: the numbers it changes, each by scenario."""
 
-    changed: dict[str, np.ndarray]
-    tried: bool  # whether each of its values was
+    changes: dict[str, np.ndarray]
+    is_complete: bool  # whether each of its values was
 
 
 def _together(make: Make, columns: Mapping[str, np.ndarray], alone, n: int, even: bool) -> ScenarioGroup | None:
@@ -183,28 +185,32 @@ def _together(make: Make, columns: Mapping[str, np.ndarray], alone, n: int, even
     first = {name: float(column[0]) for name, column in columns.items()}
     try:
         base = make(**first)
-        known, made = _place(base), structure(base)
-        effects = {name: _alone(make, first, name, columns[name], known, made, even) for name in columns}
-        found = {name: np.full(n, value) for name, value in known.items()}
+        base_values, base_structure = _place(base), structure(base)
+        effects = {
+            name: _alone(make, first, name, columns[name], base_values, base_structure, even) for name in columns
+        }
+        all_numbers = {name: np.full(n, value) for name, value in base_values.items()}
         for name, effect in effects.items():
-            if effect is None or any(name in found and not _constant(found[name]) for name in effect.changed):
+            if effect is None or any(
+                name in all_numbers and not _constant(all_numbers[name]) for name in effect.changes
+            ):
                 return None  # some number depends on two parameters
-            found |= effect.changed
-        of_place = {name for name, e in effects.items() if e is not None and any(map(_of_place, e.changed))}
-        if len(of_place) > 1 or any(e is not None and not e.tried and not _simple(e) for e in effects.values()):
+            all_numbers |= effect.changes
+        of_place = {name for name, e in effects.items() if e is not None and any(map(_of_place, e.changes))}
+        if len(of_place) > 1 or any(e is not None and not e.is_complete and not _simple(e) for e in effects.values()):
             return None
-        same = all(_constant(found[name]) for name in found if name.startswith(("track_", "outline_")))
-        untried = any(not effects[name].tried for name in of_place)  # type: ignore[union-attr]
-        if untried and not _place_again(base, made, found):
+        same = all(_constant(all_numbers[name]) for name in all_numbers if name.startswith(("track_", "outline_")))
+        is_incomplete = any(not effects[name].is_complete for name in of_place)  # type: ignore[union-attr]
+        if is_incomplete and not _place_again(base, base_structure, all_numbers):
             return None
         for i in _probes(columns, n):
             case = alone(i)
             exact = numbers(case)
-            if structure(case) != made or any(found[name][i] != value for name, value in exact.items()):
+            if structure(case) != base_structure or any(all_numbers[name][i] != value for name, value in exact.items()):
                 return None
     except Exception:
         return None  # some scenario cannot be: whichever it is, it is found by making each
-    return ScenarioGroup(np.arange(n), base, same, found, alone)
+    return ScenarioGroup(np.arange(n), base, same, all_numbers, alone)
 
 
 def _of_place(number: str) -> bool:
@@ -214,7 +220,7 @@ def _of_place(number: str) -> bool:
 
 def _simple(effect: _Column) -> bool:
     """Whether a parameter whose values were not all tried changes nothing of the curves."""
-    return not any(name.startswith(("track_", "outline_")) for name in effect.changed)
+    return not any(name.startswith(("track_", "outline_")) for name in effect.changes)
 
 
 def _constant(column: np.ndarray) -> bool:
@@ -226,58 +232,58 @@ def _alone(
     first: dict[str, float],
     name: str,
     column: np.ndarray,
-    known: dict[str, float],
-    made: Structure,
+    base_values: dict[str, float],
+    base_structure: Structure,
     even: bool,
 ) -> _Column | None:
     """What a parameter does while the others stand; None where that cannot be said."""
     values, which = np.unique(column, return_inverse=True)
-    tried = len(values) <= FEW * len(column)
-    if not tried:
+    is_complete = len(values) <= FEW * len(column)
+    if not is_complete:
         if not even:
             return None
         values = values[np.linspace(0, len(values) - 1, TRIES).round().astype(int)]
-    made_with = []
+    samples = []
     for value in values.tolist():
         case = make(**{**first, name: value})
-        if structure(case) != made:
+        if structure(case) != base_structure:
             return None
-        made_with.append(_place(case))
-    changed = {}
-    for number, value in known.items():
-        column_of = np.array([row[number] for row in made_with])
+        samples.append(_place(case))
+    changes = {}
+    for number, value in base_values.items():
+        column_of = np.array([row[number] for row in samples])
         if np.all(column_of == value):
             continue
-        if tried:
-            changed[number] = column_of[which.reshape(-1)]
+        if is_complete:
+            changes[number] = column_of[which.reshape(-1)]
         elif np.all(column_of == values):
-            changed[number] = column
-        elif not (number == "theta" or (number == "xi2" and made.fitted)):
+            changes[number] = column
+        elif not (number == "theta" or (number == "xi2" and base_structure.level_start)):
             return None
-    return _Column(changed, tried)
+    return _Column(changes, is_complete)
 
 
-def _place_again(base: Case, made: Structure, found: dict[str, np.ndarray]) -> bool:
+def _place_again(base: Case, base_structure: Structure, all_numbers: dict[str, np.ndarray]) -> bool:
     """Work out ξ₂ and θ for starts that were not all made as cases; whether each of them has room."""
     track, outline = base.track, base.plate.outline
-    xi1 = found["xi1"]
-    if not made.in_contact:
+    xi1 = all_numbers["xi1"]
+    if not base_structure.in_contact:
         return False
     if track.domain and not track.period and not np.all((track.domain[0] <= xi1) & (xi1 <= track.domain[1])):
         return False
-    if made.fitted:
-        found["xi2"] = level_parameters(track, outline, xi1)
-    xi2 = found["xi2"]
+    if base_structure.level_start:
+        all_numbers["xi2"] = level_parameters(track, outline, xi1)
+    xi2 = all_numbers["xi2"]
     if not np.isfinite(xi2).all():
         return False
     sizes = [tuple(np.full(len(xi1), c) for c in curve.constants) for curve in (track, outline)]
     f, h = places(track, sizes[0], xi1), places(outline, sizes[1], xi2)
     if not np.all(h.curvature > f.curvature):
         return False
-    found["theta"] = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
-    c, s = np.cos(found["theta"]), np.sin(found["theta"])
+    all_numbers["theta"] = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
+    c, s = np.cos(all_numbers["theta"]), np.sin(all_numbers["theta"])
     x, y = f.x - (c * h.x - s * h.y), f.y - (s * h.x + c * h.y)
-    return first_overlap(track, outline, x, y, found["theta"], xi1) is None
+    return first_overlap(track, outline, x, y, all_numbers["theta"], xi1) is None
 
 
 def _probes(columns: Mapping[str, np.ndarray], n: int) -> Iterator[int]:
@@ -294,17 +300,17 @@ def _probes(columns: Mapping[str, np.ndarray], n: int) -> Iterator[int]:
 def straight(function: Callable) -> bool:
     """Whether a function, and those of its own module that it calls, has no branch and no loop: what it does for some
     values it does for all."""
-    waiting, seen = [function], []
+    waiting, visited_functions = [function], []
     while waiting:
         now = waiting.pop()
-        if now in seen:
+        if now in visited_functions:
             continue
-        seen.append(now)
+        visited_functions.append(now)
         code = getattr(now, "__code__", None)
         if code is None or any(map(_jumps, _codes(code))):
             return False
-        called = (now.__globals__.get(name) for part in _codes(code) for name in part.co_names)
-        waiting += [f for f in called if isinstance(f, FunctionType) and f.__module__ == function.__module__]
+        functions = (now.__globals__.get(name) for part in _codes(code) for name in part.co_names)
+        waiting += [f for f in functions if isinstance(f, FunctionType) and f.__module__ == function.__module__]
     return True
 
 

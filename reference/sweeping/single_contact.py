@@ -24,11 +24,11 @@ LOOKS = 2000
 
 def one_contact(scenes: ScenarioGroup) -> np.ndarray:
     """Which scenarios surely touch their track in one place only, (n,); of the others nothing is said."""
-    found = np.zeros(len(scenes.rows), dtype=bool)
+    certain = np.zeros(len(scenes.rows), dtype=bool)
     for some in _of_one_shape(scenes):
         base, number = scenes.only(some), int(some[0])
-        found[some] = _one_contact(base, scenes.base if scenes.same else scenes.alone(number))
-    return found
+        certain[some] = _one_contact(base, scenes.base if scenes.same else scenes.alone(number))
+    return certain
 
 
 def _of_one_shape(scenes: ScenarioGroup) -> list[np.ndarray]:
@@ -76,27 +76,27 @@ def _count(track: Curve, outline: Curve, grid: np.ndarray, fits: np.ndarray) -> 
         return 0
     xi2 = np.full(count, outline.span[0])
     x, y, theta = pose(track, outline, grid[:count], xi2)
-    found = first_overlap(track, outline, x, y, theta, grid[:count])
-    return count if found is None else found[0]
+    overlap = first_overlap(track, outline, x, y, theta, grid[:count])
+    return count if overlap is None else overlap[0]
 
 
 def _within(scenes: ScenarioGroup, base: Case, free: np.ndarray) -> np.ndarray:
     """Which scenarios stay on the free stretch: all if it is the whole track, else those with too little energy to
     leave it on either side."""
-    known, track, outline, n = scenes.numbers, base.track, base.plate.outline, len(scenes.rows)
+    inputs, track, outline, n = scenes.numbers, base.track, base.plate.outline, len(scenes.rows)
     if len(free) == LOOKS and (track.domain is not None or track.period):
         return np.ones(n, dtype=bool)
     if not len(free):
         return np.zeros(n, dtype=bool)
-    pull = known["gx"], known["gy"]
+    pull = inputs["gx"], inputs["gy"]
     f, h = (
-        places(track, scenes.constants("track"), known["xi1"]),
-        places(outline, scenes.constants("outline"), known["xi2"]),
+        places(track, scenes.constants("track"), inputs["xi1"]),
+        places(outline, scenes.constants("outline"), inputs["xi2"]),
     )
-    has = energy(f, h, known["slip"], known["omega"], pull, known["mass"], known["inertia"])
+    has = energy(f, h, inputs["slip"], inputs["omega"], pull, inputs["mass"], inputs["inertia"])
     x, y, _ = pose(track, outline, free, np.full(len(free), outline.span[0]))
     needs = -(np.multiply.outer(pull[0], x) + np.multiply.outer(pull[1], y))  # per mass, wherever it goes
-    beyond = needs > ((has + 1e-9 * np.abs(has)) / known["mass"])[:, None] + 1e-9 * np.abs(needs)
-    before = free[None, :] < known["xi1"][:, None]
-    inside = (free[0] <= known["xi1"]) & (known["xi1"] <= free[-1])
+    beyond = needs > ((has + 1e-9 * np.abs(has)) / inputs["mass"])[:, None] + 1e-9 * np.abs(needs)
+    before = free[None, :] < inputs["xi1"][:, None]
+    inside = (free[0] <= inputs["xi1"]) & (inputs["xi1"] <= free[-1])
     return inside & (beyond & before).any(axis=1) & (beyond & ~before).any(axis=1)

@@ -51,7 +51,7 @@ def check_names(plan: Plan) -> None:
             raise BadValue(f"the parameter {axis.name} is called like a column of the table; give it another name")
 
 
-def is_solved(plan: Plan, start: int, stop: int, optimised: bool = False, certified: bool = False) -> pa.Table:
+def scenario_rows(plan: Plan, start: int, stop: int, optimised: bool = False, certified: bool = False) -> pa.Table:
     """The rows of scenarios start … stop − 1."""
     return rows(plan, plan.columns(start, stop), start, optimised, certified)
 
@@ -62,12 +62,12 @@ def rows(
     """The rows of scenarios of the plan's case with any parameters, numbered from `start`."""
     began, n = time.thread_time(), len(next(iter(parameters.values())))
     groups, bad = scenes(plan.make, parameters, straight(plan.function))
-    moved = [(group, _distance(group, plan.rtol, optimised)) for group in groups]
-    columns = _columns(n, moved, bad)
+    results = [(group, _motions(group, plan.rtol, optimised)) for group in groups]
+    columns = _columns(n, results, bad)
     columns["error_bars"] = _bars(plan, parameters, columns) if certified else pa.nulls(n, COLUMNS["error_bars"][0])
     columns["cpu_s"] = np.full(n, (time.thread_time() - began) / n)
-    known = {"scenario": np.arange(start, start + n), **parameters}
-    arrays = [pa.array(column) for column in known.values()]
+    inputs = {"scenario": np.arange(start, start + n), **parameters}
+    arrays = [pa.array(column) for column in inputs.values()]
     arrays += [_arrow(columns[name], kind) for name, (kind, _) in COLUMNS.items()]
     return pa.Table.from_arrays(arrays, schema=schema(plan))
 
@@ -86,22 +86,22 @@ def _arrow(column, kind: pa.DataType) -> pa.Array:
     return pa.array(column, kind, from_pandas=True)  # what is not known is null, not NaN
 
 
-def _distance(group: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
+def _motions(group: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
     """The motions of a group; where the solver fails, of each that it can do."""
     try:
         return move(group, rtol, optimised)
     except Exception as problem:  # one scenario takes no other with it
         logging.getLogger("reference").warning("a wave failed (%s: %s); one by one", type(problem).__name__, problem)
-    moved = Motions.none(len(group.rows))
+    motions = Motions.none(len(group.rows))
     for i in range(len(group.rows)):
         try:
-            simulate_rows(group, np.array([i]), rtol, moved)
+            simulate_rows(group, np.array([i]), rtol, motions)
         except Exception as problem:
-            moved.status[i], moved.reason[i] = FAILED, f"{type(problem).__name__}: {problem}"
-    return moved
+            motions.status[i], motions.reason[i] = FAILED, f"{type(problem).__name__}: {problem}"
+    return motions
 
 
-def _columns(n: int, moved: list[tuple[ScenarioGroup, Motions]], bad: list[RejectedScenario]) -> dict:
+def _columns(n: int, results: list[tuple[ScenarioGroup, Motions]], bad: list[RejectedScenario]) -> dict:
     """What came of n scenarios, from their groups."""
     nan, nothing = np.full(n, np.nan), np.full(n, "", dtype=object)
     columns: dict = {name: nothing.copy() for name in ("outcome", "reason", "sequence", "first_after")}
@@ -114,18 +114,21 @@ def _columns(n: int, moved: list[tuple[ScenarioGroup, Motions]], bad: list[Rejec
     for row, reason in bad:
         columns["outcome"][row], columns["reason"][row] = BAD, reason
     owners, events = [np.empty(0, dtype=int)], [np.empty((3, 0))]
-    for group, found in moved:
-        rows, all_of_it = group.rows, found.events
-        columns["outcome"][rows], columns["reason"][rows] = found.status, found.reason
+    for group, motions in results:
+        rows, all_of_it = group.rows, motions.events
+        columns["outcome"][rows], columns["reason"][rows] = motions.status, motions.reason
         for name in ("end", "energy_start", "energy_end", "steps", "alone"):
-            columns[name][rows] = getattr(found, name)
-        who, first = np.unique(all_of_it.who, return_index=True)
-        columns["transitions"][rows] = np.bincount(all_of_it.who, minlength=len(rows))
-        columns["first_time"][rows[who]], columns["first_xi1"][rows[who]] = all_of_it.time[first], all_of_it.xi1[first]
+            columns[name][rows] = getattr(motions, name)
+        indices, first = np.unique(all_of_it.scenario, return_index=True)
+        columns["transitions"][rows] = np.bincount(all_of_it.scenario, minlength=len(rows))
+        columns["first_time"][rows[indices]], columns["first_xi1"][rows[indices]] = (
+            all_of_it.time[first],
+            all_of_it.xi1[first],
+        )
         names = np.array([*map(str, MODES)], dtype=object)
-        columns["first_after"][rows[who]] = names[all_of_it.after[first]]
-        columns["sequence"][rows] = _sequences(found, len(rows))
-        owners.append(rows[all_of_it.who])
+        columns["first_after"][rows[indices]] = names[all_of_it.after[first]]
+        columns["sequence"][rows] = _sequences(motions, len(rows))
+        owners.append(rows[all_of_it.scenario])
         events.append(np.array([all_of_it.time, all_of_it.xi1, all_of_it.xi2]))
     owner, flat = np.concatenate(owners), np.concatenate(events, axis=1)
     order = np.argsort(owner, kind="stable")
@@ -135,16 +138,16 @@ def _columns(n: int, moved: list[tuple[ScenarioGroup, Motions]], bad: list[Rejec
     return columns
 
 
-def _sequences(found: Motions, n: int) -> np.ndarray:
+def _sequences(motions: Motions, n: int) -> np.ndarray:
     """The modes of each, as text."""
-    offsets = np.concatenate([[0], np.cumsum(np.bincount(found.events.who, minlength=n))]).tolist()
-    after, texts = found.events.after.tolist(), np.full(n, "", dtype=object)
-    known: dict[tuple[int, ...], str] = {}
-    for i, first in enumerate(found.first.tolist()):
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(motions.events.scenario, minlength=n))]).tolist()
+    after, texts = motions.events.after.tolist(), np.full(n, "", dtype=object)
+    cache: dict[tuple[int, ...], str] = {}
+    for i, first in enumerate(motions.first.tolist()):
         codes = (first, *after[offsets[i] : offsets[i + 1]])
-        if codes not in known:
-            known[codes] = ARROW.join(str(MODES[code]) for code in codes if code >= 0)
-        texts[i] = known[codes]
+        if codes not in cache:
+            cache[codes] = ARROW.join(str(MODES[code]) for code in codes if code >= 0)
+        texts[i] = cache[codes]
     return texts
 
 

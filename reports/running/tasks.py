@@ -82,7 +82,7 @@ def find_truth(case: Case) -> Truth:
     where the certificate and the reference's motion contradict each other. Raises DamagedTruth."""
     known = in_catalogue(case)
     try:
-        certificate = stored_or_new(case, kept=known)
+        certificate = stored_or_new(case, use_file=known)
     except NotCertified as problem:
         return Truth(failure=str(problem))
     method = reference.METHODS[0]

@@ -35,7 +35,7 @@ def _circle(plan: Plan) -> list[BoundaryLine]:
     low, high = (axis.low, axis.high) if not axis.values else (min(axis.values), max(axis.values))
     mu = np.linspace(max(low, 1e-3), high, POINTS)
     # Released at ξ₁ = 0, the disc rolls if μ is larger than `most`: there the second line ends.
-    most = brentq(lambda m: slip_end(m).needed - 1.0, 0.05, 0.5, xtol=1e-9)
+    most = brentq(lambda m: slip_end(m).demand - 1.0, 0.05, 0.5, xtol=1e-9)
     mu = np.unique(np.append(mu, most * (1.0 - 1e-9))) if low < most < high else mu
     after = np.array([rolls_beyond(float(m)) for m in mu])
     there = after > 0.0

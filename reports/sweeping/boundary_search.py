@@ -96,7 +96,7 @@ def find_boundaries(plan: Plan, width: float) -> BoundaryPoints:
         brackets = [b for b in brackets if _length(b) <= max(part, 4 * np.spacing(1.0))] + search.halves(wide)
     brackets.sort()
     middles = np.array([0.5 * (np.array(b.low) + b.high) for b in brackets]).reshape(-1, len(plan.axes))
-    places = [axis.drawn(middles[:, i]) for i, axis in enumerate(plan.axes)]
+    places = [axis.at_parts(middles[:, i]) for i, axis in enumerate(plan.axes)]
     wide_by = np.array([_length(b) for b in brackets]) * (plan.axes[0].high - plan.axes[0].low)
     kinds = tuple((b.before, b.after) for b in brackets)
     return BoundaryPoints(places[0], places[-1], kinds, wide_by, search.scenarios)
@@ -121,7 +121,7 @@ class _Search:
         kind_names: list[str] = []
         for start in range(0, len(places), TOGETHER):
             batch = places[start : start + TOGETHER]
-            columns = {axis.name: axis.drawn(batch[:, i]) for i, axis in enumerate(self.plan.axes)}
+            columns = {axis.name: axis.at_parts(batch[:, i]) for i, axis in enumerate(self.plan.axes)}
             rows = table.rows(self.plan, columns)
             self.scenarios += len(batch)
             pairs = zip(rows.column("sequence").to_pylist(), rows.column("outcome").to_pylist(), strict=True)

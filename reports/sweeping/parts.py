@@ -47,7 +47,7 @@ def environment() -> dict[str, str]:
 def perform(work: SweepWork, start: int, stop: int) -> bytes:
     """The rows of some scenarios as the bytes of a Parquet file."""
     if work.solver == REFERENCE:
-        return pack(table.is_solved(work.plan, start, stop, len(work.plan) >= MANY, work.certified))
+        return pack(table.scenario_rows(work.plan, start, stop, len(work.plan) >= MANY, work.certified))
     return pack(of_engine(work, start, stop))
 
 
@@ -106,7 +106,7 @@ def engine_schema(plan: Plan) -> pa.Schema:
 
 def of_engine(work: SweepWork, start: int, stop: int) -> pa.Table:
     """The rows of an engine with default settings, compared with the reference, scenario by scenario."""
-    truth = table.is_solved(work.plan, start, stop).to_pylist()
+    truth = table.scenario_rows(work.plan, start, stop).to_pylist()
     names = [axis.name for axis in work.plan.axes]
     rows = []
     for reference_row in truth:

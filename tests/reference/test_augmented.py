@@ -90,8 +90,8 @@ def test_eliminated_equations_agree_with_the_literal_matrix(case):
     for mode in modes(case):
         state = _state(case, mode)
         solution, now = solve_augmented(case, mode, state), phase(case, Regime(mode))
-        m = now.system.observed_of_numbers(0.0, state_in(now, state), now.parameters)
-        eliminated = type(now.system.observed)(*m)
+        m = now.system.outputs_of_numbers(0.0, state_in(now, state), now.parameters)
+        eliminated = type(now.system.outputs)(*m)
         literal = [*solution.q2_ddot, solution.normal_force, solution.friction_force, solution.q1_ddot[2]]
         fast = [eliminated.u1_dot, eliminated.u2_dot, eliminated.normal, eliminated.friction, eliminated.omega_dot]
         # Both lose digits with the literal matrix's condition; 1e-12 of the largest is the bound the suite promises.
@@ -191,13 +191,13 @@ def test_every_mode_and_effect_agrees_with_the_eliminated_equations(case):
 def _agrees(case):
     for now, y in phases(case):
         literal = LiteralSystem(case, now)
-        matrix = literal.filled(TIME, y).matrix
-        observed = dict(zip(Elimination._fields, now.system.observed_of_numbers(TIME, y, now.parameters), strict=True))
+        matrix = literal.system_at(TIME, y).matrix
+        observed = dict(zip(Elimination._fields, now.system.outputs_of_numbers(TIME, y, now.parameters), strict=True))
         forces = [abs(observed[name]) for name in ("normal", "friction", "couple", "slip_dot", "omega_dot")]
         rates = np.array(now.system.rates_of_numbers(TIME, y, now.parameters))
         scale = 1e-12 * (1 + max(*forces, *np.abs(rates))) * max(1.0, np.linalg.cond(matrix) * 1e-3)
         assert np.array(literal.rates_of_numbers(TIME, y)) == pytest.approx(rates, abs=scale)
-        told = ContactQuantities(*(float(column[0]) for column in literal.observed_of_arrays(*_at_once(y))))
+        told = ContactQuantities(*(float(column[0]) for column in literal.outputs_of_arrays(*_at_once(y))))
         assert told == pytest.approx([observed[name] for name in ContactQuantities._fields], abs=scale)
         # The paradox's guard has another scale (1 without friction) and the same sign; all others are the same number.
         theirs = dict(zip(now.system.guards, now.system.guards_of_numbers(TIME, y, now.parameters), strict=True))
@@ -252,7 +252,7 @@ def test_determinant_vanishes_where_the_rod_meets_the_paradox():
     assert "nearly singular" in motion.reason
     last = LiteralSystem(case, phase(case, Regime(motion.first_mode)))
     rates = velocity(case, motion.xi1[-1], motion.xi2[-1], motion.slip[-1], motion.omega[-1])
-    filled = last.filled(motion.t[-1], (rates.xi1, rates.xi2, rates.xi1_dot, rates.xi2_dot))
+    filled = last.system_at(motion.t[-1], (rates.xi1, rates.xi2, rates.xi1_dot, rates.xi2_dot))
     assert abs(uniqueness(filled)) < 1e-7
     assert condition(case, filled) > 1e8
 

@@ -29,7 +29,7 @@ from cases import (
 )
 from cases.library import circle, ellipse, line
 from reference.minimal import gap, hybrid
-from reference.minimal.bouncing import LISTED, extrapolate
+from reference.minimal.bouncing import LISTING_PART, extrapolate
 
 G = 9.81
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -166,7 +166,7 @@ def test_a_plate_that_never_rests_lists_every_bounce(method, duration):
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8, 0.9])
 def test_impacts_are_listed_by_their_closing_speed(e):
     motion = reference.simulate(dropped(e, 0.2, 60.0))
-    listed = 1 + int(np.floor(np.log(LISTED) / np.log(e)))  # the n-th closes with eⁿ⁻¹ of the first speed
+    listed = 1 + int(np.floor(np.log(LISTING_PART) / np.log(e)))  # the n-th closes with eⁿ⁻¹ of the first speed
     assert pairs(motion) == [REBOUND] * listed + [(Mode.FLIGHT, Mode.ROLL)]
 
 

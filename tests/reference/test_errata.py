@@ -56,7 +56,7 @@ def test_unitless_35_meets_the_twenty_digit_values(mu):
     # Of the tolerance 1e-12 the event's location leaves 1e-11.
     assert end.time * sqrt(0.9 / 9.81) == pytest.approx(time, rel=1e-11)
     assert end.xi1 == pytest.approx(xi1, rel=1e-11)
-    assert (end.needed <= 1.0) == (after is Mode.ROLL)
+    assert (end.demand <= 1.0) == (after is Mode.ROLL)
 
 
 sizes = st.floats(-3.0, 3.0).map(lambda power: 10.0**power)
@@ -72,14 +72,14 @@ def test_where_the_slip_ends_and_what_follows_do_not_depend_on_sizes(R, part, m,
     first = reference.simulate(case, rtol=1e-12).transitions[0]
     assert first.time / unit == pytest.approx(end.time, rel=1e-10)
     assert first.xi1 == pytest.approx(end.xi1, rel=1e-10)
-    if abs(end.needed - 1.0) > 1e-8:
-        assert (first.after is Mode.ROLL) == (end.needed <= 1.0)
+    if abs(end.demand - 1.0) > 1e-8:
+        assert (first.after is Mode.ROLL) == (end.demand <= 1.0)
 
 
 def test_the_shape_of_the_disc_decides_besides_friction_and_start():
     # μ₀ = 0.1: a homogeneous disc reverses its slip, one with its mass near the centre rolls.
-    assert slip_end(0.1, 0.0, 0.5).needed > 1.6
-    assert slip_end(0.1, 0.0, 0.1).needed < 0.3
+    assert slip_end(0.1, 0.0, 0.5).demand > 1.6
+    assert slip_end(0.1, 0.0, 0.1).demand < 0.3
 
 
 @pytest.mark.parametrize("mu, bound", [(0.1, 0.629156), (0.01, 1.499867)])
@@ -90,7 +90,7 @@ def test_released_further_down_the_smaller_coefficients_roll_as_well(mu, bound):
         assert reference.simulate(case, rtol=1e-12).transitions[0].after is after
     # One bound: reversal before it, rolling after it, down to where the disc does not slip at all.
     releases = np.linspace(0.0, np.arctan(1 / (3 * mu)) - 0.01 * mu, 40)
-    rolls = [slip_end(mu, release).needed <= 1.0 for release in releases]
+    rolls = [slip_end(mu, release).demand <= 1.0 for release in releases]
     assert rolls == [release > bound for release in releases]
 
 
@@ -111,8 +111,8 @@ def test_slip_that_ends_before_the_bottom_ends_in_rolling():
             if np.tan(release) < 1 / (3 * mu)]  # fmt: skip
     early = [end for end in ends if end.xi1 <= pi / 2]
     assert len(early) > 5
-    assert all(end.needed <= 1.0 for end in early)
-    assert any(end.needed > 1.0 for end in ends)
+    assert all(end.demand <= 1.0 for end in early)
+    assert any(end.demand > 1.0 for end in ends)
 
 
 def test_closing_remark_more_friction_ends_the_slip_earlier_and_at_a_smaller_angle():

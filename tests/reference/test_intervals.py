@@ -10,7 +10,7 @@ from cases import Curve
 from cases.library import ellipse
 from reference.minimal import pieces
 from reference.minimal.intervals import Interval, bounds
-from reference.minimal.pieces import Pieces, bounded
+from reference.minimal.pieces import Pieces, piece_bounds
 
 INSIDE = np.linspace(0.0, 1.0, 41)[:, None]
 NUMBERS = st.floats(-6.0, 6.0, allow_nan=False)
@@ -80,7 +80,7 @@ CURVES = curves()
 def test_a_curve_stays_within_the_bounds_of_its_pieces(name, count):
     curve = CURVES[name]
     edges = np.linspace(*curve.span, count + 1)
-    table = bounded(curve, edges[:-1], edges[1:])
+    table = piece_bounds(curve, edges[:-1], edges[1:])
     s = table[pieces.LOW] + INSIDE * (table[pieces.HIGH] - table[pieces.LOW])
     x, y, xp, yp, xs, ys, _, _ = curve.jets(s.ravel()).reshape(8, *s.shape)
     dx, dy, tx, ty = x - table[pieces.X], y - table[pieces.Y], table[pieces.TX], table[pieces.TY]

@@ -319,8 +319,8 @@ def test_springs_and_dampers_cost_no_check():
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_a_load_that_is_too_fast_ends_with_a_status(method, monkeypatch):
     """A brake of a nanometre per second needs steps of a nanosecond once it holds, at 1 s."""
-    monkeypatch.setattr(taylor, "MOST_TRIED", 2000)
-    monkeypatch.setattr(dop853, "MOST_TRIED", 2000)
+    monkeypatch.setattr(taylor, "MOST_TRIES", 2000)
+    monkeypatch.setattr(dop853, "MOST_TRIES", 2000)
     with cpu_limit(20.0):
         motion = reference.simulate(sliding(Load(fx="-2*tanh(vx/1e-9)")), method=method)
     assert (motion.status, "steps" in motion.reason) == ("unfinished", True)

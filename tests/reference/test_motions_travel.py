@@ -84,4 +84,4 @@ def test_a_motion_is_small_and_arrives_before_anything_is_derived(chosen):
         letter = pickle.dumps(motion)
         # A step of the Taylor method is some twenty terms of four variables, 0.7 kB; samples take 0.1 kB more.
         assert len(letter) < 5000 + 1200 * len(motion.t), case.label
-        assert pickle.loads(letter).dense._known == []  # who reads transitions alone waits for no equations
+        assert pickle.loads(letter).dense._segment_list == []  # who reads transitions alone waits for no equations

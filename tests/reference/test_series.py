@@ -65,7 +65,7 @@ def test_compiled_series_are_those_of_python_within_both_bounds(name):
         y = [value + 0.1 for value in state_in(now, start_state(case))]
         bounds = [1e-12 * (k + 1) for k in range(len(y))]
         told = compiled(0.3, y, bounds, now.parameters)
-        _, known = now.system.expanded(0.3, y, bounds, now.parameters, 2)
+        _, known = now.system.expand(0.3, y, bounds, now.parameters, 2)
         assert len(told) == len(known)
         for ours, theirs in zip(told, known, strict=True):
             if not isinstance(theirs, Series):

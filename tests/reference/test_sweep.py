@@ -31,7 +31,7 @@ APART = 1e-11
 def differences(name: str, number: int, seed: int) -> tuple[list[str], float]:
     """Scenarios whose row is not what simulate says, and by how much times differ at most."""
     asked = plan(name, FAMILIES[name], "random", number, seed, rtol=1e-10)
-    rows, wrong, apart = table.is_solved(asked, 0, number).to_pylist(), [], 0.0
+    rows, wrong, apart = table.scenario_rows(asked, 0, number).to_pylist(), [], 0.0
     for row in rows:
         try:
             case = asked.make(**{axis.name: row[axis.name] for axis in asked.axes})
@@ -75,7 +75,7 @@ def verdicts(number: int, seed: int) -> tuple[int, int]:
         expected = "roll" if margin > 0.0 else "slip_forward"
         if margin <= 0.0:
             end = slip_end(mu, xi1)
-            margin = 1.0 - end.needed
+            margin = 1.0 - end.demand
             expected += f"{ARROW}roll" if margin > 0.0 else f"{ARROW}slip_backward"
         if abs(margin) > 1e-9:
             same = sequence.split(ARROW)[: expected.count(ARROW) + 1] == expected.split(ARROW)
@@ -121,8 +121,8 @@ def test_a_grid_runs_its_last_parameter_fastest_and_every_sample_has_its_place()
 
 def test_parts_of_a_sweep_are_the_whole():
     asked = plan("disc_in_circle", dict(mu="0.05:0.3:12", xi1="0:1.5:12"))
-    whole = table.is_solved(asked, 0, 144).drop_columns(["cpu_s"]).to_pylist()
-    pieces = [row for a, b in ((0, 50), (50, 51), (51, 144)) for row in table.is_solved(asked, a, b).to_pylist()]
+    whole = table.scenario_rows(asked, 0, 144).drop_columns(["cpu_s"]).to_pylist()
+    pieces = [row for a, b in ((0, 50), (50, 51), (51, 144)) for row in table.scenario_rows(asked, a, b).to_pylist()]
     for row, piece in zip(whole, pieces, strict=True):
         piece.pop("cpu_s")
         for name in ("times", "at_xi1", "at_xi2"):  # alone or in company, the last digits may differ
@@ -172,7 +172,7 @@ def test_without_heyoka_each_goes_by_itself(monkeypatch):
 
 def test_certified_rows_have_error_bars():
     asked = plan("disc_in_circle", dict(mu=[0.1, 0.2]))
-    (row, _) = table.is_solved(asked, 0, 2, certified=True).to_pylist()
+    (row, _) = table.scenario_rows(asked, 0, 2, certified=True).to_pylist()
     assert len(row["error_bars"]) == len(row["times"]) and 0.0 < max(row["error_bars"]) < 1e-12
 
 

@@ -167,8 +167,8 @@ def test_refinement_finds_the_boundary_where_the_inequality_has_it(accuracy):
     assert found.points == 1 and found.width.max() <= 1e-10 and found.scenarios < 400
     assert [kind.rpartition(" ")[2] for kind in found.kinds[0]] == ["backward", "rolls"]
     mu, step = float(found.x[0]), 1e-6
-    slope = (slip_end(mu + step, 0.3).needed - slip_end(mu - step, 0.3).needed) / (2 * step)
-    error = (slip_end(mu, 0.3).needed - 1.0) / slope
+    slope = (slip_end(mu + step, 0.3).demand - slip_end(mu - step, 0.3).demand) / (2 * step)
+    error = (slip_end(mu, 0.3).demand - 1.0) / slope
     accuracy(
         case="disc_in_circle", solver="sweep", route="refine", quantity="boundary in mu", error=error, tolerance=1e-10
     )
@@ -184,8 +184,8 @@ def test_refinement_finds_the_whole_boundary(accuracy):
     for mu, xi1, kinds in zip(found.x, found.y, found.kinds, strict=True):
         if [kind.rpartition(" ")[2] for kind in kinds] == ["backward", "rolls"]:
             step = 1e-6 * mu
-            slope = (slip_end(mu + step, xi1).needed - slip_end(mu - step, xi1).needed) / (2 * step)
-            errors.append(abs((slip_end(mu, xi1).needed - 1.0) / slope))
+            slope = (slip_end(mu + step, xi1).demand - slip_end(mu - step, xi1).demand) / (2 * step)
+            errors.append(abs((slip_end(mu, xi1).demand - 1.0) / slope))
     assert len(errors) > 200
     accuracy(
         case="disc_in_circle",
@@ -207,7 +207,7 @@ def cost(number: int) -> tuple[float, int]:
     asked = plan("disc_in_circle", dict(mu="0.01:0.5", xi1="0:1.5"), "random", number, rtol=1e-9)
     began = time.process_time()
     for start in range(0, number, 4000):
-        parts.pack(table.is_solved(asked, start, min(start + 4000, number), optimised=True))
+        parts.pack(table.scenario_rows(asked, start, min(start + 4000, number), optimised=True))
     return time.process_time() - began, resident()
 
 
@@ -225,8 +225,8 @@ def test_a_sweep_costs_in_proportion_and_its_memory_stays():
 def test_forty_thousand_scenarios_take_seconds():
     """3.3 phases a scenario, some 7 µs each at best: a CPU second or two of one core. Twice that for a busy machine."""
     asked = plan("disc_in_circle", dict(mu="0.01:0.5:200", xi1="0:1.5:200"), rtol=1e-9)
-    table.is_solved(asked, 0, 400, optimised=True)
+    table.scenario_rows(asked, 0, 400, optimised=True)
     began = time.process_time()
-    rows = [table.is_solved(asked, start, start + 4000, optimised=True) for start in range(0, 40_000, 4000)]
+    rows = [table.scenario_rows(asked, start, start + 4000, optimised=True) for start in range(0, 40_000, 4000)]
     assert time.process_time() - began < 3.0
     assert sum(map(len, rows)) == 40_000 and np.sum(rows[0].column("alone")) == 0

@@ -26,8 +26,8 @@ SMALL = 500
 @lru_cache(maxsize=1)
 def build() -> tuple[int, int]:
     """Which build of heyoka this is: the same version may come with another LLVM."""
-    found = Path(getfile(hy.expression)).stat()  # the compiled module, whose name differs between versions
-    return found.st_size, found.st_mtime_ns
+    stat = Path(getfile(hy.expression)).stat()  # the compiled module, whose name differs between versions
+    return stat.st_size, stat.st_mtime_ns
 
 
 def small(system: System) -> bool:
@@ -43,12 +43,12 @@ def nothing_on_disk() -> Iterator[None]:
     if not hasattr(state, "set_diskcache_enabled"):  # versions before it had that cache
         yield
         return
-    enabled = state.get_diskcache_enabled()
+    setting = state.get_diskcache_enabled()
     state.set_diskcache_enabled(False)
     try:
         yield
     finally:
-        state.set_diskcache_enabled(enabled)
+        state.set_diskcache_enabled(setting)
 
 
 def compile_quickly(outputs: list, inputs: list):
@@ -60,39 +60,39 @@ def compile_quickly(outputs: list, inputs: list):
 
 def variables(system: System) -> dict:
     """SymPy symbols of the system as heyoka's variables, parameters and time."""
-    known = {v: hy.expression(v.name) for v in system.variables}
-    return known | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
+    symbols = {v: hy.expression(v.name) for v in system.variables}
+    return symbols | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
 
 
 @lru_cache(maxsize=64)
 def guards(system: System) -> tuple:
     """The system's guards as heyoka's expressions: its integrators need them, and what leaves a phase's start."""
-    known = variables(system)
-    return tuple(convert(guard, known) for guard in system.guards.values())
+    symbols = variables(system)
+    return tuple(convert(guard, symbols) for guard in system.guards.values())
 
 
-def convert(expression: sp.Expr, known: dict):
+def convert(expression: sp.Expr, symbols: dict):
     """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero.
 
     A magnitude, which SymPy makes of a root of a square, is that root again: it is a speed |R_p|, which is never zero.
     """
-    known = known | {number: _number(number) for number in _numbers(expression)}
+    symbols = symbols | {number: _number(number) for number in _numbers(expression)}
     products: dict[sp.Expr, sp.Symbol] = {}
     powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
     powers += expression.atoms(sp.Abs)
     # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
     # compiled before, so that a motion is the same to its last bit whatever ran earlier.
     for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
-        base = _from_sympy(power.args[0].xreplace(products), known)
+        base = _from_sympy(power.args[0].xreplace(products), symbols)
         products[power] = sp.Symbol(f"power_{i:04d}")
-        known[products[power]] = hy.sqrt(base * base) if isinstance(power, sp.Abs) else _power(base, int(power.exp))
-    return _from_sympy(expression.xreplace(products), known)
+        symbols[products[power]] = hy.sqrt(base * base) if isinstance(power, sp.Abs) else _power(base, int(power.exp))
+    return _from_sympy(expression.xreplace(products), symbols)
 
 
-def _from_sympy(expression: sp.Expr, known: dict):
+def _from_sympy(expression: sp.Expr, symbols: dict):
     """heyoka's own conversion; raises NotSupported for a function that it has no series of."""
     try:
-        return hy.from_sympy(expression, known)
+        return hy.from_sympy(expression, symbols)
     except (TypeError, ValueError) as problem:
         raise NotSupported(f"the Taylor method cannot do this case ({problem}); give method='dop853'") from problem
 

@@ -19,7 +19,7 @@ from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
 from ..series import EPS
-from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_TRIED, Event, Segment, blocks
+from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
 
 # Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
@@ -144,14 +144,14 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
             return _end_event(phase, times, pieces, event, solver.nfev)
         piece = _dense_output(solver)
-        found = None
+        first_zero = None
         if phase.system.guards:
             at_nodes = _guards_at_nodes(phase, piece)
             if not np.isfinite(at_nodes).all():
                 return _without_value(phase, times, pieces, piece, at_nodes, rtol, solver.nfev, cuts)
-            found = _first_zero(phase, piece, at_nodes, first=not pieces)
-        if found:
-            guard, when = found
+            first_zero = _first_zero(phase, piece, at_nodes, first=not pieces)
+        if first_zero:
+            guard, when = first_zero
             piece, event = _land(phase, rhs, piece, guard, when, rtol, atol)
             return Segment.of(
                 phase, np.array([*times, event.time]), _PiecewiseOutput(times, [*pieces, piece]), event, solver.nfev
@@ -161,8 +161,8 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
         if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
             return _end_event(phase, times, pieces, event, solver.nfev)
-        if (len(pieces) >= MOST_LOOKED_AT or tries >= MOST_TRIED) and solver.status != "finished":
-            event = Event(EXHAUSTED, float(solver.t), tuple(solver.y.tolist()))
+        if (len(pieces) >= MOST_LOOKED_AT or tries >= MOST_TRIES) and solver.status != "finished":
+            event = Event(OUT_OF_STEPS, float(solver.t), tuple(solver.y.tolist()))
             return _end_event(phase, times, pieces, event, solver.nfev)
         if solver.status == "finished":
             return _end_event(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
@@ -338,8 +338,8 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
         if again.status != "failed":
             pieces.append(_dense_output(again))
     if again.status != "finished":
-        reached = Event(EXHAUSTED if again.status == "running" else BREAKDOWN, float(again.t), tuple(again.y.tolist()))
-        return _PiecewiseOutput([p.t_old for p in pieces], pieces) if pieces else piece, reached
+        stop = Event(OUT_OF_STEPS if again.status == "running" else BREAKDOWN, float(again.t), tuple(again.y.tolist()))
+        return _PiecewiseOutput([p.t_old for p in pieces], pieces) if pieces else piece, stop
     index = list(phase.system.guards).index(guard)
     part = (when - start) / whole
     inner = max(part - 1e-4, 0.0)
@@ -388,8 +388,8 @@ class _PiecewiseOutput:
             if not isinstance(piece, DenseOutput):
                 return piece(times)
             return (piece.y_old + np.array(_weights((float(times[0]) - piece.t_old) / piece.h)) @ piece.F)[:, None]
-        found = [(block, pieces[i](times[block])) for i, block in blocks(np.array(self.starts), times)]
-        joined = np.empty((len(found[0][1]), len(times)))
-        for block, values in found:
-            joined[:, block] = values
-        return joined
+        parts = [(block, pieces[i](times[block])) for i, block in blocks(np.array(self.starts), times)]
+        result = np.empty((len(parts[0][1]), len(times)))
+        for block, values in parts:
+            result[:, block] = values
+        return result

@@ -46,17 +46,17 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
     start = _start(phase.system, coefficients.shape[1])
-    known = (t, phase.size, *phase.lengths, *phase.parameters)
+    numbers = (t, phase.size, *phase.lengths, *phase.parameters)
     part, span = PART, end - t
     for _ in range(SHORTER):
-        ahead = start(coefficients, (part, span, *known))
+        ahead = start(coefficients, (part, span, *numbers))
         if not isfinite(ahead.total) and not np.isfinite(coefficients).all():
             return FirstStep(t, y, 0, inf, BREAKDOWN)
         if not ahead.guards or not 0.0 < ahead.often < inf:
             return FirstStep(t, y, 0, ahead.longest)  # nothing moves and nothing presses: no guard leaves zero
         if phase.checks_steps:
             clear = clear_part(phase, Expansion(t, ahead.h, coefficients), tolerance)
-            ahead = start(coefficients, (part, clear * ahead.h, *known))
+            ahead = start(coefficients, (part, clear * ahead.h, *numbers))
         # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
         # until the event lies behind it.
         if all([value > 0.0 for value in ahead.guards]):
@@ -84,19 +84,19 @@ class _FirstPolynomial:
     """The first polynomial of a system's phases, so many terms, as a compiled function."""
 
     def __init__(self, system: System, terms: int):
-        decided = (terms, PART, NEAR, hy.__version__, build())
-        self._function = system.kept("start", decided, lambda: _compile(system, terms))
+        key = (terms, PART, NEAR, hy.__version__, build())
+        self._function = system.from_cache("start", key, lambda: _compile(system, terms))
         self._variables = len(system.variables)
         self._coefficients = self._variables * terms
         self._count = self._coefficients + 4 + system.positions + len(system.parameters)
 
-    def __call__(self, coefficients: np.ndarray, known: tuple[float, ...]) -> _SeriesEstimate:
+    def __call__(self, coefficients: np.ndarray, numbers: tuple[float, ...]) -> _SeriesEstimate:
         """`known` are part, span, t, the plate's size, lengths and parameters; h = min(part/often, span)."""
         inputs = np.empty(self._count)  # of this call alone: other threads make theirs
         inputs[: self._coefficients] = coefficients.ravel()
-        inputs[self._coefficients :] = known
-        total, longest, often, h, *told = self._function(inputs).tolist()
-        return _SeriesEstimate(total, longest, often, h, told[: self._variables], told[self._variables :])
+        inputs[self._coefficients :] = numbers
+        total, longest, often, h, *results = self._function(inputs).tolist()
+        return _SeriesEstimate(total, longest, often, h, results[: self._variables], results[self._variables :])
 
 
 _start = lru_cache(maxsize=128)(_FirstPolynomial)
@@ -107,13 +107,13 @@ def _compile(system: System, terms: int):
     part, span, t, size = map(hy.expression, ("part", "span", "t", "size"))
     lengths = [hy.expression(f"length_{i}") for i in range(system.positions)]
     parameters = [hy.expression(f"parameter_{i:03d}") for i in range(len(system.parameters))]
-    known = variables(system)
+    symbols = variables(system)
     fixed = {hy.par[i]: parameter for i, parameter in enumerate(parameters)}
 
     def there(expressions, time, state) -> list:
         """Expressions of time and state, at these."""
-        moved = {known[variable]: value for variable, value in zip(system.variables, state, strict=True)}
-        return hy.subs(list(expressions), moved | fixed | {hy.time: time})
+        substitutions = {symbols[variable]: value for variable, value in zip(system.variables, state, strict=True)}
+        return hy.subs(list(expressions), substitutions | fixed | {hy.time: time})
 
     # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative
     # to the state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
@@ -123,11 +123,11 @@ def _compile(system: System, terms: int):
     longest = exp(-2.0) / _largest([(_largest([row[k] for row in sizes]) / largest) ** (1.0 / k) for k in powers])
     # All terms of positions count: those of even or of odd order vanish in a motion from rest. Where none is left the
     # forces balance, and a load may change them: they count by the time in which they would move the plate by its size.
-    pressing = [convert(force, known) for force in (system.observed.normal, system.observed.friction)]
+    pressing = [convert(force, symbols) for force in (system.outputs.normal, system.outputs.friction)]
     forces = there(pressing, t, [row[0] for row in rows])
-    grown = [_largest([row[k] / unit for row, unit in zip(sizes, lengths, strict=False)]) for k in range(terms)]
+    growth = [_largest([row[k] / unit for row, unit in zip(sizes, lengths, strict=False)]) for k in range(terms)]
     often = _largest(
-        [(_largest(list(map(_size, forces))) / size) ** 0.5, *(grown[k] ** (1.0 / k) for k in range(1, terms))]
+        [(_largest(list(map(_size, forces))) / size) ** 0.5, *(growth[k] ** (1.0 / k) for k in range(1, terms))]
     )
     h = hy.select(hy.lt(part / often, span), part / often, span)
 
@@ -142,10 +142,10 @@ def _size(value):
 
 
 def _largest(values: list):
-    found = values[0]
+    largest = values[0]
     for value in values[1:]:
-        found = hy.select(hy.gt(value, found), value, found)
-    return found
+        largest = hy.select(hy.gt(value, largest), value, largest)
+    return largest
 
 
 def _horner(row: list, x):

@@ -13,7 +13,7 @@ from ..modes import Phase
 # Stands for a guard where the equations became singular and no step can go on.
 BREAKDOWN = "breakdown"
 # Stands for a guard where a motion has taken all the steps that it may.
-EXHAUSTED = "exhausted"
+OUT_OF_STEPS = "exhausted"
 # The same where looking for landings took all the work that it may.
 LOST_SIGHT = "lost sight"
 # So many steps a phase takes at most: the compiled loop takes five seconds for them, their record 400 MB.
@@ -22,7 +22,7 @@ MOST_STEPS = 400_000
 # half a minute to two).
 MOST_LOOKED_AT = 100_000
 # A step that is not accepted is repeated with a shorter length, up to fifty times near a pole: so many tries a phase.
-MOST_TRIED = 2 * MOST_LOOKED_AT
+MOST_TRIES = 2 * MOST_LOOKED_AT
 
 
 class Event(NamedTuple):
@@ -57,7 +57,7 @@ class Segment:
         return cls(phase, float(times[0]), event, evaluations, len(times) - 1, (times, states))
 
     @property
-    def _recorded(self) -> Record:
+    def _full_record(self) -> Record:
         if not isinstance(self.record, tuple):
             self.record = self.record()
         return self.record
@@ -65,16 +65,16 @@ class Segment:
     @property
     def times(self) -> np.ndarray:
         """The steps' ends and the start, s."""
-        return self._recorded[0]
+        return self._full_record[0]
 
     @property
     def states(self) -> States:
         """The dense output."""
-        return self._recorded[1]
+        return self._full_record[1]
 
     def __reduce__(self):
         """A segment travels to another process with all its steps: what would make them again stays here."""
-        return Segment, (self.phase, self.start, self.event, self.evaluations, self.steps, self._recorded)
+        return Segment, (self.phase, self.start, self.event, self.evaluations, self.steps, self._full_record)
 
     def until(self, time: float, evaluations: int) -> Segment:
         """The same motion cut at that time, with the work that it took."""

@@ -15,7 +15,7 @@ from ..defect_check import Expansion, good_part
 from ..modes import Phase
 from ..system import System
 from .pool import IntegratorPool
-from .segment import BREAKDOWN, EXHAUSTED, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIED, Event, Segment
+from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Segment
 
 try:
     import heyoka as hy
@@ -53,15 +53,15 @@ CHUNK = 1000
 def integrators_of(system: System, tolerance: float, real: type = float, optimised: bool = False) -> IntegratorPool:
     """The compiled integrators of a system, with one terminal event for each guard; `optimised` whatever that takes,
     for thousands of runs."""
-    decided = (tolerance, real.__name__, hy.__version__, build(), *(("optimised",) if optimised else ()))
+    key = (tolerance, real.__name__, hy.__version__, build(), *(("optimised",) if optimised else ()))
     return IntegratorPool(
-        lambda: system.kept("integrator", decided, lambda: _compile(system, tolerance, real, optimised))
+        lambda: system.from_cache("integrator", key, lambda: _compile(system, tolerance, real, optimised))
     )
 
 
 def _compile(system: System, tolerance: float, real: type, optimised: bool):
-    known = variables(system)
-    equations = [(known[v], convert(rate, known)) for v, rate in zip(system.variables, system.rates, strict=True)]
+    symbols = variables(system)
+    equations = [(symbols[v], convert(rate, symbols)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
     events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards(system)]
     # A product in quadruple precision is a call of a library: steps written out compile thirty times as long, and run
@@ -102,19 +102,19 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """
     tolerance = tolerance_of(rtol)
     integrators = integrators_of(phase.system, tolerance)
-    ended = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
-    if ended is None:
+    outcome = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
+    if outcome is None:
         return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
-    event, steps = ended
+    event, steps = outcome
     # No closure, for the garbage collector's sake.
     return Segment(phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps))
 
 
-def _again(phase: Phase, t: float, y, end: float, tolerance: float, ended: float, steps: int):
+def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int):
     """Times and dense output of a phase that the compiled loop carried to its end, in so many steps."""
     integrators = integrators_of(phase.system, tolerance)
     again = integrators.call(_one_by_one, phase, t, y, end, float, tolerance, most_steps=steps)
-    return np.append(again.times[:-1], ended), again.states
+    return np.append(again.times[:-1], end_time), again.states
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
@@ -126,21 +126,21 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
 def _at_once(integrator, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
     """What ends the phase and after how many steps, by heyoka's own loop; None where that does not tell."""
     _parametrise(integrator, phase, float)
-    left = _leave(integrator, phase, t, y, end, float, tolerance)
-    if left.guard:
+    first = _leave(integrator, phase, t, y, end, float, tolerance)
+    if first.guard:
         return None
-    outcome = int(integrator.step(min(end - left.time, left.longest))[0])
-    steps, guard = left.steps + 1, _guard(outcome, phase)
+    outcome = int(integrator.step(min(end - first.time, first.longest))[0])
+    steps, guard = first.steps + 1, _guard(outcome, phase)
     if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
     while guard is None and integrator.time < end:
-        ended, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
-        outcome = int(ended)
+        result, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
+        outcome = int(result)
         steps, guard = steps + count, _guard(outcome, phase)
         if guard is None and steps >= MOST_STEPS:
-            guard = EXHAUSTED
-        known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
-        if shortest <= SHORTEST * ulp(integrator.time) or not known:
+            guard = OUT_OF_STEPS
+        is_known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
+        if shortest <= SHORTEST * ulp(integrator.time) or not is_known:
             return None
     return Event(guard, integrator.time, tuple(integrator.state.tolist())), steps
 
@@ -156,17 +156,17 @@ def _one_by_one(
 ) -> Segment:
     """The phase with all its steps."""
     _parametrise(integrator, phase, real)
-    left = _leave(integrator, phase, t, y, end, real, tolerance)
-    guard = left.guard
-    times, coefficients = ([t, left.time], [integrator.tc.astype(float)]) if left.steps else ([t], [])
-    last, longest, tries = real(end), real(left.longest), 0
+    first = _leave(integrator, phase, t, y, end, real, tolerance)
+    guard = first.guard
+    times, coefficients = ([t, first.time], [integrator.tc.astype(float)]) if first.steps else ([t], [])
+    last, longest, tries = real(end), real(first.longest), 0
     with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
         while integrator.time < end and guard is None:
-            if len(coefficients) >= most_steps or tries >= MOST_TRIED:
-                guard = EXHAUSTED
+            if len(coefficients) >= most_steps or tries >= MOST_TRIES:
+                guard = OUT_OF_STEPS
                 break
-            outcome, tried = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
-            tries += tried
+            outcome, count = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
+            tries += count
             longest = real(inf)
             coefficients.append(_doubles(integrator.tc))
             times.append(float(integrator.time))
@@ -229,9 +229,9 @@ def _leave(integrator, phase: Phase, t: float, y, end: float, real: type, tolera
     """The phase's start, left by its own Taylor polynomial; the integrator stands there then."""
     _set(integrator, t, y, real)
     integrator.step(real(0.0), True)
-    left = leave(phase, integrator.tc if real is float else integrator.tc.astype(float), t, y, end, tolerance)
-    _set(integrator, left.time, left.state, real)
-    return left
+    first = leave(phase, integrator.tc if real is float else integrator.tc.astype(float), t, y, end, tolerance)
+    _set(integrator, first.time, first.state, real)
+    return first
 
 
 def _parametrise(integrator, phase: Phase, real: type) -> None:
@@ -257,8 +257,8 @@ class _TaylorOutput:
 
     def __init__(self, times: list[float], coefficients: list[np.ndarray], y):
         # By power, variable and step; a phase without a step stays where it starts.
-        known = np.array(coefficients).transpose(2, 1, 0) if coefficients else np.array(y, dtype=float)[None, :, None]
-        self.starts, self.by_power = np.array(times[: known.shape[2]]), np.ascontiguousarray(known)
+        powers = np.array(coefficients).transpose(2, 1, 0) if coefficients else np.array(y, dtype=float)[None, :, None]
+        self.starts, self.by_power = np.array(times[: powers.shape[2]]), np.ascontiguousarray(powers)
 
     def __call__(self, when: np.ndarray) -> np.ndarray:
         if len(when) == 1:  # a search looks at one instant after the other: a tenth of the time below
