@@ -1,4 +1,4 @@
-"""Truth with error bars: witnesses that solve a case in independent ways, and what they agree on."""
+"""Certified truth with error bars: independent solutions of a case (witnesses) and the values on which they agree."""
 
 from .agreement import contradiction
 from .bars import Bar

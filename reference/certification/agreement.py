@@ -1,4 +1,4 @@
-"""A motion held to the certificate of its case: what the two say has to be the same, as far as both are known."""
+"""Comparison of a motion with the certificate of its case: they must agree within the errors of both."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .witnesses import EPS
 
 
 class _ValuePair(NamedTuple):
-    """A value of some kind that certificate and motion both state, and `coarser`, the same motion at a larger
-    tolerance; `what` names it."""
+    """A value in both certificate and motion, and in `coarser`, the same motion at a larger tolerance; `what` names
+    it."""
 
     kind: str
     what: str
@@ -28,17 +28,17 @@ class _ValuePair(NamedTuple):
 
 
 def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> str:
-    """What the motion states and the certificate denies, in a phrase; "" if nothing.
+    """The first contradiction between motion and certificate, in a phrase; "" if there is none.
 
-    Modes and status have to be the same. A time, a place or a sample may be off by the certificate's bar and the
-    motion's own error. That is estimated by `coarser`, the same motion at ten times the tolerance: by the largest
-    difference between the two in values of that kind, and by the rounding of the largest of these.
+    Modes and status must be the same. A time, a place or a sample may be off by the certificate's error bar plus the
+    motion's own error. That error is estimated from `coarser`, the same motion at ten times the tolerance: the largest
+    difference between the two in values of that kind, plus the rounding of the largest of these values.
     """
     events, certified = _events(motion), (certificate.status, [row[:2] for row in certificate.transitions])
     if events != certified:
         return f"the certificate has {_in_words(*certified)}, the motion {_in_words(*events)}"
     if _events(coarser) != events:
-        return ""  # what happens depends on the tolerance: nothing is known of this motion's error
+        return ""  # the events depend on the tolerance, so this motion's error is unknown
     pairs = list(_value_pairs(case, certificate, motion, coarser))
     for kind in dict.fromkeys(each.kind for each in pairs):
         same = [each for each in pairs if each.kind == kind]
@@ -64,7 +64,7 @@ def _in_words(status: str, changes: list) -> str:
 
 
 def _value_pairs(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> Iterator[_ValuePair]:
-    """All values that both state. In flight there are no slip and no contact, and then no value."""
+    """All values that are finite in both. In flight slip and contact parameters are NaN."""
     for each in _all(case, certificate, motion, coarser):
         if all(map(isfinite, (each.certified.value, each.motion, each.coarser))):
             yield each
@@ -74,7 +74,7 @@ def _all(case: Case, certificate: Certificate, motion: Trajectory, coarser: Traj
     period = case.track.period
 
     def near(value: float, centre: float) -> float:
-        """A place on a closed track, counted on to the turn of another."""
+        """A parameter of a closed track, shifted by whole periods next to another one."""
         return value - period * np.round((value - centre) / period) if period else value
 
     rows = zip(certificate.transitions, motion.transitions, coarser.transitions, strict=True)

@@ -1,10 +1,10 @@
-"""Error bars: what the witnesses differ by, and what rounding makes of values that all of them share.
+"""Error bars: the differences between the witnesses, and the effect of rounding on values that all of them share.
 
 A bar is the largest distance of any witness from the centre, and at least the sum of
-- the rounding of the value itself: of the sum it was worked out as, whose terms are larger than it (an angle is a
-  difference of two tangents' angles, a slip of two speeds),
-- the way it goes during a rounding of its time,
-- the way it goes when each component of the state is moved by its rounding, summed over the components.
+- the rounding of the value itself, as a sum of terms that are larger than it (an angle is a difference of two tangents'
+  angles, a slip of two speeds),
+- its change during a rounding of its time,
+- its change when each component of the state is moved by its rounding, summed over the components.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from cases.contact import velocity
 
 from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, perturb
 
-# A state is worked out in a handful of operations, each of which rounds by half a unit in the last place.
+# A state is computed in a few operations, each of which rounds by half a unit in the last place.
 ULPS = 4
-# The state is moved by so many roundings, and the difference divided by them: an integrator's own rounding is then
-# far below what is measured. Where so much changes what happens, by a few.
+# The state is moved by this many roundings, and the difference is divided by the number: the integrator's own rounding
+# is then far below the difference. If the larger move changes the events, the smaller one is used.
 STEPS = (64.0, float(ULPS))
 
 
@@ -34,10 +34,10 @@ class Bar(NamedTuple):
 
 
 def bar(values: Sequence[float], least: float, period: float | None = None) -> Bar:
-    """The first value and the others' largest distance from it, at least `least`; of a parameter with a period, whole
-    turns aside.
+    """The first value and the others' largest distance from it, at least `least`; for a parameter with a period, modulo
+    that period.
 
-    Where no witness has a value (slip in flight) that is certain; where only some have, nothing is.
+    If no witness has a value (slip in flight), the bar is 0; if only some have one, it is infinite.
     """
     centre = float(values[0])
     if np.all(np.isnan(values)):
@@ -46,14 +46,14 @@ def bar(values: Sequence[float], least: float, period: float | None = None) -> B
         return Bar(centre, np.inf)
     apart = [float(value) - centre for value in values]
     if period:
-        # After a flight each witness says in its own way how many turns of a closed track it has gone round.
+        # After a flight each witness counts the turns around a closed track in its own way.
         apart = [distance - period * round(distance / period) for distance in apart]
     return Bar(centre, max(*map(abs, apart), least))
 
 
 class Shares(NamedTuple):
-    """What moving the state by its rounding changes: times of transitions (s), their ξ₁, the end (s), and the samples
-    by quantity; `ill` says which move changes what happens, "" if none does."""
+    """The changes when the state is moved by its rounding: times of transitions (s), their ξ₁, the end (s), and the
+    samples by quantity; `ill` names the move that changes the events, "" if none does."""
 
     times: np.ndarray
     places: np.ndarray
@@ -63,7 +63,7 @@ class Shares(NamedTuple):
 
 
 def shares(case: Case, times: np.ndarray, method: str) -> Shares:
-    """The change of everything by the roundings of the state, summed over its components."""
+    """The changes of all values by the roundings of the state, summed over its components."""
     plain = perturb(case, 0, 0.0, method)
     sums = _differences(plain, plain, times, case.track.period)
     ill = ""
@@ -81,7 +81,7 @@ def shares(case: Case, times: np.ndarray, method: str) -> Shares:
 
 
 def ambiguity(case: Case, method: str) -> str:
-    """Which move of a component of the state by the method's own tolerance changes what happens, "" if none does.
+    """The move of a component of the state by the method's own tolerance that changes the events, "" if none does.
 
     A method whose tolerance is far above rounding (DOP853) gives the same wrong answer for all states that differ by
     roundings only.
@@ -115,11 +115,13 @@ def _differences(plain: Witness, other: Witness, times: np.ndarray, period: floa
 
 
 def roundings(case: Case, witness: Witness, times: np.ndarray) -> dict[str, np.ndarray]:
-    """The rounding of each sample's own value and of its time, by quantity: `ULPS` of the largest terms that the
-    quantity is a sum of anywhere in the motion, and the way it goes during a rounding of the time."""
+    """The rounding of each sample's value and of its time, by quantity: `ULPS` of the largest terms of the quantity
+    anywhere in the motion, plus its change during a rounding of the time."""
     terms = _terms(case, witness, times)
     last = max(float(times[-1]), np.finfo(float).tiny)
-    h = 1e-6 * last  # short beside any motion of eleven samples, long beside the roundings of values and times
+    h = (
+        1e-6 * last
+    )  # short compared with any motion of eleven samples, long compared with the roundings of values and times
     before, after = np.clip(times - h, 0.0, last), np.clip(times + h, 0.0, last)
     early, late = witness.states(before), witness.states(after)
     rate = {q: np.nan_to_num(np.abs(late[q] - early[q])) / (after - before) for q in QUANTITIES}
@@ -127,7 +129,7 @@ def roundings(case: Case, witness: Witness, times: np.ndarray) -> dict[str, np.n
 
 
 def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
-    """The size of the terms that each quantity is worked out from, the largest of the motion."""
+    """The size of the terms that each quantity is computed from, the largest of the motion."""
     outline, track = case.plate.outline, case.track
     reach = float(np.hypot(*outline.point(np.linspace(*outline.span, 721))).max())
     state = witness.states(times)
@@ -143,5 +145,5 @@ def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
         omega = max(
             omega, abs(float(track.curvature(xi1))) * speeds[0] + abs(float(outline.curvature(xi2))) * speeds[1]
         )
-    # Where the plate is, is a sum of the contact's place and the outline's point.
+    # The plate's position is a sum of the contact's place and the outline's point.
     return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": angle, "slip": slip, "omega": omega}

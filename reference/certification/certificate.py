@@ -1,9 +1,9 @@
-"""Truth with error bars: what several independent ways of solving a case agree on.
+"""Certificates: the values on which several independent solutions of a case agree, with error bars.
 
 Witnesses: the Taylor method at two tolerances and in quadruple precision within each phase (where heyoka is
-installed), DOP853 at its tightest, and the second formulation, which shares no code with the others. The central value
-is the most precise witness's; `bars` says how wide its error bar is. Where a witness cannot run, the truth rests on the
-others, and the certificate says so.
+installed), DOP853 at its tightest tolerance, and the second formulation, which shares no code with the others. The
+central value is that of the most precise witness; `bars` computes its error bar. If a witness cannot run, the truth
+rests on the others, and the certificate records this.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from .witnesses import EPS, QUANTITIES, Witness, witnesses
 
 SAMPLES = 11
 
-# Witnesses whose transition times lie further apart than this (s) contradict each other, and an end with a wider bar is
-# not known: a million times what they differ by on ordinary scenes, and no truth for engines that come within 1e-8 s.
+# Witnesses whose transition times differ by more than this (s) contradict each other, and an end with a wider bar is
+# rejected: it is a million times the usual difference, and too coarse to judge engines that come within 1e-8 s.
 WIDEST = 1e-7
 
-# A place that is not known to this part of the plate's size is none: a caliper reads a thousandth, a figure shows it.
-# The same goes for the plate's angle, in radians.
+# A position with a wider bar than this part of the plate's size is rejected: a caliper reads a thousandth, and a figure
+# shows it. The same applies to the plate's angle, in radians.
 COARSEST = 1e-3
 
 
 class NotCertified(CaseError):
-    """The witnesses do not agree on what happens, or say nothing to a use: a solver is wrong, or the case hangs on
+    """The witnesses disagree on the events, or the error bars are too wide: a solver is wrong, or the result depends on
     roundings."""
 
 
@@ -37,8 +37,8 @@ class NotCertified(CaseError):
 class Certificate:
     """The certified motion of a case: transitions with bars on their times, sample states with bars.
 
-    `samples` maps a quantity to bars at `times`; `witnesses` names the ways of solving that agree, `missing` says of
-    each that cannot run why not.
+    `samples` maps a quantity to bars at `times`; `witnesses` names the solutions that agree, `missing` has a sentence
+    for each solution that could not run.
     """
 
     case: str
@@ -52,20 +52,19 @@ class Certificate:
 
 
 def certify(case: Case) -> Certificate:
-    """The case's motion with error bars.
+    """Compute the case's motion with error bars.
 
-    Raises NotCertified, with the witnesses and their answers, if they contradict each other or their bars are too wide
-    to be of use.
+    Raises NotCertified, with the witnesses and their answers, if they contradict each other or their bars are too wide.
     """
     try:
         able, missing = witnesses(case)
     except FloatingPointError as problem:
         raise NotCertified(f"{case.label}: {problem}") from problem
     if not able:
-        raise NotCertified(f"{case.label}: no way of solving gets through it: {'; '.join(missing)}")
+        raise NotCertified(f"{case.label}: no witness reaches the end of the motion: {'; '.join(missing)}")
     if len(able) < 2:
-        raise NotCertified(f"{case.label}: one way of solving alone certifies nothing; {'; '.join(missing)}")
-    # The samples stop short of the earliest end, so that every witness has a state there.
+        raise NotCertified(f"{case.label}: a certificate needs at least two witnesses; {'; '.join(missing)}")
+    # The samples end at the earliest end, so that every witness has a state there.
     times = np.linspace(0.0, min(witness.end for witness in able), SAMPLES)
     method = "taylor" if "taylor 1e-14" in [witness.name for witness in able] else "dop853"
     moves = shares(case, times, method)
@@ -109,8 +108,8 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
 
 
 def _check_events(case: Case, able: list[Witness], moves: Shares, method: str) -> None:
-    """Raises NotCertified where two witnesses differ in what happens, or in when by more than `WIDEST`, or where a few
-    roundings of the state change what happens."""
+    """Raise NotCertified if two witnesses differ in their events, or in a time by more than `WIDEST`, or if a few
+    roundings of the state change the events."""
     centre = able[0]
     for other in able[1:]:
         if other.events != centre.events:
@@ -133,17 +132,18 @@ def _contradiction(one: Witness, other: Witness) -> str:
 
 
 def _conditioning(moves: Shares, spreads: bool = False) -> str:
-    """Whether the scene is to blame: only where moving its state by roundings shows it."""
+    """The likely cause of a contradiction: the scene, if moving its state by roundings shows it, else a solver."""
     if moves.ill:
         return f"{moves.ill}: the scene is ill-conditioned, change a parameter a little"
     if spreads:
-        return "roundings of its state make as much: the scene is ill-conditioned, change a parameter a little"
-    return "roundings of its state change nothing of the kind, so one of the two may be wrong: please report the scene"
+        return (
+            "roundings of its state have as large an effect: the scene is ill-conditioned, change a parameter a little"
+        )
+    return "roundings of its state have no such effect, so one of the two may be wrong: please report the scene"
 
 
 def _check_bars(case: Case, certificate: Certificate, able: list[Witness], moves: Shares) -> None:
-    """Raises NotCertified where a bar on the motion's end, or on the plate's place or angle, is too wide to be of
-    use."""
+    """Raise NotCertified if the error bar of the motion's end, or of the plate's position or angle, is too wide."""
     if certificate.end.bar > WIDEST:
         other = max(able, key=lambda witness: abs(witness.end - certificate.end.value))
         wide = f"the end ({certificate.status}) is known to {certificate.end.bar:.2g} s only, more than {WIDEST:g} s"

@@ -1,7 +1,7 @@
-"""The command `python -m reference`: certify the catalogue's cases again and keep what comes out in truth.json.
+"""The command `python -m reference`: certify the catalogue's cases again and store the certificates in truth.json.
 
-Each certificate is kept as soon as it is there, so a rebuild that is stopped has lost nothing; rows of cases that were
-not named stay as they are.
+Each certificate is stored as soon as it is computed, so an interrupted rebuild keeps all finished ones. Rows of cases
+that were not named stay unchanged.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def parser() -> Parser:
     """The command's options."""
     result = Parser(
         prog="python -m reference",
-        description="Certify the cases of the catalogue again and keep their truth (reference/truth.json).",
+        description="Certify the cases of the catalogue again and store their truth (truth.json).",
         epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"',
     )
     result.add_argument(
@@ -37,7 +37,7 @@ def parser() -> Parser:
         action="extend",
         help='cases: a name (all its variants) or "name[parameter=value,…]"; rows of others stay (default: all)',
     )
-    result.add_argument("--jobs", metavar="N", help="processes beside each other (default: one to a core)")
+    result.add_argument("--jobs", metavar="N", help="number of parallel processes (default: one per core)")
     return result
 
 
@@ -55,7 +55,7 @@ def main(argv: Sequence[str] | None = None, path: Path = TRUTH) -> int:
     try:
         return _rebuild(labels, jobs, path, certificates)
     except KeyboardInterrupt:
-        print("\nreference: stopped; what was finished is kept", file=sys.stderr)
+        print("\nreference: stopped; finished certificates are stored", file=sys.stderr)
         return 130
 
 
@@ -68,13 +68,12 @@ def _jobs(text: str | None) -> int:
 
 
 def _labels(names: Sequence[str] | None) -> list[str]:
-    """The labels of the cases that are meant, each once."""
+    """The labels of the selected cases, each once."""
     return list(dict.fromkeys(case.label for name in names or cases.names() for case in cases.select(name)))
 
 
 def _rows_that_stay(labels: list[str], path: Path, whole_catalogue: bool) -> dict[str, Certificate]:
-    """The rows of a file that are kept until they are made again, or for good; a damaged one only if it is made again.
-    Raises DamagedTruth."""
+    """The rows of the file to start from. Raises DamagedTruth if a damaged row would not be certified again."""
     try:
         certificates, damaged_labels = sound(path)
     except DamagedTruth:
@@ -87,7 +86,7 @@ def _rows_that_stay(labels: list[str], path: Path, whole_catalogue: bool) -> dic
 
 
 def _rebuild(labels: list[str], jobs: int, path: Path, certificates: dict[str, Certificate]) -> int:
-    """Certify and keep; returns the exit status."""
+    """Certify the cases and store the certificates; returns the exit status."""
     order, failures = cases.names(), 0
     for n, (label, outcome) in enumerate(_outcomes(labels, jobs), start=1):
         if isinstance(outcome, Certificate):
@@ -97,9 +96,9 @@ def _rebuild(labels: list[str], jobs: int, path: Path, certificates: dict[str, C
             message += "".join(f"; {sentence}" for sentence in outcome.missing)
         else:
             certificates.pop(label, None)
-            # Some hard scenes hang on the last bit; an ordinary one without truth is a fault.
+            # Some hard scenes depend on the last bit; an ordinary one without truth is an error.
             failures += not cases.entry(label.partition("[")[0]).hard
-            message = f"not kept: {outcome}"
+            message = f"not certified: {outcome}"
         print(f"{n}/{len(labels)} {message}", flush=True)
         write(sorted(certificates.values(), key=lambda row: _place(order, row.case)), path)
     read.cache_clear()
@@ -108,18 +107,18 @@ def _rebuild(labels: list[str], jobs: int, path: Path, certificates: dict[str, C
 
 
 def _place(order: list[str], label: str) -> int:
-    """Where a row stands: with its name, in the catalogue's order; of a name that has gone, at the end."""
+    """The sort position of a row: the catalogue's order; names that are no longer in the catalogue come last."""
     name = label.partition("[")[0]
     return order.index(name) if name in order else len(order)
 
 
 def _outcomes(labels: list[str], jobs: int) -> Iterator[tuple[str, Certificate | str]]:
-    """Certificates, or the sentence why there is none, as they come."""
+    """Yield each label with its certificate, or with a sentence why there is none, as soon as it is finished."""
     if jobs == 1 or len(labels) < 2:
         yield from map(_outcome, labels)
         return
-    # Ctrl-C is for the process that asks, which ends the others: they inherit what is blocked, from their first moment.
-    resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
+    # Only the main process handles Ctrl-C and ends the others: they inherit the blocked signal from their start.
+    resource_tracker.ensure_running()  # started before, because it unblocks Ctrl-C when it starts
     blocked_signals = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         # Fresh processes: a fork would copy threads of the compiler.

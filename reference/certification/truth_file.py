@@ -1,7 +1,7 @@
-"""The certificates of the catalogue's cases, in truth.json: the one source of their truth.
+"""The file truth.json with the certificates of the catalogue's cases: the only source of their truth.
 
-Each row carries a digest of its own: a damaged number is seen when the file is read, and rows that were certified in
-different places can be put together.
+Each row has its own digest: a damaged number is detected when the file is read, and rows that were certified on
+different machines can be merged.
 """
 
 from __future__ import annotations
@@ -20,28 +20,29 @@ from .bars import Bar
 from .certificate import Certificate, certify
 
 TRUTH = Path(__file__).with_name("truth.json")
-# Labels that a sentence names.
+# An error message names at most this many labels.
 _LABELS_IN_MESSAGE = 3
 
 
 class DamagedTruth(CaseError):
-    """The kept certificates are not those that were written."""
+    """The stored certificates differ from those that were written."""
 
 
 def stored_or_new(case: Case, use_file: bool = True) -> Certificate:
-    """The kept certificate of a catalogue's case, else a new one (always, if not `kept`). Raises DamagedTruth."""
+    """The stored certificate of a catalogue case, else a new one (always new without `use_file`). Raises
+    DamagedTruth."""
     return (read().get(case.label) if use_file else None) or certify(case)
 
 
 def write(certificates: Sequence[Certificate], path: Path = TRUTH) -> None:
-    """Keep certificates as data."""
+    """Write certificates to a file."""
     rows = [{**certificate.__dict__, "digest": _digest(certificate.__dict__)} for certificate in certificates]
-    owned_folder.write(path, json.dumps(rows, indent=1) + "\n")  # a rebuild may be stopped at any time
+    owned_folder.write(path, json.dumps(rows, indent=1) + "\n")  # atomic, as a rebuild may be stopped at any time
 
 
 @lru_cache(maxsize=1)
 def read(path: Path = TRUTH) -> Mapping[str, Certificate]:
-    """The kept certificates by the case's label; none if there is no file. Raises DamagedTruth."""
+    """Read the stored certificates, by case label; none if there is no file. Raises DamagedTruth."""
     certificates, damaged_labels = sound(path)
     if damaged_labels:
         raise damage(path, damaged_labels)
@@ -49,7 +50,7 @@ def read(path: Path = TRUTH) -> Mapping[str, Certificate]:
 
 
 def damage(path: Path, labels: Sequence[str]) -> DamagedTruth:
-    """What is said of a file with damaged rows: `labels` are those of their cases."""
+    """The error for a file with damaged rows; `labels` are those of their cases."""
     some = ", ".join(labels[:_LABELS_IN_MESSAGE]) + (
         f", … ({len(labels)} in all)" if len(labels) > _LABELS_IN_MESSAGE else ""
     )
@@ -62,15 +63,15 @@ def damage(path: Path, labels: Sequence[str]) -> DamagedTruth:
 
 
 def sound(path: Path) -> tuple[dict[str, Certificate], list[str]]:
-    """The certificates whose digests fit, by the case's label, and the labels of the others. Raises DamagedTruth for a
-    file that has no rows to tell apart."""
+    """The certificates whose digests match, by case label, and the labels of the others. Raises DamagedTruth for a
+    file without readable rows."""
     if not path.exists():
         return {}, []
     certificates, damaged_labels = {}, []
     try:
         rows = json.loads(path.read_text(encoding="utf-8"))
         if not isinstance(rows, list):
-            raise TypeError("it is no list of certificates")
+            raise TypeError("it is not a list of certificates")
         for row in rows:
             digest = row.pop("digest", "")
             if digest == _digest(row) and row["case"] not in certificates:
@@ -86,7 +87,7 @@ def sound(path: Path) -> tuple[dict[str, Certificate], list[str]]:
 
 
 def _digest(row: Mapping[str, Any]) -> str:
-    """Of the numbers and words of a row, however they are laid out."""
+    """The digest of a row's numbers and words, independent of the file's layout."""
     return hashlib.sha256(json.dumps(row, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 

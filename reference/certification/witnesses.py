@@ -1,8 +1,8 @@
-"""The ways of solving a case that certify each other, and what roundings of their own make of each.
+"""The witnesses: independent solutions of a case that certify each other, and their sensitivity to rounding.
 
-Witnesses start from the same rounded state, so their distance from each other does not show what that rounding does.
-`perturb` shows it: the same motion again, one component of the state moved by some roundings at the beginning of each
-phase, where the motion is kept in doubles.
+All witnesses start from the same rounded state, so their differences do not show the effect of that rounding.
+`perturb` shows it: it repeats the motion with one component of the state moved by some roundings at the beginning of
+each phase, where the state is stored in doubles.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from ..minimal.modes import FLIGHT, Phase, candidates, phase, start_state
 QUANTITIES = ("x", "y", "theta", "slip", "omega")
 EPS = float(np.finfo(float).eps)
 
-# Steps to a motion of the second formulation, at least: with 300 its errors are 1e-14, with its usual 60 up to 1e-11.
+# Least number of steps of the second formulation: with 300 its errors are 1e-14, with the default 60 up to 1e-11.
 LOOKS = 300
 SECOND = "contact frame"
-# Of the ways there are, the first here takes the fewest steps.
+# The witness with the fewest steps is the first of these that is available.
 QUICKEST = ("taylor 1e-12", "dop853 1e-13")
-# The status of a motion whose work came to its bound.
+# The status of a motion that reached the limit on work.
 UNFINISHED = "unfinished"
-# Where each method's error meets rounding.
+# The tolerance at which each method's error reaches rounding.
 FINEST = {"taylor": 1e-14, "dop853": 1e-13}
 
 
 class Witness(NamedTuple):
-    """One way of solving: its transitions, status, end of the motion, and states at any times, by quantity (those of
-    the first formulation with the contact's parameters)."""
+    """One solution: its transitions, status, end of the motion, and states at any times, by quantity (those of the
+    first formulation include the contact's parameters)."""
 
     name: str
     transitions: Sequence[Transition]
@@ -45,12 +45,12 @@ class Witness(NamedTuple):
 
     @property
     def events(self):
-        """What happens, without times."""
+        """Status and modes of all transitions, without times."""
         return self.status, [(t.before, t.after) for t in self.transitions]
 
     @property
     def answer(self) -> str:
-        """What happens, for a reader."""
+        """Transitions and status in words."""
         parts = [f"{t.after} at {t.time:.9g} s" for t in self.transitions]
         if len(parts) > 4:
             parts = [*parts[:4], f"… ({len(self.transitions)} transitions in all)"]
@@ -58,10 +58,10 @@ class Witness(NamedTuple):
 
 
 def witnesses(case: Case) -> tuple[list[Witness], list[str]]:
-    """All witnesses of a case, the most precise first, and a sentence for each that cannot run or does not get to the
-    motion's end; none is asked after the quickest one did not, which takes least steps.
+    """All witnesses of a case, the most precise first, and a sentence for each that cannot run or does not reach the
+    end of the motion. If the quickest one, with the fewest steps, does not reach it, no other witness is run.
 
-    Raises FloatingPointError where the second formulation starts and cannot go on.
+    Raises FloatingPointError if the second formulation starts and cannot continue.
     """
     able: dict[str, Witness] = {}
     missing: dict[str, str] = {}
@@ -77,7 +77,7 @@ def witnesses(case: Case) -> tuple[list[Witness], list[str]]:
         if one.status != UNFINISHED:
             able[name] = one
             continue
-        missing[name] = f"{name} took as many steps as a motion may until {one.end:.9g} s"
+        missing[name] = f"{name} reached its limit on steps at {one.end:.9g} s"
         if name == quickest:
             break
     return [able[name] for name in ways if name in able], [missing[name] for name in ways if name in missing]
@@ -109,12 +109,12 @@ def _witness(name: str, motion: Trajectory) -> Witness:
 
 
 def _by_second(case: Case, name: str, rtol: float) -> Witness:
-    from .. import contact_frame  # SciPy's integrators and trees are slow to import, and what is kept needs no witness
+    from .. import contact_frame  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
 
     answer = contact_frame.solve(case, rtol=rtol, looks=LOOKS, overlaps=True)
 
     def states(times):
-        # Beyond a second contact the equations may be singular; where there is none it is not looked for twice.
+        # Beyond a second contact the equations may be singular; if there was none, the search is not repeated.
         again = answer.status == contact_frame.STOPS["elsewhere"]
         motions = contact_frame.solve(case, rtol=rtol, times=times, looks=LOOKS, overlaps=again).motions
         return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
@@ -122,18 +122,18 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
     return Witness(name, answer.transitions, answer.status, answer.end, states)
 
 
-# --- the same motion from a state that is a little off ----------------------------------------------------------------
+# --- the same motion from a perturbed state ---------------------------------------------------------------------------
 
 
 def components(case: Case) -> int:
-    """How many components the state has, in the phase that has most."""
+    """The largest number of state components in any phase of the case."""
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
     return max(len(phase(case, regime).system.variables) for regime in regimes)
 
 
 def perturb(case: Case, component: int, roundings: float, method: str) -> Witness:
-    """The motion with one component of the state moved by so many roundings at the beginning of each phase; with 0
-    roundings the motion to compare it with."""
+    """The motion with one component of the state moved by some roundings at the beginning of each phase; with 0
+    roundings, the motion to compare it with."""
     rtol = FINEST[method]
     _, integrate = solve.INTEGRATORS[method]
     solve.prepare(case, method, rtol)
@@ -151,10 +151,10 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
 
 
 def _shift(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:
-    """The state with one component moved by so many roundings of its own size.
+    """The state with one component moved by some roundings of its own size.
 
-    A position is a difference of places of the plate's size at least. A speed is a difference of speeds: what it is
-    rounded by is the largest of them.
+    A position is a difference of places that are at least as large as the plate. A speed is a difference of speeds, so
+    its rounding is that of the largest of them.
     """
     if component >= len(y):
         return tuple(y)

@@ -1,4 +1,4 @@
-"""The paper's application, (35) as corrected, without units: what its claims depend on, and what they do not.
+"""The paper's application, (35) as corrected, in dimensionless form: which parameters its claims depend on.
 
 Take √(L/g) as the unit of time, L = R − r, and w = r θ̇/√(g L); a dash is the derivative in that time and k = J/(m r²)
 (½ for the paper's disc). While v > 0, (35) then reads
@@ -6,11 +6,12 @@ Take √(L/g) as the unit of time, L = R − r, and w = r θ̇/√(g L); a dash 
     ξ₁'' = cos ξ₁ − μ₀ sin ξ₁ − μ₀ ξ₁'²,    w' = −(μ₀/k) (sin ξ₁ + ξ₁'²),    v/√(g L) = ξ₁' + w,
     N/(m g) = sin ξ₁ + ξ₁'²,    rolling would take T/(m g) = k/(1 + k) cos ξ₁.
 
-R, r, m and g are gone. So where v vanishes, and whether the disc then rolls, depend on μ₀, the start and k alone; when,
-on √(L/g) besides. The paper's claims can be judged although it gives no sizes, but for the start.
+R, r, m and g have dropped out. So the place where v vanishes, and whether the disc then rolls, depend on μ₀, the start
+and k alone; the time also depends on √(L/g). The paper's claims can be judged although it gives no sizes, except for
+the start.
 
-Where v comes down to zero, v' ≤ 0, so that cos ξ₁ ≤ μ₀ (1 + 1/k) (sin ξ₁ + ξ₁'²): short of the bottom, ξ₁ ≤ π/2, that
-is the condition for rolling. The slip can only reverse beyond the bottom.
+Where v falls to zero, v' ≤ 0, so that cos ξ₁ ≤ μ₀ (1 + 1/k) (sin ξ₁ + ξ₁'²): before the bottom, ξ₁ ≤ π/2, this is the
+condition for rolling. The slip can only reverse beyond the bottom.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ _LONGEST = 20.0
 
 
 class SlipEnd(NamedTuple):
-    """Where the slip velocity first vanishes: time in units of √((R − r)/g), ξ₁ in rad, and the friction that rolling
-    would take over what the cone holds, |T|/(μ₀ N): it rolls if that is at most one."""
+    """The first zero of the slip velocity: time in units of √((R − r)/g), ξ₁ in rad, and `demand`, the friction that
+    rolling needs over the friction that the cone allows, |T|/(μ₀ N): the disc rolls if it is at most one."""
 
     time: float
     xi1: float
@@ -38,9 +39,10 @@ class SlipEnd(NamedTuple):
 
 
 def slip_end(mu: float, release: float = 0.0, k: float = DISC) -> SlipEnd:
-    """The first zero of v of a disc let go at rest at ξ₁ = `release`, 0 ≤ release < π/2 (Y down), by (35).
+    """The first zero of v of a disc released at rest at ξ₁ = `release`, 0 ≤ release < π/2 (Y down), by (35).
 
-    Raises BadValue for arguments outside these and where it would roll from the start, tan(release) ≥ 1/(μ₀ (1 + 1/k)).
+    Raises BadValue for arguments outside these ranges, and if the disc would roll from the start,
+    tan(release) ≥ 1/(μ₀ (1 + 1/k)).
     """
     if not (0.0 <= release < np.pi / 2 and mu > 0.0 and k > 0.0):
         raise BadValue(f"release is {release!r}, mu {mu!r}, k {k!r}; give 0 <= release < pi/2, and mu and k above 0")
@@ -58,7 +60,7 @@ def slip_end(mu: float, release: float = 0.0, k: float = DISC) -> SlipEnd:
         return y[1] + y[2]
 
     slip.terminal, slip.direction = True, -1.0  # type: ignore[attr-defined]
-    # Finer than 1e-12 a double has no digits left for; the first zero is then known to 1e-11.
+    # A double has no digits left for a tolerance below 1e-12; the first zero is then accurate to 1e-11.
     run = solve_ivp(rates, (0.0, _LONGEST), [release, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14, events=slip)
     (time,), ((xi1, p, _),) = run.t_events[0], run.y_events[0]
     demand = k / (1.0 + k) * abs(np.cos(xi1)) / (mu * (np.sin(xi1) + p * p))
@@ -66,9 +68,9 @@ def slip_end(mu: float, release: float = 0.0, k: float = DISC) -> SlipEnd:
 
 
 def rolls_beyond(mu: float, k: float = DISC) -> float:
-    """The ξ₁ in rad from which on a disc let go at rest rolls when its slip ends; 0 if it does from the start at 0."""
+    """The least ξ₁ (rad) from which a disc released at rest rolls when its slip ends; 0 if it does from 0."""
     if slip_end(mu, 0.0, k).demand <= 1.0:
         return 0.0
-    # With μ₀ (1 + 1/k) tan ξ₁ ≥ 1 it rolls from the very start; short of that it slips a little and then rolls.
+    # With μ₀ (1 + 1/k) tan ξ₁ ≥ 1 it rolls from the start; slightly below that it slips a little and then rolls.
     high = float(np.arctan(1.0 / (1.5 * mu * (1.0 + 1.0 / k))))
     return float(brentq(lambda release: slip_end(mu, release, k).demand - 1.0, 0.0, high, xtol=1e-12))

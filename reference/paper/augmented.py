@@ -1,18 +1,18 @@
-"""The paper's augmented system, (15)–(34): accelerations and multipliers from one matrix, block by block.
+"""The paper's augmented system, (15)–(34): accelerations and multipliers from one matrix, assembled from blocks.
 
     [ M  0  −A ] [ q̈₁ ]   [ F ]
     [ B  D   0 ] [ q̈₂ ] = [ C ]                                                                                  (27)
                  [ λ  ]
 
-with q₁ = (X₀, Y₀, θ) and q₂ = (ξ₁, ξ₂). A contact that slips has one multiplier (6×6). The paper goes no further; what
-this suite adds are columns and rows of the same kind:
+with q₁ = (X₀, Y₀, θ) and q₂ = (ξ₁, ξ₂). A contact that slips has one multiplier (6×6). The paper ends there; this suite
+adds columns and rows of the same kind:
 
     rolling                  the tangential multiplier, and R_pᵀ v = 0 differentiated (7×7)
-    a rotation that is held  a couple as multiplier, and θ̈ = 0 (7×7 with slip, 8×8 at rest)
-    rolling resistance       a couple arm·|N| against the rotation: it goes with λ, so it stands in λ's column
+    a fixed rotation         a couple as multiplier, and θ̈ = 0 (7×7 with slip, 8×8 at rest)
+    rolling resistance       a couple arm·|N| against the rotation: proportional to λ, so it is in λ's column
     free flight              no multiplier: (16) and (19) alone (3×3)
 
-Literal and slow: what the fast form is tested against, and what `reference.augmented_integrator` integrates.
+Literal and slow: the fast form is tested against it, and `reference.augmented_integrator` integrates it.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ WITHOUT_SLIP = (Mode.ROLL, Mode.REST)
 
 
 class Solution(NamedTuple):
-    """(27) solved: q̈₁ shape (3,), q̈₂ shape (2,), multipliers λ (one to three, as the columns of A), the contact forces
-    in N and the couple that resists the rotation in N m."""
+    """The solution of (27): q̈₁ shape (3,), q̈₂ shape (2,), multipliers λ (one to three, as the columns of A), the
+    contact forces in N and the couple that resists the rotation in N m."""
 
     q1_ddot: np.ndarray
     q2_ddot: np.ndarray
@@ -45,10 +45,10 @@ class Solution(NamedTuple):
 
 
 class AugmentedSystem(NamedTuple):
-    """(27) at one instant: its matrix and right-hand side, and what was filled in.
+    """(27) at one instant: its matrix and right-hand side, and the values from which they were assembled.
 
     `ratio` is the μ of (30) with its sign, `arm` the resisting couple per normal force with its sign (m), `rolls` and
-    `held` tell whether the rows of rolling and of a held rotation are there.
+    `rotation_fixed` tell whether the rows of rolling and of a fixed rotation are present.
     """
 
     matrix: np.ndarray
@@ -72,7 +72,7 @@ def mass_matrix(case: Case) -> np.ndarray:
 def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
     """F of (19): the external torsor (F_x, F_y, M₀) in the fixed frame, weight and loads together.
 
-    `motion` is what a load may depend on: (t, X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇).
+    `motion` are the arguments of a load: (t, X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇).
     """
     F = np.zeros(3)
     gravity, load = case.effect(Gravity), case.effect(Load)
@@ -106,8 +106,8 @@ def tangential_column(k: Kinematics) -> np.ndarray:
 
 def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """B (3×3), D (3×2) of (23) from (8) and (9), and C (3,) of (25), where the third derivatives enter."""
-    # Products of the derivatives p, s, t of the track (rows) with the outline's, turned by θ (columns), all at once: by
-    # themselves and by way of U. It is filled at every evaluation, and U² = −I₂.
+    # Products of the derivatives p, s, t of the track (rows) with the outline's, rotated by θ (columns), all at once:
+    # directly and with U between them (U² = −I₂). This is computed at every evaluation, so it has to be fast.
     outline = k.turn @ np.array([k.r, k.rp, k.rs, k.rt]).T
     track = np.array([k.Rp, k.Rs, k.Rt])
     (_, S, p_s, _), (_, s_p, *_), _ = (track @ outline).tolist()
@@ -141,11 +141,11 @@ def rolling_row(k: Kinematics) -> tuple[np.ndarray, float]:
 def fill(
     case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
 ) -> AugmentedSystem:
-    """(27) for a contact in that mode.
+    """Assemble (27) for a contact in a mode.
 
-    `state` is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), with θ (rad) behind it where a load counts whole turns; `side` is the sign of the
-    normal force (−1 only in a bilateral guide), on whose magnitude friction and rolling resistance depend; `turn` is
-    the sense of a rotation that is resisted, 0 where it is held (None: the sign of θ̇); `time` (s) is for loads.
+    `state` is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), followed by θ (rad) if a load counts whole turns; `side` is the sign of the normal
+    force (−1 only in a bilateral guide), on whose magnitude friction and rolling resistance depend; `turn` is the sense
+    of a rotation with resistance, 0 if it is fixed (None: the sign of θ̇); `time` (s) is for loads.
     """
     k = kinematics(case, *state[:4])
     return assemble(case, mode, k, (time, *k.R0, _angle(case, state, k), *k.R0_dot, k.theta_dot), side, turn)
@@ -154,7 +154,7 @@ def fill(
 def assemble(
     case: Case, mode: Mode, k: Kinematics, motion: Sequence[float], side: int = 1, turn: int | None = None
 ) -> AugmentedSystem:
-    """(27) from kinematics that are known, whether or not they fit the contact; `motion` as of `applied_torsor`."""
+    """Assemble (27) from given kinematics, whether or not they fit the contact; `motion` as in `applied_torsor`."""
     ratio = _friction_ratio(case, mode, side)
     arm, rotation_fixed = _resistance(case, mode, side, turn, k)
     rolls = mode in WITHOUT_SLIP
@@ -178,7 +178,7 @@ def _friction_ratio(case: Case, mode: Mode, side: int) -> float:
 
 
 def _resistance(case: Case, mode: Mode, side: int, turn: int | None, k: Kinematics) -> tuple[float, bool]:
-    """The resisting couple per normal force (m), and whether the rotation is held."""
+    """The resisting couple per normal force (m), and whether the rotation is fixed."""
     resistance = case.effect(RollingResistance)
     if resistance is None:
         return 0.0, False
@@ -189,7 +189,7 @@ def _resistance(case: Case, mode: Mode, side: int, turn: int | None, k: Kinemati
 
 
 def _angle(case: Case, state: Sequence[float], k: Kinematics) -> float:
-    """θ with its whole turns, if a load may ask for them."""
+    """θ including whole turns, if a load may depend on them."""
     if len(state) > 4 or case.effect(Load) is None:
         return float(state[4]) if len(state) > 4 else k.theta
     return float(case.track.tangent_angle(state[0]) - case.plate.outline.tangent_angle(state[1]))
@@ -198,7 +198,7 @@ def _angle(case: Case, state: Sequence[float], k: Kinematics) -> float:
 def augmented_system(
     case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The matrix and right-hand side of (27); arguments as of `fill`."""
+    """The matrix and right-hand side of (27); arguments as in `fill`."""
     system = fill(case, mode, state, side, turn, time)
     return system.matrix, system.right
 
@@ -211,7 +211,7 @@ def solve_augmented(
 
 
 def solution(system: AugmentedSystem) -> Solution:
-    """A filled system solved; raises numpy.linalg.LinAlgError where it is singular."""
+    """Solve an assembled system; raises numpy.linalg.LinAlgError if it is singular."""
     answer = np.linalg.solve(system.matrix, system.right)
     multipliers = answer[5:]
     P = sqrt(system.k.Rp @ system.k.Rp)
@@ -222,15 +222,15 @@ def solution(system: AugmentedSystem) -> Solution:
 
 
 def flight_acceleration(case: Case, time: float, y: Sequence[float]) -> np.ndarray:
-    """q̈₁ of a plate that touches nothing, (16) and (19) without F_L, shape (3,); y is (X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇)."""
+    """q̈₁ of a plate in free flight, (16) and (19) without F_L, shape (3,); y is (X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇)."""
     return np.linalg.solve(mass_matrix(case), applied_torsor(case, (time, *y)))
 
 
-# --- how near to singular ---------------------------------------------------------------------------------------------
+# --- distance from singularity ----------------------------------------------------------------------------------------
 
 
 def uniqueness(system: AugmentedSystem) -> float:
-    """The determinant of (27) over what it is without friction and resistance: 1 there, 0 at Painlevé's paradox.
+    """The determinant of (27) over its value without friction and resistance: 1 there, 0 at Painlevé's paradox.
 
     Where it vanishes, the normal force is no longer a unique answer of (27). NaN where the curvatures are equal, which
     makes (27) singular in any case.

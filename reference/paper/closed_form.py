@@ -1,4 +1,4 @@
-"""Exact solutions, in mpmath: what no integrator has touched. SI units; `digits` is the working precision."""
+"""Exact solutions in mpmath, independent of any integrator. SI units; `digits` is the working precision."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cases import Mode
 
 
 class FirstZero(NamedTuple):
-    """First instant without slip: its time, place, and what follows by Coulomb's inequality."""
+    """First instant without slip: its time, place, and the mode that follows by Coulomb's inequality."""
 
     time: mp.mpf
     xi1: mp.mpf
@@ -52,14 +52,14 @@ def sliding_disc_in_circle(R, r, mu, g, digits: int = 20) -> FirstZero:
         turn = mp.findroot(u, (turn, turn + mp.mpf("0.01")), solver="anderson") * (1 - mp.mpf(10) ** -digits)
         xi = mp.findroot(slip, (mp.mpf("0.1"), turn), solver="anderson", tol=mp.mpf(10) ** (-2 * digits))
         time = per_root(lambda _: mp.mpf(1))(xi)
-        # The disc rolls if the friction that rolling takes, (g/3)|cos ξ₁| per mass, fits the cone.
+        # The disc rolls if the friction that rolling needs, (g/3)|cos ξ₁| per mass, lies within the cone.
         if g / 3 * abs(mp.cos(xi)) <= mu * (g * mp.sin(xi) + L * u(xi)):
             return FirstZero(time, xi, Mode.ROLL)
         return FirstZero(time, xi, Mode.SLIP_BACKWARD if mp.cos(xi) < 0 else Mode.SLIP_FORWARD)
 
 
 def bowling_time(v0, mu, g, inertia_ratio=0.5):
-    """When a disc thrown without spin begins to roll: v₀ / (μ g (1 + m r²/J)); `inertia_ratio` is J/(m r²)."""
+    """Time at which a disc thrown without spin begins to roll: v₀ / (μ g (1 + m r²/J)); `inertia_ratio` is J/(m r²)."""
     return mp.mpf(v0) / (mp.mpf(mu) * mp.mpf(g) * (1 + 1 / mp.mpf(inertia_ratio)))
 
 
@@ -69,7 +69,7 @@ def pendulum_period(length, g, amplitude):
 
 
 def departure_cosine(rolling: bool):
-    """cos φ where a disc let go on top of a cylinder leaves it: 2/3 sliding without friction, 4/7 always rolling."""
+    """cos φ where a disc released on top of a cylinder leaves it: 2/3 sliding without friction, 4/7 always rolling."""
     return mp.mpf(4) / 7 if rolling else mp.mpf(2) / 3
 
 

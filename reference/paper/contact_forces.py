@@ -1,8 +1,8 @@
-"""Contact forces from (27) at many instants at once: what `augmented` fills and solves one by one, in stacks.
+"""Contact forces from (27) at many instants at once: the systems that `augmented` assembles one by one, in stacks.
 
-For what a trajectory tells between its steps, thousands of samples whose arithmetic takes a tenth of the time that
-calling NumPy for each of them does. Products of matrices stay products of matrices, so that each is rounded as there.
-Only contacts without load and rolling resistance, whose matrices are of one size and whose torsor is one.
+A trajectory has thousands of samples between its steps, and their arithmetic takes a tenth of the time of separate
+NumPy calls. Products of matrices stay products of matrices, so that rounding is the same as in `augmented`. Only for
+contacts without load and rolling resistance, whose matrices have one size and whose torsor is the same.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ class Contacts(NamedTuple):
 
 
 def fits(case: Case) -> bool:
-    """Whether `contacts` knows all that acts on the case's plate."""
+    """Whether `contacts` covers all forces on the case's plate."""
     return case.effect(Load) is None and case.effect(RollingResistance) is None
 
 
 def contacts(case: Case, mode: Mode, states: Sequence[Sequence[float]], side: int = 1) -> Contacts:
-    """What (27) says of the contact in each state (ξ₁, ξ₂, ξ̇₁, ξ̇₂); `side` as of `fill`.
+    """Slip, spin and contact forces by (27) in each state (ξ₁, ξ₂, ξ̇₁, ξ̇₂); `side` as in `fill`.
 
-    Raises numpy.linalg.LinAlgError if it is singular in one of them.
+    Raises numpy.linalg.LinAlgError if (27) is singular in one of them.
     """
     xi1, xi2, *speeds = zip(*states, strict=True)
     R, Rp, Rs, Rt = np.array([case.track.jet(s) for s in xi1]).reshape(-1, 4, 2).swapaxes(0, 1)  # (1)
@@ -76,7 +76,7 @@ def _constrain(
 ) -> None:
     """B, D and C of (23) and (25) in their places, as `augmented.constraints` has them."""
     (Rp, Rs, _), (u1, u2, w) = track, rates
-    # By Python's power, as there: NumPy's square is another function.
+    # By Python's power, as in `augmented`: NumPy's square rounds differently.
     u1_square, u2_square, w_square = (np.array([value**2 for value in rate.tolist()]) for rate in rates)
     outline_rows = turn @ np.stack(outline, axis=1).swapaxes(1, 2)
     rows = np.stack(track, axis=1)

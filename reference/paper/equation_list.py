@@ -1,6 +1,6 @@
-"""The paper, line by line: each numbered equation, what it says, and where it stands in the code.
+"""List of the paper's numbered equations: what each states, and where it is in the code.
 
-`docs/paper.md` shows the same table; a test holds the two together and finds every place.
+`docs/paper.md` shows the same table; a test compares the two and checks every place.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The paper's kinematics, (1)–(14), in its own letters: R, R_p, R_s, R_t on the track, r, r_p, r_s, r_t on the outline.
 
-Lengths in metres; a dot is a time derivative. Everything here is literal: a test holds it against the eliminated form.
+Lengths in metres; a dot is a time derivative. Everything here is literal: a test compares it with the eliminated form.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ I2 = np.eye(2)  # (4)
 
 @dataclass(frozen=True)
 class Kinematics:
-    """One instant of a plate in contact: (1)–(3) with the rates that (8) and (9) leave free.
+    """One instant of a plate in contact: (1)–(3) with rates that satisfy (8) and (9).
 
     `q` and `q_dot` are q₂ = (ξ₁, ξ₂) and its rate. Vectors have shape (2,), `turn` (the paper's matrix θ) (2, 2).
-    `theta` is known up to whole turns, which (6) leaves open.
+    `theta` is determined up to whole turns, which (6) leaves open.
     """
 
     q: np.ndarray
@@ -67,5 +67,5 @@ def slip_vector_of_plate(k: Kinematics) -> np.ndarray:
 
 
 def slip_velocity(k: Kinematics) -> float:
-    """R_pᵀ v / |R_p|, whose sign (13) and (14) ask for, in m/s."""
+    """The slip velocity R_pᵀ v / |R_p|, whose sign is used in (13) and (14), in m/s."""
     return float(k.Rp @ slip_vector(k) / np.hypot(*k.Rp))

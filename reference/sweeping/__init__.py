@@ -1,4 +1,4 @@
-"""Maps instead of motions: one case with many parameters at once. Who asks for one motion asks `reference.simulate`."""
+"""Parameter sweeps: one case with many sets of parameter values. For a single motion use `reference.simulate`."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ if TYPE_CHECKING:
 
 __all__ = ["Axis", "Plan", "plan", "sweep", "sweep_chunks"]
 
-# Scenarios to a chunk: enough to share Python's time among, and some megabytes.
+# Scenarios per chunk: enough to spread Python's overhead over, and some megabytes of memory.
 CHUNK = 4000
-# From so many scenarios on it is worth a second or two to compile for speed.
+# From this many scenarios on, optimised compilation (a second or two) pays for itself.
 MANY = 20_000
 
 
 def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any):
-    """The motions of a case over parameters, as a DataFrame on Arrow's columns: one row a scenario.
+    """Simulate a case for many parameter values; returns a DataFrame with Arrow columns, one row per scenario.
 
-    `case` is a name, a catalogue's Case or a function that makes one; each further argument is a parameter and its
-    values: numbers, or text such as "0.01:0.5:200" or "0.01:0.5:200:log". Several make a grid, the last one running
-    fastest; with `sample` "random" or "sobol" `number` points are drawn from their ranges (low, high). After the
-    parameters the columns are those of `reference.sweeping.table.COLUMNS`. A scenario that no scene can be is a row.
-    Raises CaseError, in one sentence, for what makes no sense.
+    `case` is a name, a case of the catalogue or a function that returns a Case. Each further argument is a parameter
+    with its values: numbers, or text such as "0.01:0.5:200" or "0.01:0.5:200:log". Several parameters form a grid, the
+    last one varying fastest; with `sample` "random" or "sobol", `number` points are drawn from their ranges
+    (low, high). The columns after the parameters are those of `reference.sweeping.table.COLUMNS`. A scenario with
+    invalid parameters also gets a row. Raises CaseError with one sentence for invalid arguments.
     """
     import pandas as pd
 
@@ -35,7 +35,7 @@ def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int 
 def sweep_chunks(
     case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any
 ) -> Iterator[pd.DataFrame]:
-    """The same, CHUNK rows at a time: memory does not grow with the sweep."""
+    """Same as `sweep`, but yields CHUNK rows at a time, so that memory does not grow with the sweep."""
     from . import table
 
     request = plan(case, vary, sample, number, seed, rtol)

@@ -1,9 +1,9 @@
-"""Many scenarios at once, in waves: those of one mode go through a phase together.
+"""Batch simulation of many scenarios: all scenarios in the same mode go through a phase together, as one wave.
 
-What a wave shares is Python's time: parameters, starts of phases, decisions and places are arrays; of each scenario's
-own there is one call of the compiled integrator a phase, without a record of its steps. What is not plain there (an
-undecided start, a touch, a singularity) goes through that phase alone, by `minimal.hybrid`; what flies, or may meet its
-track in a second place, is simulated alone from the beginning.
+A wave shares Python's overhead: parameters, starts of phases, decisions and places are arrays. Each scenario needs one
+call of the compiled integrator per phase, without a record of its steps. A scenario that needs special treatment in a
+phase (an undecided start, a touch, a singularity) goes through that phase alone, by `minimal.hybrid`. A scenario that
+flies or may meet its track in a second place is simulated alone from the beginning.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from .motions import NUMBER, PHRASES, Events, Motions, simulate_rows
 from .scenario_values import ScenarioGroup, structure
 from .single_contact import one_contact
 
-# The places of a full state's variables, by name.
+# Row of each variable in a full state.
 _ROWS = {"xi1": 0, "xi2": 1, "u1": 2, "u2": 3, "theta": 4}
-# In the place of a regime's number: it has ended, or is to be simulated alone.
+# Used instead of a regime's number: the motion has ended, or the scenario must be simulated alone.
 _OVER, _ALONE = -1, -2
-# In the place of a guard's number: the end of time, or the integrator does not tell.
+# Used instead of a guard's number: the end of the time span, or the integrator gave no clear outcome.
 _TIME, _UNCLEAR = -1, -2
 
 
 def move(scenes: ScenarioGroup, rtol: float, optimised: bool = False) -> Motions:
-    """The motions of scenarios of one structure; `optimised`: by code that takes a second more to compile."""
-    with np.errstate(all="ignore"):  # what is not finite is handed to the solver of one, which says so
+    """Simulate scenarios of one structure; `optimised`: with code that takes a second longer to compile."""
+    with np.errstate(all="ignore"):  # non-finite values are passed to the single-scenario solver, which reports them
         return _advance(scenes, rtol, optimised)
 
 
@@ -61,12 +61,13 @@ def _advance(scenes: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
 
 
 def _plain(scenes: ScenarioGroup) -> bool:
-    """Whether scenarios can go in waves at all: in contact, without bumps that a step could pass over, by heyoka."""
+    """Whether scenarios can go in waves: heyoka is installed, they start in contact, and no feature is so short that a
+    step could pass over it."""
     return taylor.AVAILABLE and scenes.base.start.in_contact and structure(scenes.base).plain
 
 
 class _Wave:
-    """Scenarios on their way: times (n,) and full states (4 or 5, n) at which their phases begin, and the numbers of
+    """A batch of scenarios: times (n,) and full states (4 or 5, n) at which their phases begin, and the numbers of
     their regimes."""
 
     def __init__(self, scenes: ScenarioGroup, rtol: float, optimised: bool):
@@ -88,7 +89,7 @@ class _Wave:
         self.events: list[Events] = []
 
     def run(self) -> None:
-        """Phase after phase until all have ended or are to be simulated alone."""
+        """Integrate phase after phase until every scenario has ended or must be simulated alone."""
         self._begin()
         while (self.now >= 0).any():
             waves = [np.flatnonzero(self.now == number) for number in range(len(self.regimes))]
@@ -97,7 +98,7 @@ class _Wave:
                     self._phase(number, indices)
 
     def put(self, motions: Motions, rows: np.ndarray) -> None:
-        """Write what has ended into its rows."""
+        """Write the finished scenarios into their rows of `motions`."""
         is_over = self.now == _OVER
         there, inputs = rows[is_over], self.scenes.numbers
         for name in ("first", "status", "reason", "steps"):
@@ -128,7 +129,7 @@ class _Wave:
     # --- the start ----------------------------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        """The first regimes, as `solve.first_regime` finds one."""
+        """Decide the first regimes, as `solve.first_regime` does for one scenario."""
         inputs = self.scenes.numbers
         f, h = self._places(self.all_indices, inputs["xi1"], inputs["xi2"])
         along = np.abs(self.y[2]) * f.speed, np.abs(self.y[3]) * h.speed
@@ -148,7 +149,8 @@ class _Wave:
         self.first[running] = modes[self.now[running]]
 
     def _first(self, i: int) -> int:
-        """The regime at the start of one scenario, by the decision of one."""
+        """The number of the regime at the start of one scenario, decided as for a single motion; _ALONE if there is
+        none."""
         case = self.scenes.alone(i)
         try:
             regime = first_regime(case, start_state(case))
@@ -157,14 +159,14 @@ class _Wave:
         return self.regimes.index(regime) if regime in self.regimes else _ALONE
 
     def _decide(self, among, indices: np.ndarray, t, y, error: float) -> tuple[np.ndarray, np.ndarray]:
-        """The numbers of the regimes `among`, and which of these follows for each."""
+        """The numbers of the regimes `among`, and for each scenario the index of the regime that follows."""
         numbers = np.array([self.regimes.index(regime) for regime in among], dtype=int)
         return numbers, decide([self.columns[k].only(indices) for k in numbers], t, y, error)
 
     # --- one phase ----------------------------------------------------------------------------------------------------
 
     def _phase(self, number: int, indices: np.ndarray) -> None:
-        """Take some scenarios through their phase and into what follows."""
+        """Integrate some scenarios to the end of their phase and start the next one."""
         columns, end = self.columns[number].only(indices), self.scenes.numbers["duration"][indices]
         own = self.y[columns.places][:, indices]
         first_steps = leave(columns, self.t[indices], own, end)
@@ -186,7 +188,8 @@ class _Wave:
                 self._after(number, list(columns.system.guards)[guard], indices[some], times[some], y)
 
     def _integrate(self, integrator, columns: Columns, times, states, end, sound: np.ndarray, indices: np.ndarray):
-        """Integrate from `times` and `states`, which become those of the events: the guards, and the steps so far."""
+        """Integrate from `times` and `states`, which are overwritten by those of the events; returns the guards and the
+        steps so far."""
         pars, state = integrator.pars, integrator.state
         count, many = len(pars), taylor.CHUNK
         success, limit, all_steps = taylor.SUCCESS, taylor.TIME_LIMIT, taylor.STEP_LIMIT
@@ -211,7 +214,7 @@ class _Wave:
                 if some and shortest <= taylor.SHORTEST * ulp(integrator.time):
                     guard = _UNCLEAR
                 if guard == _TIME and total >= MOST_STEPS and integrator.time < until:
-                    guard = _UNCLEAR  # alone it ends as unfinished, and says where
+                    guard = _UNCLEAR  # simulated alone it ends as unfinished and reports where
                 if guard != _TIME:
                     break
             times[i], states[:, i] = integrator.time, state
@@ -235,7 +238,7 @@ class _Wave:
     # --- what follows -------------------------------------------------------------------------------------------------
 
     def _after(self, number: int, guard: str, indices: np.ndarray, t: np.ndarray, y: np.ndarray) -> None:
-        """What follows where a guard reached zero, as `hybrid` says of one; what is not plain goes there."""
+        """Decide what follows a guard's zero, as `hybrid` does; special cases are passed to `hybrid` one by one."""
         regime = self.regimes[number]
         if guard in hybrid.ENDS:
             self._end(indices, t, y, hybrid.ENDS[guard])
@@ -253,7 +256,7 @@ class _Wave:
         elif guard in hybrid.BEGINS:
             slip, turn = (hybrid.BEGINS[guard], turn) if guard.startswith("cone") else (slip, hybrid.BEGINS[guard])
         else:
-            lifts = self._lifts_off(number, indices, t, y)  # the one guard that is left: the normal force
+            lifts = self._lifts_off(number, indices, t, y)  # the only other guard: the normal force
             self._leave(number, indices[lifts], t[lifts], y[:, lifts], guard)
             for i in indices[~lifts].tolist():
                 self._one(i)
@@ -275,8 +278,8 @@ class _Wave:
         self._go_on(number, numbers[choice[is_decided]], indices[is_decided], t[is_decided], y[:, is_decided], cause)
 
     def _lifts_off(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> np.ndarray:
-        """Where a normal force that vanished leaves no doubt: it falls on, or dips a million times as deep as a touch,
-        and the plate would not move into its track."""
+        """Where a vanishing normal force is certainly a lift-off: it keeps falling, or dips a million times as deep as
+        a touch, and the plate would not move into its track."""
         if self.base.effect(Unilateral) is None:
             return np.zeros(len(indices), dtype=bool)
         columns = self.columns[number].only(indices)
@@ -292,7 +295,7 @@ class _Wave:
         return (slope < 0.0) & deep & (m.free_approach <= 1e6 * hybrid.LOCATION_ERROR * scale)
 
     def _leave(self, number: int, indices: np.ndarray, t, y: np.ndarray, guard: str) -> None:
-        """The plate leaves its track: the end, or a flight, which is not for waves."""
+        """The plate leaves its track: the motion ends, or flies and is then simulated alone."""
         if self.base.effect(Flight) is not None:
             self.now[indices] = _ALONE
             return
@@ -304,7 +307,7 @@ class _Wave:
         self._end(indices, t, y, hybrid.LIFT_OFF)
 
     def _unique_force(self, number: int, indices: np.ndarray, t, y) -> np.ndarray:
-        """Where a slip that begins has a force at all."""
+        """Where the contact force of a slip that begins is unique (Painlevé)."""
         columns = self.columns[number].only(indices)
         names = list(columns.system.guards)
         if "painleve" not in names:
@@ -313,7 +316,7 @@ class _Wave:
         return np.broadcast_to(values, indices.shape) > 0.0
 
     def _one(self, i: int) -> None:
-        """One scenario through its phase and into what follows, by the solver of one."""
+        """Integrate one scenario to the end of its phase and start the next one, by the single-scenario solver."""
         case, regime = self.scenes.alone(i), self.regimes[self.now[i]]
         now, number = phase(case, regime), int(self.now[i])
         _, integrate = INTEGRATORS[METHODS[0]]
@@ -335,10 +338,11 @@ class _Wave:
             after = np.array([self.regimes.index(step.regime)])
             self._go_on(number, after, indices, t, y, PHRASES.index(hybrid.CAUSES[step.cause]))
         else:
-            self.now[i] = _ALONE  # it flies, or its ending has a sentence of its own
+            self.now[i] = _ALONE  # it flies, or the sentence of its ending contains numbers
 
     def _go_on(self, number: int, after: np.ndarray, indices: np.ndarray, t, y: np.ndarray, cause: int) -> None:
-        """Note transitions and begin the next phases; what gets nowhere is left to the solver of one."""
+        """Record transitions and begin the next phases; scenarios without progress are left to the single-scenario
+        solver."""
         modes = np.array([NUMBER[regime.mode] for regime in self.regimes])
         before, new = np.full(len(indices), modes[number]), modes[after]
         other = before != new
@@ -356,14 +360,14 @@ class _Wave:
 
 
 def _columns(scenes: ScenarioGroup, regime, gyration: np.ndarray, lengths: tuple[np.ndarray, ...]) -> Columns:
-    """A regime's equations with the parameters of all scenarios, as `modes.phase` has them of one."""
+    """A regime's equations with the parameters of all scenarios, as `modes.phase` gives them for one."""
     system, law, n = contact_system(scenes.base, regime.kind), laws(scenes.base), len(scenes.rows)
     inputs = scenes.numbers
     effects = {
         CoulombFriction: SimpleNamespace(mu=inputs.get("mu"), stick=inputs.get("mu_stick")),
         RollingResistance: SimpleNamespace(arm=inputs.get("arm")),
     }
-    case: Any = SimpleNamespace(effect=effects.get)  # what the laws ask of a case, with columns for numbers
+    case: Any = SimpleNamespace(effect=effects.get)  # the part of a case that the laws use, with columns for numbers
     values = {**inputs, "G": inputs["inertia"] / inputs["mass"], "m": inputs["mass"], "nu": float(regime.side)}
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)

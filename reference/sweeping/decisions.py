@@ -1,6 +1,6 @@
-"""What follows, for many scenarios at once: that part of `minimal.decision` that values alone decide, on arrays.
+"""Mode decisions for many scenarios at once: the part of `minimal.decision` that needs only values, on arrays.
 
-Where a value is too close to its bound to tell, and where none follows, it is not decided here.
+A scenario remains undecided here if a value is too close to its bound, or if no regime follows.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ NO_DECISION = -1
 
 
 class Columns(NamedTuple):
-    """A regime's equations and what of many scenarios they need: `parameters` (p, n), the plate's radius of gyration
-    `size` (n,), the same in units of each position, `lengths`, and the `places` of its variables in a full state."""
+    """A regime's equations and the data of many scenarios that they need: `parameters` (p, n), the plate's radius of
+    gyration `size` (n,), the same in units of each position, `lengths`, and the rows `places` of its variables in a
+    full state."""
 
     regime: Regime
     system: System
@@ -29,13 +30,13 @@ class Columns(NamedTuple):
     places: list[int]
 
     def only(self, indices: np.ndarray) -> Columns:
-        """Those of some scenarios."""
+        """The columns of some scenarios."""
         parameters, lengths = self.parameters[:, indices], tuple(unit[indices] for unit in self.lengths)
         return self._replace(parameters=parameters, size=self.size[indices], lengths=lengths)
 
 
 def decide(among: Sequence[Columns], t: np.ndarray, y: np.ndarray, error: float) -> np.ndarray:
-    """The place in `among` of the first regime that follows from full states `y` (rows, n) at `t`, or UNDECIDED."""
+    """The index in `among` of the first regime that follows from full states `y` (rows, n) at `t`, or NO_DECISION."""
     choices = np.full(len(t), NO_DECISION)
     remaining = np.arange(len(t))
     for place, candidate in enumerate(among):
@@ -48,7 +49,7 @@ def decide(among: Sequence[Columns], t: np.ndarray, y: np.ndarray, error: float)
 
 
 def follows(candidate: Columns, t: np.ndarray, y: np.ndarray, error: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where the candidate's conditions hold just after t for sure, and where they do not for sure."""
+    """Where the candidate's conditions certainly hold just after t, and where they certainly do not."""
     system, own = candidate.system, y[candidate.places]
     values = rows(system.conditions_of_arrays(t, own, candidate.parameters), len(t))
     if not len(values):
@@ -69,7 +70,7 @@ def follows(candidate: Columns, t: np.ndarray, y: np.ndarray, error: float) -> t
 
 
 def rows(values: Sequence, n: int) -> np.ndarray:
-    """What a compiled function returned, as rows (k, n); a constant one is a number."""
+    """The values that a compiled function returned, as rows (k, n); a constant value may be a number."""
     rows = np.empty((len(values), n))
     for row, value in zip(rows, values, strict=True):
         row[:] = value

@@ -1,8 +1,8 @@
-"""The first, tiny part of a phase, for many scenarios at once.
+"""The first short step of a phase, for many scenarios at once.
 
-A phase begins with a guard at zero that the decision found to grow; an integrator that looks for that guard's zero
-would find it again there, or miss a slip that ends soon after. So the start is left first, by so short a part of the
-motion's own time that two halves of it by the classical Runge–Kutta method are exact to rounding, which is checked.
+A phase begins with a guard at zero that is known to grow. An integrator that searches for that guard's zero would find
+the start again, or miss a slip that ends soon after. So a first step leaves the start. It is such a small part of the
+motion's time scale that two half steps of the classical Runge–Kutta method are exact to rounding, which is checked.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ import numpy as np
 
 from .decisions import Columns, rows
 
-# The part of the motion's own time that is left: the fifth power of it, by which the method errs, is rounding.
+# The step, in parts of the motion's time scale: its fifth power, which is the method's error, is rounding.
 PART = 1e-3
-# By so many roundings of the state's natural sizes the whole step and its halves may differ.
+# The whole step and the two half steps may differ by this many roundings of the state's natural sizes.
 ROUNDINGS = 64 * float(np.finfo(float).eps)
-# A slip or a spin of less than this part of the plate's speed is not known to have left zero: it is a difference of
-# speeds that are known to rounding. The slip of the paper's disc let go on the level wall grows to 1e-3 of it here.
+# A slip or spin below this part of the plate's speed may still be zero: it is a difference of speeds that carry
+# rounding errors. The slip of the paper's disc, released on the level wall, grows to 1e-3 of the speed here.
 CLEAR = 1e-12
 
 
 class FirstSteps(NamedTuple):
-    """Times (n,) and states (variables, n) after the step; where that is sound."""
+    """Times (n,) and states (variables, n) after the step, and where they are valid (`sound`)."""
 
     times: np.ndarray
     states: np.ndarray
@@ -31,7 +31,7 @@ class FirstSteps(NamedTuple):
 
 
 def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstSteps:
-    """The states a little later than `t`, all guards positive there and half-way."""
+    """The states after a first short step from `t`; `sound` where all guards are positive there and half-way."""
     p = now.system.positions
     often = _often(now, t, y)
     h = np.minimum(PART / often, end - t)
@@ -76,7 +76,7 @@ def _runge_kutta(now: Columns, t: np.ndarray, y: np.ndarray, h: np.ndarray) -> n
 
 
 def course(now: Columns, t: np.ndarray, y: np.ndarray, guard: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of a guard at its zero: its first and second derivative by time there, and its size before, each (n,)."""
+    """A guard's first and second time derivative at its zero, and its size before that, each (n,)."""
     h = 10.0 * PART / _often(now, t, y)
     values = []
     for part in (-2.0, -1.0, 0.0, 1.0, 2.0):

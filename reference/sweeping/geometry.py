@@ -1,6 +1,6 @@
-"""The geometry of many contacts at once: curves of one structure, each scenario with sizes of its own.
+"""The geometry of many contacts at once: curves of one structure, with different sizes in each scenario.
 
-The formulas are those of `cases.geometry`, which asks them of one pair of curves; everything here has shape (n,).
+The formulas are those of `cases.geometry`, which has them for one pair of curves; here all arrays have shape (n,).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class CurvePoints(NamedTuple):
 
 
 def places(curve: Curve, constants: tuple[np.ndarray, ...], s: np.ndarray) -> CurvePoints:
-    """Where curves of that structure are at parameters `s`; `constants` are their sizes, each of shape (n,)."""
+    """The points of curves of one structure at parameters `s`; `constants` are their sizes, each of shape (n,)."""
     x, y, xp, yp, xs, ys = (np.broadcast_to(row, s.shape) for row in curve.jets_of(s, constants)[:6])
     speed = np.hypot(xp, yp)
     return CurvePoints(x, y, speed, xp / speed, yp / speed, (xp * ys - yp * xs) / speed**3)

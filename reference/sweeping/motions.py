@@ -1,4 +1,4 @@
-"""What came of many scenarios, as columns: one value a scenario, and the transitions of all in one flat list."""
+"""Results of many scenarios as columns: one value per scenario, and the transitions of all in one flat list."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ NUMBER = {mode: number for number, mode in enumerate(MODES)}
 
 
 class Events(NamedTuple):
-    """Transitions: whose, when (s), from which mode to which, where, and why; modes and phrases by their numbers."""
+    """Transitions: the scenario, time (s), modes before and after, contact parameters and cause; modes and causes by
+    number."""
 
     scenario: np.ndarray
     time: np.ndarray
@@ -35,7 +36,8 @@ class Events(NamedTuple):
 
     @classmethod
     def join(cls, some: list[Events], keep: np.ndarray) -> Events:
-        """All of them by scenario, in time's order as they were noted; only of scenarios to `keep`."""
+        """All events, ordered by scenario and then as recorded, which is the order in time; only of scenarios to
+        `keep`."""
         types = (int, float, int, int, float, float, int)
         columns = [np.concatenate([np.empty(0, t), *(e[i] for e in some)]) for i, t in enumerate(types)]
         order = np.argsort(columns[0], kind="stable")
@@ -60,7 +62,7 @@ class Motions:
 
     @classmethod
     def none(cls, n: int) -> Motions:
-        """Of n scenarios nothing yet."""
+        """Empty results for n scenarios."""
 
         def words() -> np.ndarray:
             return np.full(n, "", dtype=object)
@@ -74,7 +76,7 @@ class Motions:
 
 
 def simulate_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motions: Motions) -> None:
-    """Scenarios as `simulate` does them, one after the other, in the place of what is noted of them."""
+    """Simulate scenarios one after the other, as `simulate` does, and overwrite their rows of `motions`."""
     keep, every_row = (np.ones(len(motions.first), dtype=bool) for _ in range(2))
     keep[indices] = False
     parts = [Events.join([motions.events], keep)]
@@ -89,7 +91,7 @@ def simulate_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motio
 
 
 def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transition]:
-    """What `simulate` finds, without samples, into row i; returns the transitions."""
+    """Simulate one case without samples and write the result into row i; returns the transitions."""
     prepare(case, None, rtol)
     start = start_state(case)
     try:
@@ -114,7 +116,7 @@ def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transit
 
 
 def _motion_in(case: Case, now: Phase, own) -> geometry.MotionPoint | State:
-    """A phase's own state as pose and velocities."""
+    """Pose and velocities of a phase's state."""
     if now.regime == FLIGHT:
         nan = float("nan")
         nothing = nan, 0.0, 0.0, nan, nan

@@ -1,5 +1,6 @@
-"""Which scenarios: a case, what is fixed, and what varies and how. Scenarios have numbers; any stretch of them can be
-worked out by itself, on any machine, so that nothing has to be sent or kept but the plan.
+"""The plan of a sweep: a case, its fixed parameters, and which parameters vary and how.
+
+Scenarios are numbered. Any range of numbers can be computed by itself, on any machine, from the plan alone.
 """
 
 from __future__ import annotations
@@ -21,21 +22,21 @@ from cases.registry import parse
 
 from ..solve import TOLERANCES
 
-# How parameters vary: every combination, or as many points in all of their ranges together.
+# How parameters vary: every combination of their values, or points drawn from all ranges together.
 SAMPLES = ("grid", "random", "sobol")
-# A billion motions take half a day; the mere list of the parts of many more would fill a machine's memory.
+# A billion motions take half a day; for many more, even the list of chunks would fill the memory.
 MOST = 10**9
 # Points of SciPy's Sobol sequence.
 MOST_SOBOL = 2**30
-# Philox gives four numbers a step.
+# Philox generates four numbers per step.
 _WORDS = 4
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What one parameter does: some values, or a range to draw from; `count` is None for a range.
+    """The values of one parameter, or a range to draw from; `count` is None for a range.
 
-    With `log` values are spaced, or drawn, evenly in their logarithm.
+    With `log`, values are spaced or drawn evenly in their logarithm.
     """
 
     name: str
@@ -47,7 +48,7 @@ class Axis:
 
     @cached_property
     def all(self) -> np.ndarray:
-        """Its values."""
+        """All values, shape (count,)."""
         if self.values:
             return np.array(self.values)
         spacing = np.geomspace if self.log else np.linspace
@@ -60,14 +61,14 @@ class Axis:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def at_parts(self, part: np.ndarray) -> np.ndarray:
-        """Values at parts between 0 and 1 of the range."""
+        """The values at fractions of the range between 0 and 1."""
         if self.log:
             return self.low * (self.high / self.low) ** part
         return self.low + (self.high - self.low) * part
 
     @classmethod
     def of(cls, name: str, source: Any) -> Axis:
-        """From text ("0.01:0.5:200", "0.01:0.5:200:log", "0.1,0.2"), numbers, or a pair for a range."""
+        """An axis from text ("0.01:0.5:200", "0.01:0.5:200:log", "0.1,0.2"), numbers, or a pair for a range."""
         if isinstance(source, Axis):
             return source
         if isinstance(source, str):
@@ -87,7 +88,7 @@ class Axis:
         return cls(name, values=tuple(values))
 
     def as_range(self) -> Axis:
-        """The same as something to draw from: two values are the ends of a range."""
+        """The axis as a range to draw from: two values are the ends of the range."""
         if len(self.values) == 1:
             return Axis(self.name, self.values[0], self.values[0])
         if self.values and len(self.values) != 2:
@@ -130,9 +131,9 @@ def _range(name: str, low: float, high: float, log: bool) -> Axis:
 
 @dataclass(frozen=True)
 class Plan:
-    """A sweep: a case by name (or its function), fixed parameters, axes, how they are sampled, and the tolerance.
+    """A sweep: a case by name (or its function), fixed parameters, axes, the sampling, and the tolerance.
 
-    `files` are case files to load first. Raises CaseError, in one sentence, for what makes no sense.
+    `files` are case files to load first. Raises CaseError with one sentence for invalid arguments.
     """
 
     case: str | Callable[..., Case]
@@ -181,7 +182,7 @@ class Plan:
             raise BadValue(f"the grid has {len(self):.3g} scenarios; give fewer")
 
     def __getstate__(self) -> dict[str, Any]:
-        """A plan travels as what it says, without what was worked out of it."""
+        """Pickle the fields only, without cached properties."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property
@@ -208,7 +209,7 @@ class Plan:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of a grid, its axes' lengths; the last runs fastest."""
+        """The lengths of a grid's axes; the last one varies fastest."""
         return tuple(map(len, self.axes))
 
     def make(self, **parameters: float) -> Case:
@@ -231,7 +232,7 @@ class Plan:
         return {axis.name: axis.at_parts(part) for axis, part in zip(self.axes, parts.T, strict=True)}
 
     def as_text(self) -> dict[str, Any]:
-        """All that decides the rows, in a form that can be written down and compared."""
+        """Everything that determines the rows, as text that can be stored and compared."""
         axes = [[a.name, *map(repr, (a.low, a.high, a.count, a.log)), list(map(repr, a.values))] for a in self.axes]
         fixed = {name: repr(value) for name, value in sorted(self.fixed.items())}
         sampling = {"sample": self.sample, "number": self.number, "seed": self.seed if self.sample != "grid" else None}
@@ -247,7 +248,7 @@ def plan(
     rtol: float = 1e-10,
     files: Sequence[str] = (),
 ) -> Plan:
-    """The plan of what a user says; a single number fixes a parameter. Raises CaseError."""
+    """The plan for a user's arguments; a single number fixes a parameter. Raises CaseError."""
     name, fixed = _axis_of(case)
     axes = [Axis.of(key, value) for key, value in vary.items()]
     single = {axis.name: axis.values[0] for axis in axes if len(axis.values) == 1}
@@ -271,7 +272,7 @@ def _axis_of(case) -> tuple[str | Callable[..., Case], dict[str, Any]]:
 
 
 def _random(plan: Plan, start: int, stop: int) -> np.ndarray:
-    """Numbers in [0, 1) by Philox, whose state at any place is known at once: shape (stop − start, axes)."""
+    """Numbers in [0, 1) by Philox, which can jump to any step directly: shape (stop − start, axes)."""
     blocks = -(-len(plan.axes) // _WORDS)  # each scenario begins a step of the generator
     generator = np.random.Philox(key=plan.seed).advance(start * blocks)
     points = np.random.Generator(generator).random((stop - start, blocks * _WORDS))
@@ -286,5 +287,5 @@ def _sobol(plan: Plan, start: int, stop: int) -> np.ndarray:
     if start:
         sequence.fast_forward(start)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of stretches that are no power of two: the whole may be one
+        warnings.simplefilter("ignore", UserWarning)  # about lengths that are no power of two: the whole may be one
         return sequence.random(stop - start)

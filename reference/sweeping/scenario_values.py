@@ -1,8 +1,8 @@
-"""Parameters in, numbers out: what many scenarios of one case are, as columns, without making each as a `Case`.
+"""The numbers of many scenarios of one case as columns, without making each scenario as a `Case`.
 
-A case function is Python, so that only calling it tells what a parameter does. It is called for each value of each
-parameter alone; where every number of the scene then depends on one parameter at most, the columns follow, and calls
-at the corners and at random places must give the same to the last bit. Else it is called for every scenario.
+A case function is Python code, so only calling it shows what a parameter changes. It is called for each value of each
+parameter alone. If every number of the scene then depends on one parameter at most, the columns follow, and calls at
+the corners and at random places must give the same numbers to the last bit. Otherwise it is called for every scenario.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from cases.overlap import first_overlap
 from ..minimal.effects import laws
 from .geometry import level_parameters, places
 
-# Up to so many values of one parameter, in parts of the scenarios, each is tried alone: beyond that calling the
-# function for each scenario is as quick.
+# If a parameter has at most this many values (as a part of the number of scenarios), the function is called with each:
+# beyond that, calling it for each scenario is as quick.
 FEW = 0.25
-# Of more values so many are tried, the least and the largest among them.
+# Of more values, this many are tried, including the smallest and the largest.
 TRIES = 33
-# So many scenarios at random, besides the corners, must be what the columns say.
+# This many random scenarios, in addition to the corners, must agree with the columns.
 PROBES = 12
 
 Make = Callable[..., Case]  # from parameters to a case; raises CaseError
 
 
 class Structure(NamedTuple):
-    """What scenarios must share to be moved together: one set of equations, and how the start is given."""
+    """What scenarios must share to be simulated together: the equations, and how the start is specified."""
 
     track: Any
     outline: Any
@@ -51,9 +51,9 @@ class Structure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ScenarioGroup:
-    """Scenarios of one structure: `rows` of the chunk, and each number of theirs by name, shape (n,).
+    """Scenarios of one structure: their `rows` in the chunk, and each of their numbers by name, shape (n,).
 
-    `base` is one of them; `same` tells whether all have its curves. `alone(i)` makes the i-th as a case.
+    `base` is one of them as a case; `same` is true if all have its curves. `alone(i)` makes the i-th as a case.
     """
 
     rows: np.ndarray
@@ -68,13 +68,13 @@ class ScenarioGroup:
         return tuple(self.numbers[f"{which}_c{i}"] for i in range(count))
 
     def only(self, indices: np.ndarray) -> ScenarioGroup:
-        """Some of them."""
+        """The group of some of these scenarios."""
         numbers = {name: column[indices] for name, column in self.numbers.items()}
         return ScenarioGroup(self.rows[indices], self.base, self.same, numbers, partial(_nth, self.alone, indices))
 
 
 class RejectedScenario(NamedTuple):
-    """A scenario that no scene can be: its row and the sentence."""
+    """A scenario with invalid parameters: its row and the error message."""
 
     row: int
     reason: str
@@ -83,7 +83,7 @@ class RejectedScenario(NamedTuple):
 def scenes(
     make: Make, columns: Mapping[str, np.ndarray], even: bool
 ) -> tuple[list[ScenarioGroup], list[RejectedScenario]]:
-    """The scenarios with those parameters, `columns` of shape (n,), by structure; and those that cannot be.
+    """The scenarios with these parameters, `columns` of shape (n,), grouped by structure; and the rejected ones.
 
     `even`: whether the case's function does the same for all values (`straight`)."""
     n = len(next(iter(columns.values())))
@@ -98,7 +98,7 @@ def scenes(
 
 
 def structure(case: Case) -> Structure:
-    """What its scenario shares with others that move together."""
+    """The structure of a case: what it must share with other scenarios to be simulated with them."""
     track, outline = case.track, case.plate.outline
     ends = tuple((c.domain is None, c.period is None) for c in (track, outline))
     kinds = tuple(type(effect) for effect in case.effects)
@@ -112,7 +112,7 @@ def structure(case: Case) -> Structure:
 
 
 def numbers(case: Case) -> dict[str, float]:
-    """Every number of a scenario by the name its equations know it by, but for a ξ₂ and θ that follow from the rest."""
+    """Every number of a scenario by its name in the equations, without a ξ₂ and θ that follow from the others."""
     start, plate = case.start, case.plate
     values = {"xi1": start.xi1, "slip": start.slip, "omega": start.omega, "duration": case.duration}
     values |= {"mass": plate.mass, "inertia": plate.inertia}
@@ -134,7 +134,7 @@ def numbers(case: Case) -> dict[str, float]:
 
 
 def _place(case: Case) -> dict[str, float]:
-    """The same with ξ₂ and θ."""
+    """The numbers of a scenario including ξ₂ and θ."""
     initial = start_motion(case)
     return {**numbers(case), "xi2": initial.xi2, "theta": initial.theta}
 
@@ -143,7 +143,7 @@ def _place(case: Case) -> dict[str, float]:
 
 
 def _each(alone: Callable[[int], Case], n: int) -> tuple[list[ScenarioGroup], list[RejectedScenario]]:
-    """Every scenario made as a case."""
+    """Make every scenario as a case, and group them by structure."""
     groups: dict[Structure, list[tuple[int, dict[str, float], Case]]] = {}
     bad = []
     for i in range(n):
@@ -152,7 +152,7 @@ def _each(alone: Callable[[int], Case], n: int) -> tuple[list[ScenarioGroup], li
             groups.setdefault(structure(case), []).append((i, _place(case), case))
         except CaseError as problem:
             bad.append(RejectedScenario(i, str(problem)))
-        except Exception as problem:  # the function is its author's
+        except Exception as problem:  # the function is user code
             bad.append(RejectedScenario(i, f"the case cannot be made: {type(problem).__name__}: {problem}"))
     scenario_groups = []
     for members in groups.values():
@@ -172,14 +172,14 @@ def _nth(alone: Callable[[int], Case], rows: np.ndarray, i: int) -> Case:
 
 
 class _Column(NamedTuple):
-    """What a parameter does alone: the numbers it changes, each by scenario."""
+    """The effect of one parameter alone: the numbers it changes, each by scenario."""
 
     changes: dict[str, np.ndarray]
-    is_complete: bool  # whether each of its values was
+    is_complete: bool  # whether the function was called with each of its values
 
 
 def _together(make: Make, columns: Mapping[str, np.ndarray], alone, n: int, even: bool) -> ScenarioGroup | None:
-    """The columns of all scenarios; None where that cannot be said without making each."""
+    """The columns of all scenarios; None if they cannot be derived without making each scenario."""
     if n < 4 * PROBES:
         return None
     first = {name: float(column[0]) for name, column in columns.items()}
@@ -209,17 +209,17 @@ def _together(make: Make, columns: Mapping[str, np.ndarray], alone, n: int, even
             if structure(case) != base_structure or any(all_numbers[name][i] != value for name, value in exact.items()):
                 return None
     except Exception:
-        return None  # some scenario cannot be: whichever it is, it is found by making each
+        return None  # some scenario is invalid: making each of them shows which
     return ScenarioGroup(np.arange(n), base, same, all_numbers, alone)
 
 
 def _of_place(number: str) -> bool:
-    """Whether it is one of the start's place or of the curves: whether a plate fits depends on all these at once."""
+    """Whether a number belongs to the start's place or the curves, which together decide whether the plate fits."""
     return number in ("xi1", "xi2", "theta") or number.startswith(("track_", "outline_"))
 
 
 def _simple(effect: _Column) -> bool:
-    """Whether a parameter whose values were not all tried changes nothing of the curves."""
+    """Whether a parameter changes no number of the curves."""
     return not any(name.startswith(("track_", "outline_")) for name in effect.changes)
 
 
@@ -236,7 +236,7 @@ def _alone(
     base_structure: Structure,
     even: bool,
 ) -> _Column | None:
-    """What a parameter does while the others stand; None where that cannot be said."""
+    """The effect of one parameter while the others keep their first values; None if it cannot be derived."""
     values, which = np.unique(column, return_inverse=True)
     is_complete = len(values) <= FEW * len(column)
     if not is_complete:
@@ -264,7 +264,7 @@ def _alone(
 
 
 def _place_again(base: Case, base_structure: Structure, all_numbers: dict[str, np.ndarray]) -> bool:
-    """Work out ξ₂ and θ for starts that were not all made as cases; whether each of them has room."""
+    """Compute ξ₂ and θ for starts that were not all made as cases; returns whether the plate fits at each."""
     track, outline = base.track, base.plate.outline
     xi1 = all_numbers["xi1"]
     if not base_structure.in_contact:
@@ -287,7 +287,7 @@ def _place_again(base: Case, base_structure: Structure, all_numbers: dict[str, n
 
 
 def _probes(columns: Mapping[str, np.ndarray], n: int) -> Iterator[int]:
-    """Scenarios at the corners, as far as there are such, and at random places (always the same)."""
+    """The numbers of scenarios at the corners, if there are any, and of random ones (always the same)."""
     ends = [(int(np.argmin(column)), int(np.argmax(column))) for column in columns.values()]
     yield from dict.fromkeys(i for pair in ends for i in pair)
     lows_highs = [(column.min(), column.max()) for column in columns.values()]
@@ -298,8 +298,8 @@ def _probes(columns: Mapping[str, np.ndarray], n: int) -> Iterator[int]:
 
 
 def straight(function: Callable) -> bool:
-    """Whether a function, and those of its own module that it calls, has no branch and no loop: what it does for some
-    values it does for all."""
+    """Whether a function and the functions of its module that it calls have no branch and no loop, so that it does the
+    same for all values."""
     waiting, visited_functions = [function], []
     while waiting:
         now = waiting.pop()

@@ -1,7 +1,7 @@
-"""Where a second contact is impossible, for many scenarios at once: by theorems and by energy, without their motions.
+"""Proof that a second contact is impossible, for many scenarios at once: by curvatures and energy, without motions.
 
-A disc's place says all of its pose, so that a stretch of track either has room for it or has not; and a plate that only
-gravity drives never comes to where its potential exceeds the energy it began with.
+The pose of a disc follows from its place, so each stretch of track either has room for it or has not. A plate driven by
+gravity alone never reaches a place where its potential exceeds its initial energy.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from ..minimal.room import fits, fits_everywhere
 from .geometry import energy, places
 from .scenario_values import ScenarioGroup
 
-# Places along a track at which a disc is looked at: a hundredth of the usual track, as `cases.overlap` samples it.
+# Places along a track at which a disc is tested: a hundredth of the usual track, as `cases.overlap` samples it.
 LOOKS = 2000
 
 
 def one_contact(scenes: ScenarioGroup) -> np.ndarray:
-    """Which scenarios surely touch their track in one place only, (n,); of the others nothing is said."""
+    """Which scenarios certainly touch their track in one place only, (n,); false means unknown."""
     certain = np.zeros(len(scenes.rows), dtype=bool)
     for some in _of_one_shape(scenes):
         base, number = scenes.only(some), int(some[0])
@@ -32,7 +32,7 @@ def one_contact(scenes: ScenarioGroup) -> np.ndarray:
 
 
 def _of_one_shape(scenes: ScenarioGroup) -> list[np.ndarray]:
-    """Scenarios by their curves."""
+    """The indices of scenarios, grouped by their curves."""
     n = len(scenes.rows)
     if scenes.same:
         return [np.arange(n)]
@@ -43,7 +43,7 @@ def _of_one_shape(scenes: ScenarioGroup) -> list[np.ndarray]:
 
 
 def _one_contact(scenes: ScenarioGroup, base: Case) -> np.ndarray:
-    """The same of scenarios with the curves of `base`."""
+    """Same as `one_contact`, for scenarios with the curves of `base`."""
     track, outline, n = base.track, base.plate.outline, len(scenes.rows)
     if track.features is None and fits(track, outline, *track.span):
         return np.ones(n, dtype=bool)  # a straight line is the same wherever the plate goes
@@ -56,7 +56,7 @@ def _one_contact(scenes: ScenarioGroup, base: Case) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _free(track: Curve, outline: Curve, near: float) -> np.ndarray:
-    """Places, LOOKS or fewer, on the longest stretch about `near` on which a disc overlaps its track nowhere."""
+    """Places, at most LOOKS, on the longest stretch around `near` on which a disc overlaps its track nowhere."""
     low, high = track.span
     if track.domain is None and not track.period:
         low, high = min(low, near - (high - low)), max(high, near + (high - low))
@@ -70,7 +70,7 @@ def _free(track: Curve, outline: Curve, near: float) -> np.ndarray:
 
 
 def _count(track: Curve, outline: Curve, grid: np.ndarray, fits: np.ndarray) -> int:
-    """In how many places along `grid` there is room one after the other."""
+    """The number of consecutive places along `grid`, from its first, at which there is room."""
     count = len(grid) if fits.all() else int(np.argmin(fits))
     if not count:
         return 0

@@ -1,4 +1,4 @@
-"""A sweep's rows: one a scenario, in Arrow's columns, which Parquet keeps and pandas reads."""
+"""The table of a sweep: one row per scenario, in Arrow columns, which Parquet stores and pandas reads."""
 
 from __future__ import annotations
 
@@ -16,50 +16,50 @@ from .motions import MODES, Motions, simulate_rows
 from .plan import Plan
 from .scenario_values import RejectedScenario, ScenarioGroup, scenes, straight
 
-# What stands between the modes of a sequence.
+# Separates the modes of a sequence.
 ARROW = ">"
-# The outcomes that no motion has: parameters no scene can have, and a scenario that the solver could not do.
+# Outcomes without a motion: invalid parameters, and a scenario in which the solver failed.
 BAD, FAILED = "bad_case", "failed"
 
 _WORDS = pa.dictionary(pa.int32(), pa.string())
-# Every column after the parameters, with what it means.
+# Every column after the parameters, with its meaning.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "outcome": (_WORDS, "how the motion ended: the trajectory's status, bad_case, or failed"),
-    "reason": (_WORDS, "what ended it, in a sentence"),
-    "sequence": (_WORDS, "its modes, one after the other"),
-    "transitions": (pa.int32(), "how many changes of mode"),
-    "first_time": (pa.float64(), "when the first is, s"),
-    "first_xi1": (pa.float64(), "and where on the track"),
-    "first_after": (_WORDS, "the mode that follows it"),
-    "times": (pa.list_(pa.float64()), "the times of all, s"),
-    "at_xi1": (pa.list_(pa.float64()), "their places on the track"),
-    "at_xi2": (pa.list_(pa.float64()), "and on the outline"),
-    "error_bars": (pa.list_(pa.float64()), "how sure the times are, s, where they were certified"),
-    "end": (pa.float64(), "when the motion ends, s"),
+    "reason": (_WORDS, "why the motion ended, in one sentence"),
+    "sequence": (_WORDS, "the modes in their order"),
+    "transitions": (pa.int32(), "number of changes of mode"),
+    "first_time": (pa.float64(), "time of the first transition, s"),
+    "first_xi1": (pa.float64(), "track parameter of the first transition"),
+    "first_after": (_WORDS, "the mode after the first transition"),
+    "times": (pa.list_(pa.float64()), "times of all transitions, s"),
+    "at_xi1": (pa.list_(pa.float64()), "track parameters of all transitions"),
+    "at_xi2": (pa.list_(pa.float64()), "outline parameters of all transitions"),
+    "error_bars": (pa.list_(pa.float64()), "error bars of the times, s, where they were certified"),
+    "end": (pa.float64(), "end time of the motion, s"),
     "energy_start": (pa.float64(), "kinetic energy and potential of gravity at the start, J"),
-    "energy_end": (pa.float64(), "and at the end, J"),
-    "steps": (pa.int32(), "the integrator's steps"),
-    "cpu_s": (pa.float64(), "CPU time, s: that of its part of the sweep, shared evenly"),
-    "alone": (pa.bool_(), "whether it was simulated by itself, not in a wave"),
+    "energy_end": (pa.float64(), "kinetic energy and potential of gravity at the end, J"),
+    "steps": (pa.int32(), "number of integration steps"),
+    "cpu_s": (pa.float64(), "CPU time, s: that of its chunk of the sweep, divided evenly"),
+    "alone": (pa.bool_(), "whether it was simulated alone, not in a wave"),
 }
 
 
 def check_names(plan: Plan) -> None:
-    """Raises BadValue if a parameter is called like a column of ours."""
+    """Raise BadValue if a parameter has the name of a column of the table."""
     for axis in plan.axes:
         if axis.name in COLUMNS or axis.name == "scenario":
-            raise BadValue(f"the parameter {axis.name} is called like a column of the table; give it another name")
+            raise BadValue(f"the parameter {axis.name} has the name of a column of the table; give it another name")
 
 
 def scenario_rows(plan: Plan, start: int, stop: int, optimised: bool = False, certified: bool = False) -> pa.Table:
-    """The rows of scenarios start … stop − 1."""
+    """The table of scenarios start … stop − 1 of a plan."""
     return rows(plan, plan.columns(start, stop), start, optimised, certified)
 
 
 def rows(
     plan: Plan, parameters: Mapping[str, np.ndarray], start: int = 0, optimised: bool = False, certified: bool = False
 ) -> pa.Table:
-    """The rows of scenarios of the plan's case with any parameters, numbered from `start`."""
+    """The table of scenarios of the plan's case with any parameters, numbered from `start`."""
     began, n = time.thread_time(), len(next(iter(parameters.values())))
     groups, bad = scenes(plan.make, parameters, straight(plan.function))
     results = [(group, _motions(group, plan.rtol, optimised)) for group in groups]
@@ -73,7 +73,7 @@ def rows(
 
 
 def schema(plan: Plan) -> pa.Schema:
-    """The columns of a plan's rows."""
+    """The Arrow schema of a plan's table."""
     fields = [("scenario", pa.int64()), *((axis.name, pa.float64()) for axis in plan.axes)]
     return pa.schema([*fields, *((name, kind) for name, (kind, _) in COLUMNS.items())])
 
@@ -83,14 +83,14 @@ def _arrow(column, kind: pa.DataType) -> pa.Array:
         return column
     if kind == _WORDS:
         return pa.array(column, pa.string()).dictionary_encode()
-    return pa.array(column, kind, from_pandas=True)  # what is not known is null, not NaN
+    return pa.array(column, kind, from_pandas=True)  # unknown values are null, not NaN
 
 
 def _motions(group: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
-    """The motions of a group; where the solver fails, of each that it can do."""
+    """Simulate a group; if that fails, simulate its scenarios one by one and mark those that fail."""
     try:
         return move(group, rtol, optimised)
-    except Exception as problem:  # one scenario takes no other with it
+    except Exception as problem:  # one failure must not affect other scenarios
         logging.getLogger("reference").warning("a wave failed (%s: %s); one by one", type(problem).__name__, problem)
     motions = Motions.none(len(group.rows))
     for i in range(len(group.rows)):
@@ -102,7 +102,7 @@ def _motions(group: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
 
 
 def _columns(n: int, results: list[tuple[ScenarioGroup, Motions]], bad: list[RejectedScenario]) -> dict:
-    """What came of n scenarios, from their groups."""
+    """The columns of n scenarios, from the results of their groups."""
     nan, nothing = np.full(n, np.nan), np.full(n, "", dtype=object)
     columns: dict = {name: nothing.copy() for name in ("outcome", "reason", "sequence", "first_after")}
     columns |= {name: nan.copy() for name in ("first_time", "first_xi1", "end", "energy_start", "energy_end")}
@@ -139,7 +139,7 @@ def _columns(n: int, results: list[tuple[ScenarioGroup, Motions]], bad: list[Rej
 
 
 def _sequences(motions: Motions, n: int) -> np.ndarray:
-    """The modes of each, as text."""
+    """The sequence of modes of each scenario, as text."""
     offsets = np.concatenate([[0], np.cumsum(np.bincount(motions.events.scenario, minlength=n))]).tolist()
     after, texts = motions.events.after.tolist(), np.full(n, "", dtype=object)
     cache: dict[tuple[int, ...], str] = {}
@@ -153,7 +153,7 @@ def _sequences(motions: Motions, n: int) -> np.ndarray:
 
 def _bars(plan: Plan, parameters: Mapping[str, np.ndarray], columns: dict) -> pa.Array:
     """The certified error bars of each scenario's transitions; none where the witnesses do not agree with it."""
-    from ..certification.certificate import certify  # a second formulation beside this one
+    from ..certification.certificate import certify  # imports the second formulation, which is slow
 
     bars: list[list[float] | None] = []
     for i, sequence in enumerate(columns["sequence"].tolist()):
@@ -169,10 +169,10 @@ def _bars(plan: Plan, parameters: Mapping[str, np.ndarray], columns: dict) -> pa
         if modes == sequence.split(ARROW)[1:]:
             bars[-1] = [time.bar for _, _, time, _ in certificate.transitions]
         else:
-            columns["reason"][i] += f" Not certified: the witnesses say {ARROW.join(modes) or 'no transition'}."
+            columns["reason"][i] += f" Not certified: the witnesses find {ARROW.join(modes) or 'no transition'}."
     return pa.array(bars, COLUMNS["error_bars"][0])
 
 
 def rolls(mode: str) -> bool:
-    """Whether a mode is without slip."""
+    """Whether a mode has no slip."""
     return mode in (Mode.ROLL, Mode.REST)
