@@ -21,7 +21,7 @@ import numpy as np
 
 # Bytes of the C library's fenv_t; the largest, of x86-64, has 32.
 _FENV_BYTES = 512
-_LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
+LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
 
 
 @contextmanager
@@ -42,7 +42,7 @@ def third_party() -> Iterator[None]:
 
 
 def _limits() -> list[tuple[int, int]]:
-    return [(limit, resource.getrlimit(limit)[0]) for limit in _LIMITS]
+    return [(limit, resource.getrlimit(limit)[0]) for limit in LIMITS]
 
 
 def _set_limits(limits: list[tuple[int, int]]) -> None:

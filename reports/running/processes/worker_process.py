@@ -8,7 +8,6 @@ from __future__ import annotations
 import gc
 import importlib
 import os
-import pickle
 import resource
 import shutil
 import signal
@@ -22,6 +21,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from multiprocessing.connection import Connection
 from pathlib import Path
+from pickle import dumps
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,7 @@ from adapters.common import supervision
 from cases import compile_cache
 
 from ..records import legible
+from ..third_party import LIMITS
 
 # An engine that writes more than this to one file is flooding; the largest honest log of one run is a few megabytes.
 _FILE_BYTES = 32 * 2**20
@@ -95,10 +96,10 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
 
             canary = Canary(known_run)
         at_first = at_first or _resident()
-        pipe.send_bytes(pickle.dumps((number, BEGUN)))
+        pipe.send_bytes(dumps((number, BEGUN)))
         # The system's own alarm ends the process even if the parent is gone and the engine holds the interpreter.
         signal.alarm(int(limit) + 10)
-        before = _numerics()
+        before, needed = _numerics(), _needed()
         folder = Path(tempfile.mkdtemp(dir=scratch))
         with compile_cache.withheld() as write:
             answer = _call(function, args, folder)
@@ -110,12 +111,18 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
             else:
                 write()
         signal.alarm(0)
-        spent = bool(change) or _resident() - at_first > _GROWTH_BYTES or _numerics() != before or _has_leftovers()
+        spent = (
+            bool(change)
+            or _resident() - at_first > _GROWTH_BYTES
+            or _numerics() != before
+            or not needed <= _needed()
+            or _has_leftovers()
+        )
         try:
-            told = pickle.dumps((number, answer, spent, compile_cache.counters()))
+            told = dumps((number, answer, spent, compile_cache.counters()))
         except Exception as problem:  # whatever a solver's own object does when it is asked for its content
             answer = CallResult("raised", reason=legible(f"what it returned cannot travel: {problem}"))
-            told = pickle.dumps((number, answer, spent, compile_cache.counters()))
+            told = dumps((number, answer, spent, compile_cache.counters()))
         pipe.send_bytes(told)
 
 
@@ -123,6 +130,30 @@ def _numerics() -> tuple[float, ...]:
     """What arithmetic does here with halves of a unit in the last place and with the least numbers."""
     one, minus, half, quarter, least = _HALVES
     return one + half, minus - half, one - quarter, least * one
+
+
+def _needed() -> set[tuple[str, Any]]:
+    """What later calls need of their process and an engine may take away: where modules are found, standard streams,
+    and hard limits, which cannot be raised again. What it adds is no harm."""
+    return {
+        *(("path", place) for place in sys.path),
+        *(("finder", id(each)) for each in (*sys.path_hooks, *sys.meta_path)),
+        *(("stream", number) for number in (0, 1, 2) if _is_open(number)),
+        *(
+            ("stream", name)
+            for name in ("stdin", "stdout", "stderr")
+            if not getattr(getattr(sys, name, None), "closed", True)
+        ),
+        *((f"limit {limit}", resource.getrlimit(limit)[1]) for limit in LIMITS),
+    }
+
+
+def _is_open(number: int) -> bool:
+    try:
+        os.fstat(number)
+    except OSError:
+        return False
+    return True
 
 
 def _has_leftovers() -> bool:
@@ -201,9 +232,10 @@ class _Captured:
                 python_stream.flush()
         sys.stdout, sys.stderr = self._streams
         for stream, saved in zip((1, 2), self._saved, strict=True):
-            os.dup2(saved, stream)
-            os.close(saved)
-        self._file.seek(0, os.SEEK_END)
-        self._file.seek(max(0, self._file.tell() - 4 * _OUTPUT_CHARACTERS))
-        self.text = legible(self._file.read().decode(errors="replace")[-_OUTPUT_CHARACTERS:].strip())
-        self._file.close()
+            with suppress(OSError):  # the engine closed one, or allows no more open files: the worker ends after it
+                os.dup2(saved, stream)
+                os.close(saved)
+        with suppress(OSError), self._file:
+            self._file.seek(0, os.SEEK_END)
+            self._file.seek(max(0, self._file.tell() - 4 * _OUTPUT_CHARACTERS))
+            self.text = legible(self._file.read().decode(errors="replace")[-_OUTPUT_CHARACTERS:].strip())

@@ -36,8 +36,12 @@ from .worker_process import BEGUN, MEMORY_BYTES, CallResult, serve
 _STARTUP_SECONDS = 60.0
 # A worker's supervisor ends it and what it started within so long.
 _ENDING_SECONDS = 8.0
-# Signals a process brings on itself; any other came from outside (a user, the system when memory ran out).
-_OWN_FAULTS = {signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, signal.SIGBUS, signal.SIGSYS}
+# Signals a process brings on itself, by a fault or its own timer; any other came from outside (a user, the system when
+# memory ran out).
+_OWN_FAULTS = {
+    signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, signal.SIGBUS, signal.SIGSYS, signal.SIGALRM,
+    signal.SIGVTALRM, signal.SIGPROF, signal.SIGXCPU,
+}  # fmt: skip
 # One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 # Workers beyond those at work: one for the reference and for each of a few engines. Each holds some 150 MB.

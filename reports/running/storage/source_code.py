@@ -10,6 +10,7 @@ import hashlib
 import importlib.machinery
 import importlib.util
 import os
+from collections.abc import Container
 from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
@@ -31,12 +32,18 @@ def of_adapter(engine: str) -> str:
     return foreign[-1] if foreign else f"adapters.{engine}"
 
 
-def is_adapters(module: str) -> bool:
-    """Whether a module is an engine's adapter, or of the package of one: to import it is to run the engine."""
+def is_adapters(module: str, installed: Container[str] | None = None) -> bool:
+    """Whether a module is an engine's adapter, or of the package of one: to import it is to run the engine.
+    `installed`: the result of `adapter_packages`, if it is known."""
     here, _, rest = module.partition(".")
     if here == "adapters":
         return bool(rest) and rest.partition(".")[0] not in NO_ADAPTERS
-    return here in {_module(point).partition(".")[0] for point in entry_points(group=GROUP)}
+    return here in (adapter_packages() if installed is None else installed)
+
+
+def adapter_packages() -> frozenset[str]:
+    """The installed packages that provide adapters; those of this suite's own folder are not among them."""
+    return frozenset(_module(point).partition(".")[0] for point in entry_points(group=GROUP))
 
 
 def _module(point: EntryPoint) -> str:
