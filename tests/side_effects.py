@@ -93,8 +93,6 @@ EFFECTS = {
     "exits": Effect("import sys; sys.exit('had enough')", "crashed", "had enough"),
     "vanishes": Effect("import os; os._exit(3)", "crashed", "exit code 3"),
 }  # fmt: skip
-# What the quick tests run.
-SAMPLE = ("numpy_hypot", "working_folder")
 
 _ADAPTER = '''"""An adapter of tests that does something to its process."""
 

@@ -34,9 +34,9 @@ def comparable(runs: Iterable[Run]) -> list[Run]:
     return [replace(run, when="", cost=replace(run.cost, cpu_s=0.0, wall_s=0.0, setup_s=0.0)) for run in runs]
 
 
-def rows(names: tuple[str, ...]) -> Experiment:
+def rows(names: tuple[str, ...], rungs: int | None = None) -> Experiment:
     with Calls(2) as calls:
-        return experiment.run((CASE,), names, calls)
+        return experiment.run((CASE,), names, calls, thin=lambda case, solver, route, settings: settings[:rungs])
 
 
 def check_own_rows(name: str, runs: Iterable[Run]) -> None:
@@ -52,12 +52,11 @@ def install(tmp_path, monkeypatch):
     return lambda names: [side_effects.install(tmp_path, name) for name in names]
 
 
-def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install, monkeypatch):
-    monkeypatch.setenv(compile_cache.VARIABLE, compile_cache.OFF)
-    install(side_effects.SAMPLE)
-    found = rows((*side_effects.SAMPLE, "pymunk"))
-    for name in side_effects.SAMPLE:
-        check_own_rows(name, found.runs)
+def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install):
+    name = "numpy_hypot"
+    install([name])
+    found = rows((name, "pymunk"), rungs=2)
+    check_own_rows(name, found.runs)
     others = [run for run in found.runs if run.solver == "pymunk"]
     truth = found.truths[CASE.label]
     for run in others:
@@ -65,7 +64,7 @@ def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install, monke
         if not run.samples:  # only the finest run of a route keeps what figures draw
             again = replace(again, samples={}, off={})
         assert identical(comparable([run]), comparable([again]))
-    assert sum(run.outcome == "right" for run in others) > 3
+    assert sum(run.outcome == "right" for run in others) > 1
 
 
 @pytest.mark.slow
