@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from reports.running.timing import clock
+
 from .loopback import Processes
+from .watch import LOOP, Watch
 
 
 @pytest.fixture
@@ -13,3 +16,13 @@ def loopback(tmp_path):
     found = Processes(tmp_path)
     yield found
     found.close()
+
+
+@pytest.fixture
+def watch(monkeypatch) -> Watch:
+    """The clock of a machine on which nothing else is seen to run, whatever runs."""
+    watch = Watch()
+    monkeypatch.setattr(clock, "time", watch)
+    monkeypatch.setattr(clock, "neighbours", lambda: False)
+    monkeypatch.setattr(clock, "calibrate", lambda: LOOP)
+    return watch

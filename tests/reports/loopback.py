@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -32,6 +33,14 @@ class Processes:
 
     def start_scheduler(self) -> None:
         self.scheduler = self._start("dask_scheduler", "--host", "127.0.0.1", "--port", str(self.port))
+
+    def restart_scheduler(self) -> None:
+        """End the scheduler for longer than a client tries to reconnect by itself; it comes back with two workers."""
+        self.scheduler.kill()
+        self.scheduler.wait()
+        time.sleep(12.0)
+        self.start_scheduler()
+        self.start_worker(), self.start_worker()
 
     def start_worker(self, path: str = "") -> subprocess.Popen:
         words = [self.address, "--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder)]

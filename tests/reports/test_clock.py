@@ -16,20 +16,9 @@ from reports.running.calls import Calls
 from reports.running.timing import clock
 from reports.running.timing.clock import ClockEntry, Contestant, Repeat
 
-from .watch import Watch
+from .watch import LOOP
 
 LINE = cases.load("disc_on_line", mu=0.1)
-LOOP = 1e-3  # s, of an undisturbed calibration
-
-
-@pytest.fixture
-def watch(monkeypatch) -> Watch:
-    """The clock of a machine on which nothing else is seen to run, whatever runs."""
-    watch = Watch()
-    monkeypatch.setattr(clock, "time", watch)
-    monkeypatch.setattr(clock, "neighbours", lambda: False)
-    monkeypatch.setattr(clock, "calibrate", lambda: LOOP)
-    return watch
 
 
 def entry(name: str, build=lambda: None, run=lambda model: None, **more) -> ClockEntry:

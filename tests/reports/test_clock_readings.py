@@ -12,22 +12,11 @@ from cases import compile_cache
 from reports.running.timing import clock
 from reports.running.timing.clock import ClockEntry, Contestant
 
-from .watch import Watch
+from .watch import LOOP, Watch
 
 LINE = cases.load("disc_on_line", mu=0.1)
-LOOP = 1e-3  # s, of an undisturbed calibration
 # A wait on the wall of a tenth of the work: a fifth would count as a disturbance.
 WAIT = 1.1
-
-
-@pytest.fixture
-def watch(monkeypatch) -> Watch:
-    """The clock of a machine on which nothing else is seen to run."""
-    watch = Watch()
-    monkeypatch.setattr(clock, "time", watch)
-    monkeypatch.setattr(clock, "neighbours", lambda: False)
-    monkeypatch.setattr(clock, "calibrate", lambda: LOOP)
-    return watch
 
 
 def contestant(name: str = "engine", expected: float = 0.01) -> Contestant:

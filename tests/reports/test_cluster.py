@@ -180,11 +180,7 @@ def test_runs_are_the_same_when_the_scheduler_was_gone(loopback, exact, capsys):
 
     def restart(number):
         if number == 5:
-            loopback.scheduler.kill()
-            loopback.scheduler.wait()
-            time.sleep(12.0)  # longer than the client tries to reconnect by itself
-            loopback.start_scheduler()
-            loopback.start_worker(), loopback.start_worker()
+            loopback.restart_scheduler()
 
     assert ran(loopback, after=restart) == exact
     assert "is gone" in capsys.readouterr().err

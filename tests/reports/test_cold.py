@@ -16,10 +16,9 @@ from cases import compile_cache
 from reports.running.timing import cold_start
 from reports.running.timing.clock import Contestant
 
-from .watch import Watch
+from .watch import LOOP, Watch
 
 LINE = cases.load("disc_on_line", mu=0.1)
-LOOP = 1e-3  # s, of an undisturbed calibration
 BUILD, RUN, READ = 0.5, 0.25, 0.125
 CALL = BUILD + RUN + READ
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
@@ -66,11 +64,7 @@ def test_a_scheduler_that_goes_and_comes_back_loses_nothing(loopback, exact, cap
         for number, part in enumerate(asked(loopback)):
             yield part
             if number == 5:
-                loopback.scheduler.kill()
-                loopback.scheduler.wait()
-                time.sleep(12.0)  # longer than the client tries to reconnect by itself
-                loopback.start_scheduler()
-                loopback.start_worker(), loopback.start_worker()
+                loopback.restart_scheduler()
 
     assert rows(taken()).equals(exact)
     assert "is gone" in capsys.readouterr().err

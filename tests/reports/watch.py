@@ -10,6 +10,7 @@ from reports.running.processes.worker_process import CallResult
 
 # Seconds that a look at the clock takes: far below every time that a test measures.
 TICK = 1e-9
+LOOP = 1e-3  # s, of an undisturbed calibration
 
 # What is left of a run without its notes, without the callback as well, and without the binding as well.
 LEFT = {"notes": 0.8, "callback": 0.5, "binding": 0.375}
