@@ -1,4 +1,4 @@
-"""The paper's solver: a plate with friction on a fixed curve, by its augmented system (27)."""
+"""The certified solver: a plate with friction on a fixed curve, by the paper's augmented system (27)."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -13,8 +13,7 @@ __all__ = ["METHODS", "certify", "simulate", "sweep", "sweep_chunks"]
 
 
 def __getattr__(name: str) -> Any:
-    """`certify` and what belongs to it are imported when they are asked for: with the second formulation they are a
-    third of the import."""
+    """Import certification and sweeps on first use: with the second formulation they are a third of the import time."""
     if name == "certify":
         from .certification.certificate import certify
 

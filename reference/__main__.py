@@ -1,4 +1,4 @@
-"""`python -m reference` rebuilds the kept truth of the catalogue."""
+"""`python -m reference` rebuilds the stored truth of the catalogue."""
 
 import sys
 

@@ -1,9 +1,9 @@
-"""The paper's matrix as an integrator: (27) filled and solved at every evaluation, in the loop of DOP853.
+"""Integration with the paper's matrix: (27) is assembled and solved at every evaluation of DOP853.
 
-It is `simulate(case, method="augmented")`. Literal, by `reference.paper`: the rates, the contact forces and the couple,
-slip and spin, and so every guard's value and all that a trajectory says of the contact. Shared with the other
-integrators: which variables a mode carries (those that its constraints leave free), which guards it has, what follows
-an event (`transitions.decide`, impacts, landings), and the steps and the location of events (`dop853`).
+This is `simulate(case, method="augmented")`. By `reference.paper`, literally: the rates, the contact forces and the
+couple, slip and spin, and so every guard's value and the contact quantities of a trajectory. Shared with the other
+integrators: the variables of a mode (those that its constraints leave free), its guards, what follows an event
+(`decision.decide`, impacts, landings), and the steps and the location of events (`dop853`).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _NO_SOLUTION = Solution(np.full(3, np.nan), np.full(2, np.nan), np.full(1, np.na
 
 
 class ContactQuantities(NamedTuple):
-    """What a trajectory tells of the contact; forces per mass, as in the eliminated equations."""
+    """The contact quantities of a trajectory; forces per mass, as in the eliminated equations."""
 
     slip: float
     omega: float
@@ -49,12 +49,12 @@ class ContactQuantities(NamedTuple):
 
 
 class LiteralSystem:
-    """One mode's equations by the paper's matrix, behind the interface that DOP853 and the trajectory ask.
+    """One mode's equations by the paper's matrix, with the interface that DOP853 and the trajectory use.
 
-    The methods take (t, y, parameters) as those of `System` do; the parameters are the case's own and not looked at.
+    The methods take (t, y, parameters) as those of `System` do; the parameters are ignored, as the case has them.
     """
 
-    record = ContactQuantities  # what `observed_of_arrays` returns the columns of
+    record = ContactQuantities  # the columns that `outputs_of_arrays` returns
 
     def __init__(self, case: Case, phase: Phase):
         self.case, self.phase, self.regime = case, phase, phase.regime
@@ -62,7 +62,7 @@ class LiteralSystem:
         self.guards = dict.fromkeys(phase.system.guards)  # their names
 
     def system_at(self, t: float, y: Sequence[float]) -> AugmentedSystem:
-        """(27) at that state of the mode."""
+        """Assemble (27) at a state of the mode."""
         mode, side, turn = self.regime
         return fill(self.case, mode, full_state(self.case, self.phase, y), side, turn, t)
 
@@ -70,7 +70,7 @@ class LiteralSystem:
         """Rates of the mode's variables; NaN, which no step accepts, where the matrix is singular."""
         if self.regime == FLIGHT:
             return [*y[3:], *flight_acceleration(self.case, t, y)]
-        if len(y) == self.positions:  # at rest nothing moves, whatever the forces
+        if len(y) == self.positions:  # at rest all rates are zero, whatever the forces
             return [0.0] * len(y)
         try:
             equations = self.system_at(t, y)
@@ -82,7 +82,7 @@ class LiteralSystem:
         return [*equations.k.q_dot, *angle, *accelerations[:speeds]]
 
     def guards_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
-        """The guards' values; NaN for those that a singular matrix leaves without."""
+        """The guards' values; NaN for those that need forces if the matrix is singular."""
         if not self.guards:
             return []
         equations = self.system_at(t, y)
@@ -93,23 +93,23 @@ class LiteralSystem:
         return [_guard(self.case, self.regime, name, equations, forces) for name in self.guards]
 
     def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
-        """The same at many instants, states of shape (variables, n)."""
+        """The guards' values at many instants, states of shape (variables, n)."""
         columns = [self.guards_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
         return list(np.array(columns).T)
 
     def load_quantities_of_arrays(self, times: np.ndarray, states: np.ndarray, parameters) -> list[np.ndarray]:
-        """The load's quantities, in which the matrix has no part."""
+        """The load's quantities, which do not depend on the matrix."""
         return self.phase.system.load_quantities_of_arrays(times, states, parameters)
 
     def outputs_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
-        """What a trajectory tells, in the order of `ContactQuantities`, each of shape (n,)."""
+        """The contact quantities in the order of `ContactQuantities`, each of shape (n,)."""
         columns = states.T.tolist()
         if columns and contact_forces.fits(self.case):
             full = [full_state(self.case, self.phase, y) for y in columns]
             try:
                 return list(self._observed_at_once(full))
             except np.linalg.LinAlgError:
-                pass  # one by one, those that are not singular have forces
+                pass  # solved one by one below: those that are not singular have forces
         rows = [self._observe(t, y) for t, y in zip(times.tolist(), columns, strict=True)]
         return list(np.array(rows).reshape(-1, len(ContactQuantities._fields)).T)
 
@@ -133,7 +133,8 @@ class LiteralSystem:
 
 
 def _guard(case: Case, regime: Regime, name: str, equations: AugmentedSystem, forces: Solution) -> float:
-    """One guard: positive while the mode lasts. Forces per mass, couples over mass and radius of gyration."""
+    """The value of one guard, positive while the mode lasts. Forces per mass, couples over mass and radius of
+    gyration."""
     k, mass, size = equations.k, case.plate.mass, case.plate.gyration
     curve, _, end = name.partition("_")
     if curve in ("track", "outline"):
@@ -167,13 +168,13 @@ def _bend(p: np.ndarray, s: np.ndarray) -> float:
 
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
-    """Compile the curves' derivatives, all that the matrix is filled from."""
+    """Compile the curves' derivatives, from which the matrix is assembled."""
     phase.case.track.jet(phase.case.start.xi1)
     phase.case.plate.outline.jet(0.0)
 
 
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
-    """As `dop853.integrate`, with the paper's matrix in place of the phase's own equations."""
+    """Integrate as `dop853.integrate`, with the paper's matrix in place of the phase's own equations."""
     from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
 
     return dop853.integrate(_with_matrix(phase), t, y, end, rtol)
@@ -183,18 +184,18 @@ class _LiteralPhase(Phase):
     """A phase whose equations are the paper's matrix."""
 
     def __reduce__(self):
-        """It travels to another process as the phase it was made of."""
+        """Pickle as the ordinary phase from which it was made."""
         return _with_matrix, (modes.phase(self.case, self.regime),)
 
 
 def _with_matrix(now: Phase) -> _LiteralPhase:
     """The phase with the paper's matrix in place of its own equations."""
-    # All that the loop and the record ask of a system; nothing here is symbolic.
+    # LiteralSystem has everything that the loop and the record use; nothing in it is symbolic.
     return _LiteralPhase(*now._replace(system=cast(System, LiteralSystem(now.case, now))))
 
 
 def warning(segments: Sequence[Segment]) -> str:
-    """A sentence where (27) was nearly singular at a step of a literal motion, else nothing."""
+    """A sentence if (27) was nearly singular at a step of a motion by the paper's matrix, else ""."""
     worst, when = 0.0, 0.0
     for segment in segments:
         system: object = segment.phase.system

@@ -1,8 +1,8 @@
-"""The paper's misprints, shown by residuals: each printed formula beside the corrected one, both evaluated.
+"""The paper's misprints, shown by residuals: each printed formula and the corrected one, both evaluated.
 
-A residual is how far a formula is from what it must equal, relative to the size of what it must equal, at one generic
-state (an ellipse in an ellipse, all rates different from zero). A corrected formula's residual is rounding. Where a
-formula is not false but cannot be read as printed, the row's verdict states the fact that shows it.
+A residual is the difference between a formula and the value it must equal, relative to the size of that value, at one
+generic state (an ellipse in an ellipse, all rates different from zero). A corrected formula's residual is rounding. If
+a formula is not wrong but cannot be read as printed, the row's verdict states the fact that shows it.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ MU = 0.2
 
 
 class Erratum(NamedTuple):
-    """One row of errata.csv; residuals are relative, NaN where a formula cannot be evaluated at all.
+    """One row of errata.csv; residuals are relative, NaN if a formula cannot be evaluated.
 
-    `claim` is the paper's μ₀ where the row is about its claim that rolling follows, else NaN.
+    `claim` is the paper's μ₀ if the row is about its claim that rolling follows, else NaN.
     """
 
     where: str
@@ -41,7 +41,7 @@ class Erratum(NamedTuple):
 
 
 def errata() -> list[Erratum]:
-    """Every erratum, evaluated."""
+    """Evaluate every erratum."""
     misprints = (_reference_5, _after_6, _9, _14, _19, _20, _32, _35_slip, _35_axes)
     return [*(row() for row in misprints), *(_claim_of_rolling(mu) for mu in (0.01, 0.1, 0.2))]
 
@@ -58,7 +58,7 @@ def _relative(value, reference) -> float:
     return float(np.linalg.norm(np.subtract(value, reference)) / np.linalg.norm(reference))
 
 
-# Citations in the text, in their order, and the numbers of the list at its end.
+# Citations in the paper's text, in their order, and the numbers in its list of references.
 _CITATIONS, _REFERENCES = (5, 2, 1, 3, 1, 3), (1, 2, 3, 4)
 
 
@@ -76,7 +76,7 @@ def _reference_5() -> Erratum:
 def _after_6() -> Erratum:
     _, k = _generic()
     h = 1e-6
-    # (8) must be the derivative of (5), found by differences; (4) defines constants, whose derivative is zero.
+    # (8) must be the derivative of (5), computed by differences; (4) defines constants, whose derivative is zero.
     case = _generic()[0]
     ahead, behind = (kinematics(case, *(k.q + s * h * k.q_dot), *k.q_dot) for s in (1, -1))
     rate_of_5 = ((ahead.R0 + ahead.turn @ ahead.r) - (behind.R0 + behind.turn @ behind.r)) / (2 * h)
@@ -91,7 +91,7 @@ def _after_6() -> Erratum:
 def _9() -> Erratum:
     case, k = _generic()
     rp, rs = k.turn @ k.rp, k.turn @ k.rs
-    # θ̇ from the curvatures of both curves, not from (9), so that the sum says something.
+    # θ̇ from the curvatures of both curves, not from (9): otherwise the test would be circular.
     bends = case.track.curvature(k.q[0]), case.plate.outline.curvature(k.q[1])
     theta_dot = bends[0] * np.hypot(*k.Rp) * k.q_dot[0] - bends[1] * np.hypot(*k.rp) * k.q_dot[1]
     terms = np.array([-theta_dot * (k.Rp @ rp), k.q_dot[0] * (k.Rs @ U @ rp), k.q_dot[1] * (k.Rp @ U @ rs)])
@@ -195,7 +195,7 @@ def _35_axes() -> Erratum:
 
 
 def _claim_of_rolling(mu: float) -> Erratum:
-    """The claim for one μ₀; its residual is by how much rolling would exceed the cone."""
+    """The paper's claim for one μ₀; its residual is the amount by which rolling would exceed the cone."""
     case = cases.load("disc_in_circle", mu=mu)
     motion = simulate(case, rtol=1e-12)
     first = motion.transitions[0]

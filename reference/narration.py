@@ -1,4 +1,4 @@
-"""A motion in one line of words: what `python -m cases check` says of each case, after it has run it."""
+"""A motion described in one line: the output of `python -m cases check` for each case."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ _PULLS = 1e-9
 
 
 def check(case: Case) -> str:
-    """Run the case by the best method and say what happens; raises CaseError, in one sentence, if it cannot run."""
+    """Run the case by the best method and describe the motion; raises CaseError with one sentence if it cannot run."""
     try:
         motion = simulate(case)
         return f"{motion.in_words()}{wrong_side(case, motion)}"
     except CaseError:
         raise
-    except Exception as problem:  # whatever else the author's curves and loads bring up
+    except Exception as problem:  # any error of the user's curves and loads
         raise BadValue(f"the motion fails: {describe(problem)}") from problem
 
 
 def wrong_side(case: Case, motion: Trajectory) -> str:
-    """What a plate looks like that lies on the side of its track that its author did not mean: gravity pulls it off.
-    "" where it does not, or where the plate begins in flight."""
+    """A note if the plate probably lies on the wrong side of its track: gravity pulls it off. "" if it does not, or if
+    the plate starts in flight."""
     gravity = case.effect(Gravity)
     if gravity is None or not case.start.in_contact:
         return ""

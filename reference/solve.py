@@ -1,4 +1,4 @@
-"""A case in, a trajectory out."""
+"""Simulation of one case: `simulate` returns its trajectory."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ def _integrate_dop853(phase: Phase, t: float, y, end: float, rtol: float) -> Seg
     return dop853.integrate(phase, t, y, end, rtol)
 
 
-# The integrators that are installed, the best first.
+# The installed integrators, the best first.
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
-# All that may be asked for: beside them the paper's matrix, filled and solved at every evaluation.
+# All methods that `simulate` accepts: also the paper's matrix, assembled and solved at every evaluation.
 ROUTES = (*METHODS, "augmented")
-# By name: what prepares a phase and what integrates it. The last one serves certification only.
+# By name: the functions that prepare and integrate a phase. The last one is for certification only.
 INTEGRATORS = {
     "taylor": (taylor.prepare, taylor.integrate),
     "dop853": (_prepare_dop853, _integrate_dop853),
@@ -50,28 +50,29 @@ INTEGRATORS = {
 }
 
 _FREE = Cost()
-# Of `rtol`: below, rounding is larger than what is asked for; above, an integrator's estimates mean nothing.
+# Range of `rtol`: below it rounding is larger than the tolerance, above it an integrator's error estimates are
+# meaningless.
 TOLERANCES = 1e-14, 1e-2
 
 
 def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Trajectory:
-    """The motion of a case by the paper's equations.
+    """Compute the motion of a case by the paper's equations.
 
     `rtol` is the integrator's relative tolerance, between 1e-14 and 1e-2; `method` one of `METHODS` (None: the best
     available), or "augmented", the paper's own matrix (27), literal and slow. The trajectory's transitions are located
-    to the integrator's accuracy; its `status` tells a motion that ended early, its `reason` also where that matrix was
-    nearly singular. Raises BadValue or UnknownName for arguments that make no sense.
+    to the integrator's accuracy; its `status` and `reason` report why a motion ended early, its `reason` also where
+    that matrix was nearly singular. Raises BadValue or UnknownName for invalid arguments.
     """
     if not isinstance(case, Case):
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
     rtol = between("rtol", rtol, *TOLERANCES)
-    # Not as a decorator: NumPy 1 would keep what is to come back afterwards for all threads in one place.
-    with np.errstate(all="ignore"):  # what is not finite ends the motion with a reason
+    # Not as a decorator: NumPy 1 would store the state to restore in one place for all threads.
+    with np.errstate(all="ignore"):  # non-finite values end the motion with a reason
         return _simulate(case, rtol, _method_name(method))
 
 
 def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
-    """The same of arguments that make sense."""
+    """Same as `simulate`, for valid arguments."""
     _, integrate = INTEGRATORS[method]
     began_setup = time.perf_counter()
     prepare(case, method, rtol)
@@ -88,14 +89,14 @@ def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
 
 
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate):
-    """All that decides the motion: (segments, transitions, (status, sentence)), cut at a second contact."""
+    """The motion without samples: (segments, transitions, (status, sentence)), cut at a second contact."""
     return until_second_contact(case, run(case, regime, start, rtol, integrate))
 
 
 def as_trajectory(
     case: Case, segments: list[Segment], transitions, ending: tuple[str, str], cost: Cost = _FREE
 ) -> Trajectory:
-    """What `solve_motion` returned, as a trajectory: sampled; `cost` is filled up with the work."""
+    """Convert the result of `solve_motion` to a trajectory with samples; steps and evaluations are added to `cost`."""
     cost = replace(
         cost,
         steps=sum(segment.steps for segment in segments),
@@ -107,18 +108,18 @@ def as_trajectory(
 
 
 def _finite(segments: list[Segment]) -> bool:
-    """Whether every phase ended in numbers."""
+    """Whether every phase ended in finite numbers."""
     return all(isfinite(segment.event.time) and all(map(isfinite, segment.event.state)) for segment in segments)
 
 
 def first_regime(case: Case, y) -> Regime | None:
-    """The regime at time zero: the start says which way it slips and turns; what it leaves open is decided like at any
-    instant. None if no contact is consistent."""
+    """The regime at time zero: the start specifies the signs of slip and spin; a zero is decided as at any instant.
+    None if no contact is consistent."""
     if not case.start.in_contact:
         return FLIGHT
     epsilon = float(np.finfo(float).eps)
-    # Eight roundings lie between what the start says and the speeds of the state. A motion so slow that it ends at once
-    # leaves no regime; what is less than an event's own error is then none, as after events.
+    # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
+    # leaves no regime; speeds below an event's own error then count as zero, as after events.
     for error in (8 * epsilon, LOCATION_ERROR):
         moves = senses(case, y, case.start.slip, case.start.omega, error)
         regime = decide(case, 0.0, y, epsilon, able(case, *moves))
@@ -129,7 +130,7 @@ def first_regime(case: Case, y) -> Regime | None:
 
 @lru_cache(maxsize=1)
 def _report_method() -> None:
-    """Says once that the best method is missing."""
+    """Log once that the best method is missing."""
     if not taylor.AVAILABLE:
         logging.getLogger("reference").warning("heyoka is not installed: the reference uses dop853, slower and coarser")
 
@@ -145,17 +146,17 @@ def _method_name(method: str | None) -> str:
 
 
 def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
-    """Derive and compile what a run of the case may need, so that no run pays for it."""
+    """Derive and compile the equations that a run of the case may need, so that runs do not spend time on it."""
     prepare_phase, _ = INTEGRATORS[_method_name(method)]
     for regime in (*kinds(case), *((FLIGHT,) if case.effect(Flight) is not None else ())):
         prepare_phase(phase(case, regime), rtol)
 
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
-    """Samples at the integrator's steps, both sides of each transition, and a dense output over all segments."""
+    """A trajectory with samples at the integrator's steps and on both sides of each transition, and a dense output."""
     common: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
     if not segments:
-        # Nothing moves and nothing presses: the plate leaves at once, or no force is consistent.
+        # No motion and no contact force: the plate leaves at once, or no force is consistent.
         now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)
         start = _observe(case, now, nothing, np.array(state_in(now, start_state(case)))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
@@ -174,8 +175,8 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
 class _Dense:
     """A motion at any times, from its segments: times (n,) ↦ State.
 
-    To another process it travels with all of its steps, so that nothing is integrated there; what evaluates them is
-    derived there when it is first asked.
+    It is pickled with all of its steps, so that no process has to integrate again; the functions that evaluate them are
+    derived on first use.
     """
 
     def __init__(self, case: Case, segments: list[Segment]):
@@ -201,7 +202,7 @@ class _Dense:
 
 
 def at_once(status: str) -> Mode | None:
-    """The mode of a motion that ends where it begins: flight where the plate leaves its track, else none."""
+    """The mode of a motion that ends at its start: flight if the plate leaves its track, else none."""
     return Mode.FLIGHT if status == LIFT_OFF[0] else None
 
 

@@ -1,16 +1,16 @@
-"""Where a moving plate first touches its track: conservative advancement of the track's stretches.
+"""First touch of a moving plate and its track by conservative advancement of the track's stretches.
 
-Each stretch carries a time until which the plate certainly does not begin to touch it: its distance, over a bound on
-how fast that falls, is a time in which nothing can happen. The earliest stretches advance; one whose length makes the
-bounds much wider is halved. Time itself is never divided, and the outline enters by its signed distance alone.
+Each stretch has a time before which the plate certainly does not begin to touch it: its distance, divided by a bound on
+the rate at which that decreases, is a time without a touch. The earliest stretches advance; a stretch whose length
+makes the bounds much wider is halved. Time itself is never divided, and the outline enters only by its signed distance.
 
 With the distance φ of the point s of a stretch of half length h, φ' along the track and φ̇ by time at its middle,
 
     φ(s, t + τ) ≥ φ + φ' s + c s²/2 + (φ̇ − L |s|) τ − A τ²/2,    |s| ≤ h,
 
-where c holds the curvatures of both curves, L the turn of φ's gradient, and A accelerations, less what the outline
-bends away from a point that slides past. A first touch is tangential: while the gradient is not normal to the track
-there is none. (Derived; the principle is that of conservative advancement between pairs of bodies.)
+where c contains the curvatures of both curves, L the rotation of φ's gradient, and A the accelerations, reduced by the
+outline's curvature for a point that slides past. A first touch is tangential: while the gradient is not normal to the
+track there is none. (Derived; the principle is that of conservative advancement between pairs of bodies.)
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ from .moving import Limits, Motion, limits
 from .pairs import Touch
 from .stretches import Stretches, halves
 
-# Stretches advanced at once, the earliest ones; rounds of one motion, each about a millisecond.
+# Number of stretches (the earliest) that advance at once; rounds per motion, each about a millisecond.
 TOGETHER, MOST_ROUNDS = 128, 100_000
-# A stretch is halved where its length leaves less than this part of the time that its middle alone would have.
+# A stretch is halved if its length reduces the time to less than this part of the time of its middle point alone.
 WORTH = 0.5
-# Bounds on what slides past hold until the gradient has turned by this much, rad.
+# Bounds for points that slide past hold until the gradient has turned by this angle, rad.
 STRAIGHT = 0.25
-# Up to this part of the outline's smallest radius inside it the gradient is known to turn less than half as fast again.
+# Inside the outline, up to this part of its smallest radius, the gradient turns less than 1.5 times as fast.
 INSIDE = 0.3
 # A stretch this short (in plate's sizes) at a distance of a rounding touches.
 SHORTEST = 1e-9
-# Where the distance is below this part of the size, and tangents are as close to parallel (rad), a touch is looked for.
+# A touch is searched for if the distance is below NEAR times the size and the tangents' angle below LEVEL (rad).
 NEAR, LEVEL = 0.1, 0.5
 
 Locate = Callable[[Motion, float, float, float], Touch | None]
@@ -44,11 +44,11 @@ Counts = Callable[[Motion, Touch], bool]
 
 
 class TooManyRounds(Exception):
-    """The searches of a motion took all the work that they may."""
+    """The searches of a motion reached their limit on rounds."""
 
 
 class Search:
-    """Searches for first touches of one plate and one track, and the rounds that they took."""
+    """The search for first touches of one plate and one track; counts its rounds."""
 
     def __init__(self, track: Curve, distance: TrackDistance, locate: Locate):
         self.track, self.distance, self.locate, self.rounds = track, distance, locate, 0
@@ -56,8 +56,8 @@ class Search:
     def first(
         self, motion: Motion, end: float, some: Stretches, since: np.ndarray, counts: Counts | None = None
     ) -> Touch | None:
-        """The first touch on some stretches until a time (s), each of them from `since` (n,) on, of those that count;
-        None if there is none. Raises TooManyRounds."""
+        """The first touch on some stretches before a time (s), on each from its time `since` (n,) on, among those that
+        `counts` accepts; None if there is none. Raises TooManyRounds."""
         if not some.number:
             return None
         t, attempts = since.copy(), np.zeros(some.number, dtype=bool)
@@ -78,7 +78,7 @@ class Search:
             points = self.distance.distances(motion.bodies(t[live]), now, bounds)
             rest = (earliest.time if earliest else end) - t[live]
             clear, alone = _clear(self.distance, points, now, now.half, bounds, rest)
-            if earliest:  # the only touch there may be is known
+            if earliest:  # the only possible touch on these stretches is already found
                 alone &= (now.low <= earliest.xi1) & (earliest.xi1 <= now.high)
                 clear = np.where(alone, np.inf, clear)
             best, _ = _clear(self.distance, points, now, 0.0 * now.half, bounds, rest)
@@ -91,7 +91,7 @@ class Search:
             if new is None and touching.size:
                 k = touching[np.argmin(before[touching])]
                 new = self._at(motion, float(before[k]), now, int(k))
-            # A distance that is a rounding and falls can give no other touch; one that grows is looked at again later.
+            # A distance of a rounding that decreases can give no other touch; one that grows is tested again later.
             at_rounding = short & (np.abs(points.phi) <= points.fuzz)
             later = t[live] + 0.1 * (t[live] - start) + 4.0 * np.spacing(t[live])
             t[live] = np.where(at_rounding, np.where(points.rate <= 0.0, np.inf, later), t[live])
@@ -114,7 +114,7 @@ class Search:
         self, motion: Motion, times: np.ndarray, now: Stretches, points: PointDistances, may: np.ndarray,
         attempts: np.ndarray, live: np.ndarray,
     ) -> Touch | None:  # fmt: skip
-        """A touch by Newton's method from the stretch that may be the first; each is tried once."""
+        """A touch by Newton's method from the stretch that may touch first; each stretch is tried once."""
         may = may & (points.phi < NEAR * self.distance.size) & (points.rate < 0.0) & (points.angle < LEVEL)
         may &= (self.distance.sharpest + now.bend) * now.half < STRAIGHT
         candidates = np.flatnonzero(may)
@@ -132,7 +132,7 @@ class Search:
         return touch if touch.time >= time - touch.blur else None
 
     def _at(self, motion: Motion, time: float, now: Stretches, k: int) -> Touch:
-        """The touch that the middle of a short stretch is, where Newton's method finds none: known to its rounding."""
+        """The middle of a short stretch as the touch, if Newton's method finds none: accurate to its rounding."""
         body = motion.bodies(np.array([time]))[:, 0]
         foot = self.distance.foot(body, float(now.x[k]), float(now.y[k]))
         return Touch(time, body.tolist(), float(now.middle[k]), foot, 0.0)
@@ -141,8 +141,8 @@ class Search:
 def _clear(
     plate: TrackDistance, points: PointDistances, some: Stretches, half: np.ndarray, bounds: Limits, rest: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """For how long (s) no point within `half` of the stretches' middles begins to touch, and which stretches hold no
-    more than one touch until `rest` is over."""
+    """The times (s) in which no point within `half` of the stretches' middles begins to touch, and which stretches have
+    at most one touch during `rest`."""
     with np.errstate(all="ignore"):
         phi, most, spin = points.phi, points.most, bounds.spin
         low = phi - half
@@ -156,7 +156,7 @@ def _clear(
         gap = _closest(plate, points, some, half, bent)
         gap = np.where(smooth, np.fmax(gap, low), low)
         gap = np.where(gap > points.fuzz, gap, np.where(gap > -points.fuzz, 0.0, np.nan))
-        # By how much the rate of a stretch's points differs from its middle's.
+        # Largest difference between the rates of a stretch's points and of its middle.
         differs = spin * half + most * np.minimum(2.0, turn * half)
         closing = np.minimum(differs - points.rate, points.speed + spin * half)
         pull = points.pull + 2.0 * plate.hollow * most**2
@@ -171,9 +171,9 @@ def _clear(
         lasts = np.fmax(lasts, np.minimum(past, within))
         # No touch begins while no tangents are parallel.
         lasts = np.fmax(lasts, np.where(shallow, (points.angle - bent) / (faster + spin), 0.0))
-        if plate.hollow:  # all this holds as long as the nearest point is the only one
+        if plate.hollow:  # the bounds hold only while the nearest point is unique
             lasts = np.where(smooth, np.minimum(lasts, (plate.single - phi - half) / most), 0.0)
-        # However that is, a distance changes no faster than the point moves, and none begins inside the plate.
+        # In any case a distance changes no faster than the point moves, and no touch begins inside the plate.
         lasts = np.fmax(lasts, low / most)
         lasts = np.fmax(lasts, (-phi - half - points.fuzz) / most)
         later = bent + (faster + spin) * rest

@@ -1,4 +1,4 @@
-"""Where ever smaller bounces end: their limit by extrapolation, not by stepping through them."""
+"""The limit of ever smaller bounces, by extrapolation instead of stepping through them."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Bounces used in one extrapolation; each must be smaller than the one before by this factor, lest rounding grows.
+# Bounces used in one extrapolation; each must be smaller than the one before by this factor, otherwise rounding grows.
 NODES = 8
 RATIO = 1.6
 
-# Slip or spin that goes to zero in proportion to the bounces is zero in the limit; what extrapolation leaves of it is
-# below this part of the last bounce's velocity, and would be gone in a billionth of its duration.
+# Slip or spin that decreases in proportion to the bounces is zero in the limit; the remainder after extrapolation is
+# below this part of the last bounce's velocity, and would vanish in a billionth of its duration.
 NEGLIGIBLE = 1e-9
 
 
 class Bounce(NamedTuple):
-    """One impact: time, contact state (ξ₁, ξ₂, ω, v) and normal velocity after it, and how it ended."""
+    """One impact: time, contact state (ξ₁, ξ₂, ω, v) and normal velocity after it, and the phase in which it ended."""
 
     time: float
     z: tuple[float, float, float, float]
@@ -25,7 +25,7 @@ class Bounce(NamedTuple):
 
 
 class BounceLimit(NamedTuple):
-    """The limit of a sequence of bounces: time and state, and how well the time is known (s)."""
+    """The limit of a sequence of bounces: time and state, and the error of the time (s)."""
 
     time: float
     z: list[float]
@@ -33,11 +33,11 @@ class BounceLimit(NamedTuple):
 
 
 def limit(bounces: list[Bounce]) -> BounceLimit | None:
-    """The limit of the latest bounces that ended alike; None if there are too few of them or they do not shrink.
+    """The limit of the latest bounces that ended in the same phase; None if there are too few or they do not shrink.
 
     Along such a sequence time and state are smooth functions of the velocity with which the plate leaves its track
     (that velocity shrinks by a factor which is itself a smooth function of the state). The polynomial through some of
-    them is taken at velocity zero: Neville's scheme, that is Richardson's extrapolation with the ratios as they are.
+    them is evaluated at velocity zero: Neville's scheme, that is Richardson's extrapolation with the actual ratios.
     """
     alike = [bounces[-1]]
     for earlier in reversed(bounces[:-1]):
@@ -51,14 +51,14 @@ def limit(bounces: list[Bounce]) -> BounceLimit | None:
     if len(nodes) < 4:
         return None
     lifts = np.array([node.lift for node in nodes])
-    # Times from the latest bounce on, so that their rounding is that of the small times still to come.
+    # Times relative to the latest bounce, so that their rounding is that of the small remaining times.
     rows = np.array([[node.time - nodes[0].time, *(np.array(node.z) - nodes[0].z)] for node in nodes])
     diagonal = [rows[0]]
     for order in range(1, len(nodes)):
         far, near = lifts[order:, None], lifts[:-order, None]
         rows = (far * rows[:-1] - near * rows[1:]) / (far - near)
         diagonal.append(rows[0])
-    # Higher orders are better until rounding takes over; the smallest step from one order to the next tells where.
+    # Higher orders are better until rounding dominates: at the smallest difference between two successive orders.
     steps = [abs(float(b[0] - a[0])) for a, b in zip(diagonal[:-1], diagonal[1:], strict=True)]
     best = int(np.argmin(steps[1:])) + 1
     best_row = diagonal[best + 1]

@@ -1,4 +1,4 @@
-"""The signed distance of a track's points from the plate as it moves, and its rates."""
+"""The signed distance of track points from the moving plate, and its rates."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ from .equations import ContactScene
 from .moving import Limits
 from .stretches import Stretches, evenly
 
-# Points of the outline from the nearest of which Newton's method finds the nearest point, at least; and its steps.
+# Least number of outline points (Newton's method starts from the nearest of them), and the number of its steps.
 OUTLINE_POINTS, STEPS = 512, 12
 # Roundings of positions in a distance.
 ROUNDINGS, EPS = 16, 2.0**-52
-# Between two points of the outline its curvature goes beyond both by less than this part of what it changes by.
+# Between two points of the outline its curvature exceeds both values by less than this part of their difference.
 BETWEEN = 0.25
-# Where the nearest point is known to be the only one is tried so many times, each half as far out.
+# The distance up to which the nearest point is unique is searched by this many halvings.
 HALVINGS = 30
-# A point that Newton's method leaves so far (in distances) from where the distance is perpendicular is not the nearest.
+# A point that Newton's method leaves farther than this (in distances) from the foot of the perpendicular is not
+# nearest.
 PERPENDICULAR = 1e-7
-# A distance of so many sagittas of the outline's polygon is less by one of them at most: another point may be nearer.
+# A distance above this many sagittas of the outline's polygon is reduced by one sagitta: another point may be nearer.
 FAR = 100.0
 
 
 class PointDistances(NamedTuple):
-    """Middles of stretches as the plate sees them, and bounds, each of shape (n,).
+    """Distances of the middles of stretches from the plate, and bounds, each of shape (n,).
 
     The distance φ (m), its derivatives along the track and by time (m/s), the angle between its gradient and the
     track's right normal (0 to π rad); the outline's parameter there; the point's speed against the plate, and its part
@@ -46,9 +47,9 @@ class PointDistances(NamedTuple):
 
 
 class TrackDistance:
-    """The distance from one plate. `reach`: of its points from its centre of mass; `size`: its diameter (m); bounds on
-    its curvature (1/m): `sharpest` the largest, `bluntest` the smallest or 0, `hollow` the size of a negative one or 0;
-    `single`: up to that distance (m) a point outside has one nearest point of the outline."""
+    """The distance from one plate. `reach`: the largest distance of its points from its centre of mass; `size`: its
+    diameter (m); bounds on its curvature (1/m): `sharpest` the largest, `bluntest` the smallest or 0, `hollow` the size
+    of a negative one or 0; `single`: up to this distance (m) a point outside has a unique nearest outline point."""
 
     def __init__(self, scene: ContactScene):
         self.outline, self.radius = scene.outline, scene.case.plate.radius
@@ -78,7 +79,7 @@ class TrackDistance:
         self.single = self._single(points, np.array([jets[3], -jets[2]]) / speed) if self.hollow else np.inf
 
     def _single(self, points: np.ndarray, normals: np.ndarray) -> float:
-        """How far outside an outline that is not convex its normals do not meet, m."""
+        """The distance from a non-convex outline up to which its outer normals do not meet, m."""
         far = min(0.5 / self.hollow, self.size)
         for _ in range(HALVINGS):
             away, _ = self.tree.query((points + far * normals).T)
@@ -88,11 +89,11 @@ class TrackDistance:
         return 0.0
 
     def distances(self, bodies: np.ndarray, some: Stretches, bounds: Limits) -> PointDistances:
-        """The stretches' middles, each at the time of its body (6, n)."""
+        """Distances of the stretches' middles, each at the time of its body (6, n)."""
         x, y, theta, vx, vy, spin = bodies
         dx, dy = some.x - x, some.y - y
         far = np.hypot(dx, dy)
-        if self.radius is not None:  # its centre alone counts
+        if self.radius is not None:  # only the disc's centre matters
             gx, gy = dx / np.maximum(far, 1e-300), dy / np.maximum(far, 1e-300)
             phi, u, v = far - self.radius, -vx, -vy
             most, pull = bounds.speed + 0.0 * far, bounds.pull + 0.0 * far
@@ -112,7 +113,7 @@ class TrackDistance:
         )  # fmt: skip
 
     def foot(self, body: np.ndarray, x: float, y: float) -> float:
-        """The outline's parameter about nearest to a point."""
+        """The outline's parameter approximately nearest to a point."""
         c, s = np.cos(body[2]), np.sin(body[2])
         dx, dy = x - body[0], y - body[1]
         return float(self.params[self.tree.query([c * dx + s * dy, c * dy - s * dx])[1]])
@@ -138,7 +139,7 @@ class TrackDistance:
         return np.where(phi > FAR * self.sagitta, phi - self.sagitta, phi), nx, ny, at
 
     def _around(self, i: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The parameters of both neighbours of samples."""
+        """The parameters of both neighbours of each sample."""
         n, params = len(self.params), self.params
         if not self.closed:
             return params[np.maximum(i - 1, 0)], params[np.minimum(i + 1, n - 1)]

@@ -1,4 +1,4 @@
-"""Equations of the second formulation: forces in the contact's own frame, and which phase Coulomb's inequalities allow.
+"""Equations of the second formulation: forces in the contact's own frame, and the phase that Coulomb's law allows.
 
 State (ξ₁, ξ₂, ω, v): contact parameters, spin and slip velocity. Only curvatures occur, no third derivatives:
 
@@ -25,25 +25,25 @@ from .steps import StepFailure
 # A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
 RELEASE = 1e-12
 
-# How far ahead, in parts of the motion's own time, a normal force of zero is looked at: to tell a release from a
-# departure. A force that grows with the square of time is then 1e-8 of the scene's, far above rounding.
+# A normal force of zero is evaluated this far ahead, in parts of the motion's time scale, to distinguish a release from
+# a departure. A force that grows with the square of time is then 1e-8 of the scene's forces, far above rounding.
 SOON = 1e-4
 
-# Curvatures are looked at in this many places of a track; one whose values agree to `EVEN` is a line or a circle.
+# Curvatures are sampled at this many places of a track; a track whose values agree to `EVEN` is a line or a circle.
 TRACK_LOOKS, EVEN = 721, 1e-9
-# Of a track without ends they are so far from the start, in sizes of the plate, closer together near it; features show
-# up to SHOWN sizes away.
+# On a track without ends the places lie between NEAR and FAR from the start, in sizes of the plate, closer together
+# near it; features are included up to FEATURE_RANGE sizes away.
 NEAR, FAR, FEATURE_RANGE = 1e-3, 1e6, 100.0
 
-# A scene that nothing moves yet is searched for a load that sets in, this many doublings of time ahead, from 2⁻⁴⁰ s.
+# A scene at rest without forces is searched for a load that sets in later: this many doublings of time, from 2⁻⁴⁰ s.
 DOUBLINGS = 80
 
 
 class ContactPhase(NamedTuple):
-    """What the contact does, finer than a mode: within one phase all forces are smooth.
+    """The state of the contact, finer than a mode: within one phase all forces are smooth.
 
-    `slip`, `turn`: direction of slip and of rotation (±1), 0 where it is held at zero, None where nothing opposes it;
-    `side`: sign of the normal force.
+    `slip`, `turn`: direction of slip and of rotation (±1), 0 if it is kept at zero, None if nothing opposes it; `side`:
+    sign of the normal force.
     """
 
     slip: int | None
@@ -62,7 +62,7 @@ class ContactPhase(NamedTuple):
 class Forces(NamedTuple):
     """Contact forces (N) and couple (N m), rates of spin and slip.
 
-    `push` (N/kg) has the normal force's sign wherever `inverse_mass` is positive; `inverse_mass` is Painlevé's number.
+    `push` (N/kg) has the normal force's sign if `inverse_mass` is positive; `inverse_mass` is Painlevé's number.
     """
 
     normal: float
@@ -88,7 +88,7 @@ class Place(NamedTuple):
 
 
 class ContactLaws(NamedTuple):
-    """What friction and rolling resistance can do; None: the case has no such effect."""
+    """The coefficients of friction and rolling resistance; None: the case has no such effect."""
 
     slip: float | None  # coefficient against slip
     stick: float  # coefficient that holds
@@ -96,7 +96,7 @@ class ContactLaws(NamedTuple):
 
 
 class ContactScene:
-    """A case's numbers, taken once."""
+    """The numbers of a case, extracted once."""
 
     def __init__(self, case: Case):
         self.case = case
@@ -112,7 +112,7 @@ class ContactScene:
         else:
             self.laws = ContactLaws(friction.mu, friction.stick, arm) if friction else ContactLaws(None, 0.0, arm)
         self.unilateral = case.effect(Unilateral) is not None
-        # What a step may pass over unseen: in time, and by the first two rows of a state in contact.
+        # Features that a step could pass over: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
         curves = [(0, self.track.features), (1, self.outline.features)]
         self.in_contact = [*self.in_time, *((row, features) for row, features in curves if features)]
@@ -121,9 +121,10 @@ class ContactScene:
         self.grain = self._grain()
 
     def _grain(self) -> float:
-        """The length (m) along the track over which what acts on the plate changes; infinite on an endless line.
+        """The length (m) along the track over which the forces on the plate change; infinite on an endless line.
 
-        A circle's is its radius, that of a line with ends their distance; any other curve's is at most the plate's.
+        For a circle it is the radius, for a line with ends their distance, for any other curve at most the plate's
+        size.
         """
         with np.errstate(all="ignore"):  # far out a curve may be too large for a double
             bends = np.abs(np.asarray(self.track.curvature(self._looks())))
@@ -135,7 +136,8 @@ class ContactScene:
         return 1.0 / bend if np.ptp(bends) <= EVEN * bend else min(self.reach, 1.0 / bend)
 
     def _looks(self) -> np.ndarray:
-        """Parameters of the track at which its curvature is looked at, by distances and not by the parameter's unit."""
+        """Parameters of the track at which its curvature is sampled, chosen by distance, not by the parameter's
+        unit."""
         if self.track.domain is not None or self.track.period:
             return np.linspace(*self.track.span, TRACK_LOOKS)
         near = self.case.start.xi1
@@ -164,7 +166,7 @@ class ContactScene:
         )  # fmt: skip
 
     def pull(self, t: float, body) -> tuple[float, float, float]:
-        """What acts at a distance, per mass: acceleration in the fixed frame and M/m, for (x, y, θ, vx, vy, ω)."""
+        """Gravity and load per mass: acceleration in the fixed frame and M/m, for (x, y, θ, vx, vy, ω)."""
         if self.load is None:
             return self.g[0], self.g[1], 0.0
         try:
@@ -174,7 +176,7 @@ class ContactScene:
         return self.g[0] + fx / self.m, self.g[1] + fy / self.m, moment / self.m
 
     def body(self, z, turns: int) -> list[float]:
-        """(x, y, θ, vx, vy, ω) of the plate in contact; `turns` whole turns are added to the angle that (6) gives."""
+        """(x, y, θ, vx, vy, ω) of the plate in contact; `turns` whole turns are added to the angle given by (6)."""
         xi1, xi2, w, v = z
         q = self.place(xi1, xi2)
         x, y, theta = (float(value) for value in pose(self.case, xi1, xi2))
@@ -184,7 +186,7 @@ class ContactScene:
         return [x, y, theta + 2 * pi * turns, vx, vy, w]
 
     def load_allows(self, times: np.ndarray, states: np.ndarray, turns: int) -> bool:
-        """Whether the load lets a step go through these states (ξ₁, ξ₂, ω, v) of the contact, shape (4, n)."""
+        """Whether the load allows a step through these states (ξ₁, ξ₂, ω, v) of the contact, shape (4, n)."""
         bodies = np.array([self.body(z, turns) for z in states.T.tolist()]).T
         return self.load_scales is None or self.load_scales.allows(times, bodies)
 
@@ -220,17 +222,17 @@ class ContactScene:
         return Forces(self.m * N, self.m * T, self.m * couple_now, spin_rate, slip_rate, push, inverse_mass)
 
     def scale(self, t: float, z, turns: int) -> float:
-        """A force of the scene's size, N: what rounding of its forces is measured by."""
+        """The size of the scene's forces, N: their rounding is relative to it."""
         ax, ay, spin_pull = self.pull(t, self.body(z, turns) if self.load else None)
         q = self.place(z[0], z[1])
         arm = hypot(q.arm_t, q.arm_n)
         return self.m * (hypot(ax, ay) + abs(spin_pull) * arm * self.m / self.J + z[2] ** 2 * arm)
 
     def pace(self, t: float, z, turns: int) -> float:
-        """How fast what acts on the plate in contact changes, rad/s: speeds over lengths, and √(acceleration/length).
+        """The rate at which the forces on the plate in contact change, rad/s: speed/length and √(acceleration/length).
 
-        The length of a swing is a pendulum's, 1/κ_track − 1/κ_outline, on a circle. Zero where nothing changes: a disc
-        on an endless line, whose forces are the same everywhere.
+        On a circle the length is a pendulum's, 1/κ_track − 1/κ_outline. Zero if nothing changes: for a disc on an
+        endless line, whose forces are the same everywhere.
         """
         q, (_, _, w, v) = self.place(z[0], z[1]), z
         along_track, along_outline = speeds(q, w, v)
@@ -246,14 +248,14 @@ class ContactScene:
         return max(*frequencies, sqrt(self.scale(t, z, turns) / self.m * max(bends)))
 
     def free_pace(self, t: float, body) -> float:
-        """The same for a plate off its track or under a load, rad/s: by the plate's own size."""
+        """The same rate for a plate off its track or under a load, rad/s: by the plate's own size."""
         ax, ay, spin_pull = self.pull(t, body)
         pull = hypot(ax, ay) + abs(spin_pull) * self.m / self.J * self.reach
         frequency = max(hypot(body[3], body[4]) / self.reach, abs(body[5]), sqrt(pull / self.reach))
         return frequency if frequency > 0.0 or self.load is None else self._pace_of_what_comes(t, body)
 
     def _pace_of_what_comes(self, t: float, body) -> float:
-        """Where nothing moves or acts yet, rad/s: the inverse of how soon a load sets in and moves the plate."""
+        """The rate for a plate at rest without forces, rad/s: the inverse of the time until a load moves it."""
         soonest = inf
         for wait in 2.0 ** np.arange(DOUBLINGS) * 2.0**-40:
             if wait >= soonest:
@@ -261,7 +263,7 @@ class ContactScene:
             try:
                 ax, ay, spin_pull = self.pull(t + wait, body)
             except StepFailure:
-                break  # the load's own end; a motion that comes so far meets it
+                break  # the load ends there; a motion that reaches this time raises the error itself
             pull = hypot(ax, ay) + abs(spin_pull) * self.m / self.J * self.reach
             soonest = min(soonest, wait + sqrt(self.reach / pull)) if pull > 0.0 else soonest
         return 1.0 / soonest
@@ -274,14 +276,14 @@ def speeds(q: Place, w: float, v: float) -> tuple[float, float]:
 
 
 def ratios(laws: ContactLaws, phase: ContactPhase) -> tuple[float, float]:
-    """Friction and couple per normal force where they oppose a motion; 0 where they are absent or hold."""
+    """Friction and couple per normal force if they oppose a motion; 0 if they are absent or static."""
     friction = -phase.side * phase.slip * laws.slip if phase.slip and laws.slip is not None else 0.0
     couple = -phase.side * phase.turn * laws.arm if phase.turn and laws.arm is not None else 0.0
     return friction, couple
 
 
 class ContactForces(NamedTuple):
-    """Normal force, friction and couple in a phase, whatever they are measured in (forces or parts of an impulse)."""
+    """Normal force, friction and couple in a phase, as forces or as parts of an impulse."""
 
     normal: float
     friction: float
@@ -296,11 +298,11 @@ def admissible(
     may_stick: bool = True,
     may_hold: bool = True,
 ) -> Iterator[ContactPhase]:
-    """Phases that Coulomb's inequalities allow at slip v and spin w, those that hold most first.
+    """Phases that Coulomb's inequalities allow at slip v and spin w, the most static ones first.
 
-    What is at rest is held as long as that takes no more than the normal force allows, and else begins to move against
-    what would have held it. `needed` gives the forces in a phase; `may_stick`, `may_hold`: false where slip or turning
-    is known to begin, because the bound has just been reached from inside. The sign of N is left to the caller.
+    A zero slip or spin stays zero while the force needed for that is within its bound; otherwise it begins against that
+    force. `forces_of` gives the forces in a phase; `may_stick`, `may_hold`: false if slip or rotation is known to
+    begin, because the bound has just been reached from inside. The caller checks the sign of N.
     """
     slips, turns = _options(laws.slip, v, may_stick), _options(laws.arm, w, may_hold)
 
@@ -342,14 +344,14 @@ def decide(
 
     def forces_of(phase: ContactPhase) -> ContactForces:
         f = scene.forces(t, z, with_side(phase), turns)
-        # A unilateral contact holds nothing by a pull.
+        # A unilateral contact cannot pull.
         return ContactForces(max(f.normal, 0.0) if scene.unilateral else f.normal, f.friction, f.couple)
 
     def with_side(phase: ContactPhase) -> ContactPhase:
         if scene.unilateral:
             return phase
         f = scene.forces(t, z, phase, turns)
-        # Where the force is none to rounding, the side is the one that presses a moment later.
+        # If the force is zero to rounding, the side is the one that presses a moment later.
         toward = f.push if abs(f.normal) > tolerance else _soon(scene, t, z, phase, turns)
         return phase if toward >= 0.0 else phase._replace(side=-1)
 
@@ -362,7 +364,7 @@ def decide(
 
 
 def _soon(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> float:
-    """The normal force on its side a moment later (N), for an instant at which it is zero: by a midpoint step."""
+    """The normal force on its side a moment after an instant at which it is zero (N), by a midpoint step."""
     pace = scene.pace(t, z, turns)
     if pace == 0.0:
         return phase.side * scene.forces(t, z, phase, turns).normal  # nothing changes
@@ -373,7 +375,7 @@ def _soon(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> 
 
 
 def leaves(scene: ContactScene, t: float, z, turns: int) -> bool:
-    """Whether the plate left to itself would leave its track (and not move into it)."""
+    """Whether the plate without contact forces would leave its track (and not move into it)."""
     free = ContactPhase(None, None)
     return scene.forces(t, z, free, turns).push <= RELEASE * scene.scale(t, z, turns) / scene.m
 
@@ -385,13 +387,14 @@ def lets_go(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -
 
         v̇ = … + (1 + b²/ρ²) T − (a b/ρ²) N,      γ̈ = … + (1 + a²/ρ²) N − (a b/ρ²) T,
 
-    and while the contact held, both were zero. Without it N = T = 0 and γ̈ = (a b/ρ²) T: where that is positive the
-    plate departs. Where it is negative the plate would move into its track, and held on it would have to be pulled.
+    and while the contact lasted, both were zero. Without it N = T = 0 and γ̈ = (a b/ρ²) T: if that is positive the
+    plate departs. If it is negative the plate would move into its track, and to stay on it would have to be pulled.
     Coulomb friction, whatever its μ, has an answer there: where N falls to |T|/μ a slip v with v T < 0 begins, whose
     Painlevé number 1 + a²/ρ² + μ |a b|/ρ² is positive, with N of the order of |T|/μ and T such that γ̈ = 0. Velocities
-    do not jump, so there is no impulse, and the limit μ → ∞ is a slip on friction without a normal force. A perfectly
-    rough contact excludes every slip: of rigid contact nothing is left, a paradox, with or without Flight. (Where
-    a b T > 0 the same number, 1 + a²/ρ² − μ |a b|/ρ², is negative for large μ: no slip, and departure alone is left.)
+    do not jump, so there is no impulse, and the limit μ → ∞ is a slip with friction but without a normal force. A
+    perfectly rough contact excludes every slip: rigid contact has no solution, a paradox, with or without Flight. (If
+    a b T > 0 the same number, 1 + a²/ρ² − μ |a b|/ρ², is negative for large μ: slip is excluded, only departure is
+    possible.)
     """
     q, friction = scene.place(z[0], z[1]), scene.forces(t, z, phase, turns).friction
     return q.arm_t * q.arm_n * scene.m / scene.J * friction >= -RELEASE * scene.scale(t, z, turns)

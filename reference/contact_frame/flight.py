@@ -1,7 +1,7 @@
-"""Free flight of the second formulation, and its landing, wherever on outline and track that is.
+"""Free flight of the second formulation, and its landing anywhere on outline and track.
 
-The flight is integrated by itself. Where it lands is found by advancing stretches of the track (`advancement`), and
-there by Newton's method for the time and both parameters together.
+The flight is integrated separately. Its landing is found by advancing stretches of the track (`advancement`), and then
+by Newton's method for the time and both parameters together.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from .pairs import Touch, polish, refine
 from .steps import FrequencyLimitedDOP853, StepFailure, WorkBudget, WorkLimit
 from .surroundings import Surroundings
 
-# From a search to the next no point of the plate moves farther than its reach times this, unless the track is farther.
+# Between two searches no point of the plate moves farther than its reach times this, unless the track is farther away.
 STRIDE = 1.0
 
-# A flight that begins on the track is first looked at when the plate has moved by this part of its reach, or this part
-# of its hop is over; twice as late and so on while the gap is no more than so many roundings of a place, or sooner by
-# halves where it has closed again; so many times at most.
+# A flight that begins on the track is first evaluated when the plate has moved by FIRST times its reach, or when OF_HOP
+# of its hop is over; then at twice the time and so on while the gap is at most ROUNDINGS of a place, or at half the
+# time if the gap has closed again; MOST_TRIES times at most.
 FIRST, OF_HOP, ROUNDINGS, MOST_TRIES = 1e-3, 0.4, 256 * 2.0**-52, 100
 
 
 class FreeFlight(NamedTuple):
-    """A flight: pieces (start, end, interpolant), its end, and the touch that ended it, if one did. One whose work is
-    used up ends where its last search began."""
+    """A flight: pieces (start, end, interpolant), its end, and the touch that ended it, if any. A flight that reaches
+    the limit on work ends where its last search began."""
 
     pieces: list[tuple[float, float, Callable]]
     end: float
@@ -39,7 +39,7 @@ class FreeFlight(NamedTuple):
 
 
 class _FlightCourse:
-    """A flight as it is integrated, step by step, and looked at."""
+    """A flight that is integrated step by step on demand and can be evaluated at any time so far."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class _FlightCourse:
     ):
         self.scene, self.around = scene, around
         self.rtol = max(rtol, 1e-13)
-        # Without a load a flight is a parabola, which no step is too long for.
+        # Without a load a flight is a parabola, for which no step is too long.
         pace = scene.free_pace if scene.load else lambda t, body: 0.0
         self.solver = FrequencyLimitedDOP853(
             self.rates, t, np.array(body), end, pace=pace, looks=looks, work=work, features=scene.in_time,
@@ -68,7 +68,7 @@ class _FlightCourse:
         return np.array([body[3], body[4], body[5], ax, ay, spin * self.scene.m / self.scene.J])
 
     def until(self, t: float) -> None:
-        """Integrate at least up to t."""
+        """Integrate at least to time t."""
         solver = self.solver
         while solver.t < t:
             problem = solver.step()
@@ -87,7 +87,7 @@ class _FlightCourse:
         return piece[2](t).tolist()
 
     def states(self, times: np.ndarray) -> np.ndarray:
-        """The states at several times that it has been integrated to, shape (6, n)."""
+        """The states at several times within the integrated range, shape (6, n)."""
         if not self.pieces:
             return np.repeat(self.nodes[0][1][:, None], len(times), axis=1)
         which = np.searchsorted([piece[1] for piece in self.pieces[:-1]], times)
@@ -97,7 +97,7 @@ class _FlightCourse:
         return values
 
     def exactly(self, t: float) -> list[float]:
-        """The state by an integration that ends there: dense output is one order less accurate than a step."""
+        """The state at t by an integration that ends there: dense output is one order less accurate than a step."""
         start, body = next(node for node in reversed(self.nodes) if node[0] <= t)
         if t == start:
             return body.tolist()
@@ -112,10 +112,10 @@ def fly(
     work: WorkBudget,
     place: tuple[float, float] | None,
 ) -> FreeFlight:  # fmt: skip
-    """Free flight from a pose until the outline meets the track, at most until `end`.
+    """Integrate a free flight from a pose until the outline meets the track, at most until `end`.
 
-    `looks`: steps to a turn under a load, at least; `place`: the contact's parameters, if it begins on the track;
-    `hop`: roughly when it comes down again there, s (inf: nothing known).
+    `looks`: least number of steps per turn under a load; `place`: the contact's parameters, if the flight begins on the
+    track; `hop`: its rough duration until it lands there again, s (inf: unknown).
     """
     course = _FlightCourse(scene, around, t, body, end, rtol, looks, work)
     before, opening, own = t, t, None
@@ -147,7 +147,7 @@ def _between(
     opening: float,
     own: tuple[float, float] | None,
 ) -> Touch | None:
-    """The first touch between two times; on the stretch `own`, where the flight begins, it is none until `opened`."""
+    """The first touch between two times; on the stretch `own`, where the flight begins, only after `opening`."""
     course.until(after)
     motion = Motion(course.states, np.array([time for time, _ in course.nodes]))
     bounds = limits(motion, before, after)
@@ -169,8 +169,8 @@ def _opening(
     hop: float,
     place: tuple[float, float],
 ) -> tuple[float, tuple[float, float] | None]:
-    """When the gap of a flight that begins on the track has opened, and the stretch of the track on which no other
-    touch is possible until then; None where it does not open."""
+    """The time at which the gap of a flight from the track has opened, and the stretch of the track on which no other
+    touch is possible until then; None if it does not open."""
     first = min(_time(scene, t, course(t), around.reach, FIRST * around.reach), OF_HOP * hop, end - t)
     wait, longer = first, True
     for _ in range(MOST_TRIES):
@@ -195,7 +195,7 @@ def _until(pieces: list[tuple[float, float, Callable]], end: float) -> list[tupl
 
 
 def _time(scene: ContactScene, t: float, body, reach: float, way: float) -> float:
-    """How long the plate's points take for a way, s, as it moves and is pulled now."""
+    """The time (s) in which the plate's points cover a distance, with the present speed and acceleration."""
     ax, ay, spin = scene.pull(t, body)
     speed = hypot(body[3], body[4]) + abs(body[5]) * reach
     pull = hypot(ax, ay) + abs(spin) * scene.m / scene.J * reach

@@ -1,4 +1,4 @@
-"""The plate off its track in the second formulation: hops, flights, what an impact leaves, bouncing that ends."""
+"""The plate off its track in the second formulation: hops, flights, impacts, and the end of bouncing."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from .pairs import Touch, frame
 # since the plate last lay on its track; slower ones belong to bouncing that comes to rest.
 LISTING_PART = 7e-4
 
-# A flight is a hop close to the track if all that acts on the plate turns by no more than this (rad) before it is over.
+# A flight is a hop close to the track if the forces on the plate turn by no more than this (rad) during it.
 SHORT = 1 / 32
 
-# An accumulation's limit is taken when its time is known this well, or when bounces are this short, both in parts of
-# the time in which the plate falls by its own size: nothing of what is left of them is resolved in the motions asked
-# for (they rise by 1e-15 of that size).
+# The limit of an accumulation is used when its time has this precision, or when bounces are this short, both in parts
+# of the time in which the plate falls by its own size: the remaining bounces are then not resolved in the output (they
+# rise by 1e-15 of that size).
 LIMIT_PRECISION = 1e-13
 SHORTEST = 1e-7
 
-# A rebound that rises by no more than this part of the lengths that make its position, four roundings, is none: the end
-# of bouncing, at its limit or, where none was found (each ends otherwise than the one before), at once.
+# A rebound that rises by at most this part of the lengths in its position (four roundings) does not count: bouncing
+# ends, at its limit or, if none was found (successive bounces end in different phases), at once.
 OVER = 2.0**-50
 
 
 def fly(course: MotionState, now: FlightState) -> ContactState | FlightState | EndState:
-    """A flight or a hop, and what follows its landing."""
+    """Simulate a flight or a hop; returns the state after its landing."""
     course.work.count += 1
     hop = _short(course, now.leap) if now.leap and now.leap.short else None
     if hop is None:
@@ -45,7 +45,7 @@ def fly(course: MotionState, now: FlightState) -> ContactState | FlightState | E
 
 
 def _short(course: MotionState, leap: LiftOff) -> LandingState | None:
-    """A hop close to the track; None if it is not: it lasts longer, or the plate meets the track elsewhere."""
+    """Simulate a hop close to the track; None if it lasts longer, or if the plate meets the track elsewhere."""
     hop = short_flights.hop(course.scene, course.t, leap.z, leap.turns, leap.lift, leap.lasts, course.rtol)
     if hop is None or course.t + hop.duration > course.end:
         return None
@@ -69,7 +69,7 @@ def _elsewhere(course: MotionState, hop: short_flights.Hop, leap: LiftOff) -> bo
 
 
 def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
-    """A flight to wherever the outline meets the track."""
+    """Simulate a flight until the outline meets the track anywhere."""
     lasts = now.leap.lasts if now.leap else inf
     path = flight.fly(
         course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts,
@@ -86,7 +86,7 @@ def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
 
 
 def land(course: MotionState, landing: LandingState, from_flight: bool = True) -> ContactState | FlightState | EndState:
-    """What follows when the outline meets the track; `flown`: whether a flight led there."""
+    """The state after the outline meets the track; `from_flight`: whether a flight led there."""
     scene, effect = course.scene, course.case.effect(Impact)
     (xi1, xi2, spin, slip), turns = landing.z, landing.turns
     q = scene.place(xi1, xi2)
@@ -120,18 +120,18 @@ def land(course: MotionState, landing: LandingState, from_flight: bool = True) -
 
 
 def _press(course: MotionState, z, turns: int) -> float:
-    """The acceleration (m/s²) that brings a plate back to its track."""
+    """The acceleration (m/s²) of a free plate towards its track."""
     return course.scene.forces(course.t, z, ContactPhase(None, None), turns).push
 
 
 def is_unresolved(course: MotionState, z, turns: int, lift: float) -> bool:
-    """Whether a rebound of that speed (m/s) rises no higher than a position's rounding."""
+    """Whether a rebound with speed `lift` (m/s) rises no higher than a position's rounding."""
     q, (x, y) = course.scene.place(z[0], z[1]), course.scene.body(z, turns)[:2]
     return lift**2 <= 2.0 * _press(course, z, turns) * OVER * (abs(x) + abs(y) + hypot(q.arm_t, q.arm_n))
 
 
 def leap(course: MotionState, z, turns: int, lift: float) -> ContactState | FlightState | EndState:
-    """Flight from the track with a normal velocity."""
+    """Start a flight from the track with a normal velocity; contact, if it would not rise above rounding."""
     press = _press(course, z, turns)
     lasts = 2.0 * lift / press if press > 0.0 else inf
     if is_unresolved(course, z, turns, lift) or course.t + lasts == course.t:
@@ -142,7 +142,7 @@ def leap(course: MotionState, z, turns: int, lift: float) -> ContactState | Flig
 
 
 def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | EndState:
-    """A landing without rebound: contact, or the plate leaves at once because nothing presses it down."""
+    """The state after a landing without rebound: contact, or flight if no force presses the plate down."""
     course.bounces.clear()
     after = course.contact_state(z, turns)
     if after is None:
@@ -157,7 +157,7 @@ def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | 
 
 
 def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | None:
-    """The end of ever shorter bounces, once it is known well enough and nothing is asked of the time before."""
+    """The limit of ever shorter bounces, if it is precise enough and no output is requested before it; else None."""
     limit, last = bouncing.limit(course.bounces), course.bounces[-1]
     if limit is None or not course.t < limit.time < course.end:
         return None
@@ -169,7 +169,7 @@ def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | Non
             return None
 
     def settling(times: np.ndarray) -> np.ndarray:
-        # What is left of the bounces is closer to their limit than anything resolved.
+        # The remaining bounces differ from their limit by less than the resolution.
         part = (times - last.time) / (limit.time - last.time)
         return np.array(last.z)[:, None] + np.outer(np.subtract(limit.z, last.z), part)
 
@@ -178,8 +178,8 @@ def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | Non
 
 
 def _unwind(course: MotionState, landing: Touch) -> tuple[float, float, int]:
-    """Contact parameters of a landing on closed curves: the track's nearest to the last, the outline's such that
-    (6) gives the plate's angle; and the whole turns that remain where the outline is open."""
+    """Contact parameters of a landing on closed curves: the track's period nearest to the last contact, the outline's
+    such that (6) gives the plate's angle; and the remaining whole turns if the outline is open."""
     track, outline, xi1, xi2 = course.scene.track, course.scene.outline, landing.xi1, landing.xi2
     if track.period:
         xi1 += track.period * round((course.last_xi1 - xi1) / track.period)

@@ -2,15 +2,15 @@
 
 At an impact only impulses count, and the contact does not move. Velocity of the contact point (v_t, v_n) and spin ω
 obey, per normal impulse P (Routh's construction as Wang & Mason, J. Appl. Mech. 59, 1992, 635,
-have it: reference looked up, not the text; Routh's book of 1905 is known to us, not looked up):
+describe it: reference looked up, not the text; Routh's book of 1905 is known to us, not looked up):
 
     m dv_Ct = dT,   m dv_Cn = dP,   J dω = arm_t dP − arm_n dT + dC,   v_t = v_Ct − ω arm_n,   v_n = v_Cn + ω arm_t.
 
-Their right-hand sides are constant as long as slip and rotation keep their signs, so an integration in straight pieces
-is exact.
+Their right-hand sides are constant while slip and rotation keep their signs, so an integration in straight pieces is
+exact.
 
-Moreau's law asks for the sums T, P, C alone: the same equations once, with the velocities after the impact in Coulomb's
-inequalities; of the phases that agree the one that holds most.
+Moreau's law uses only the sums T, P, C: the same equations once, with the velocities after the impact in Coulomb's
+inequalities; if several phases agree, the most static one.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from cases import Impact, PerfectlyRough
 
 from .equations import ContactForces, ContactPhase, ContactScene, Place, admissible, ratios
 
-# Far more than Coulomb's law allows: slip and rotation stop, reverse or stay, each at most once in compression and
-# once in restitution.
+# Far more pieces than Coulomb's law allows: slip and rotation stop, reverse or stay, each at most once in compression
+# and once in restitution.
 MOST_PIECES = 20
 
-# Newton's restitution is refused where kinetic energy grows by more than rounding.
+# Newton's restitution is rejected if kinetic energy grows by more than rounding.
 ENERGY_ROUNDING = 1e-12
 
 
-# What a phase of motion may move against its sense where it borders on one that holds: rounding.
+# A moving phase may move against its direction by this much at the border to a static one: rounding.
 AT_REST = 1e-12
 
 
 class Rates(NamedTuple):
-    """What one unit of normal impulse changes: slip, normal velocity, spin."""
+    """The changes of slip, normal velocity and spin per unit of normal impulse."""
 
     slip: float
     lift: float
@@ -43,7 +43,7 @@ class Rates(NamedTuple):
 
 
 class ImpactResult(NamedTuple):
-    """After an impact: slip, normal velocity, spin, the last phase, and the relative change of kinetic energy."""
+    """Slip, normal velocity and spin after an impact, the last phase, and the relative change of kinetic energy."""
 
     slip: float
     lift: float
@@ -53,11 +53,11 @@ class ImpactResult(NamedTuple):
 
 
 class ImpactWithoutSolution(Exception):
-    """An impact that no normal impulse ends: Coulomb's law has no consistent one here."""
+    """No normal impulse ends the impact: Coulomb's law has no consistent solution."""
 
 
 def hit(scene: ContactScene, effect: Impact, q: Place, slip: float, lift: float, spin: float) -> ImpactResult:
-    """The impact at a place with contact velocity (slip, lift < 0) and spin; raises Jammed if it has no end."""
+    """Compute the impact at a place with contact velocity (slip, lift < 0) and spin; raises ImpactWithoutSolution."""
     if effect.law == "moreau":
         return _whole(scene, q, slip, lift, spin, effect.restitution)
     impulse = _Impulse(scene, q, slip, lift, spin)
@@ -80,10 +80,10 @@ def creates_energy(result: ImpactResult) -> bool:
 
 
 def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float, restitution: float) -> ImpactResult:
-    """Moreau's law; raises Jammed if no phase agrees."""
+    """Compute the impact by Moreau's law; raises ImpactWithoutSolution if no phase agrees."""
     m, J, at, an = scene.m, scene.J, q.arm_t, q.arm_n
     goal = -restitution * lift
-    about = J + m * an * an  # inertia about the contact, for what turns without slip
+    about = J + m * an * an  # inertia about the contact, for rotation without slip
 
     def forces_in(phase: ContactPhase) -> ContactForces:
         """The sums P, T, C in a phase, from the one condition v_n⁺ = goal."""
@@ -114,7 +114,7 @@ def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float,
     if scene.laws.slip == inf:
         slips, impulse = (0,), _Impulse(scene, q, slip, lift, spin)
         impulse.stop_slip_at_once()
-        if impulse.lift >= goal:  # there is no normal impulse to give
+        if impulse.lift >= goal:  # no normal impulse is needed
             return as_result(0.0, impulse.lift, impulse.spin, ContactPhase(0, None))
     for phase in (ContactPhase(along, turn) for along in slips for turn in turns):
         forces = forces_in(phase)
@@ -131,7 +131,7 @@ def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float,
 
 
 def _agrees(way: int | None, after: float, size: float, holds: float, bound: float) -> bool:
-    """Whether what is held (0) needs no more than the bound, and what moves does so in its sense, but for rounding."""
+    """Whether a static direction (0) needs no more than the bound, and a moving one keeps its sign, except rounding."""
     if way == 0:
         return abs(holds) <= bound
     return way is None or way * after >= -AT_REST * (size + abs(after))
@@ -152,7 +152,7 @@ class _Impulse:
         return 0.5 * self.m * (along**2 + across**2) + 0.5 * self.J * self.spin**2
 
     def push(self, amount: float = inf, until_lift: float = inf) -> float:
-        """Adds normal impulse, at most `amount`, until the normal velocity has risen to `until_lift`; what it took."""
+        """Add normal impulse, at most `amount`, until the normal velocity reaches `until_lift`; returns the impulse."""
         total = 0.0
         if self.lift >= until_lift:
             return total
@@ -182,7 +182,7 @@ class _Impulse:
         raise ImpactWithoutSolution
 
     def stop_slip_at_once(self) -> None:
-        """A perfectly rough contact: a tangential impulse takes the slip away before any normal impulse acts."""
+        """Perfectly rough contact: a tangential impulse stops the slip before any normal impulse acts."""
         by_friction = Rates(1 / self.m + self.an**2 / self.J, -self.an * self.at / self.J, -self.an / self.J)
         impulse = -self.slip / by_friction.slip
         self.slip = 0.0
@@ -190,7 +190,7 @@ class _Impulse:
         self.spin += impulse * by_friction.spin
 
     def _phase(self) -> ContactPhase:
-        """The phase in which the next bit of impulse acts: Coulomb's inequalities for impulses."""
+        """The phase in which the next part of the impulse acts, by Coulomb's inequalities for impulses."""
         phase = next(admissible(self.laws, self.slip, self.spin, self._forces_in), None)
         if phase is None:
             raise ImpactWithoutSolution
@@ -201,7 +201,7 @@ class _Impulse:
         friction, couple = ratios(self.laws, phase)
         at, an, inertia = self.at, self.an, self.J / self.m
         if phase.turn == 0:
-            # Without rotation friction alone keeps the slip, and no couple is spared.
+            # Without rotation only friction changes the slip, so zero slip needs none; the couple follows from ω̇ = 0.
             friction = 0.0 if phase.slip == 0 else friction
             couple = an * friction - at
         elif phase.slip == 0:

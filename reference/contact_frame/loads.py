@@ -1,10 +1,10 @@
 """The longest step of the second formulation that a load in place or velocity allows.
 
-Every function that a formula may contain changes over a length of its own: exp and tanh over one, sine and cosine over
-a part of a turn, a logarithm or a power over its argument's distance from zero. A step is short enough if no argument
-changes by more than a quarter of that length, unless the function is constant there to rounding, as exp(u) and tanh(u)
-are far from zero. Nothing is fitted and no load is evaluated, unlike in the first formulation: the bound follows from
-the functions alone.
+Every function in a formula changes over a characteristic length: exp and tanh over one, sine and cosine over a part of
+a turn, a logarithm or a power over its argument's distance from zero. A step is short enough if no argument changes by
+more than a quarter of that length, unless the function is constant there to rounding, as exp(u) and tanh(u) are far
+from zero. Unlike in the first formulation, no polynomial is fitted and no load is evaluated: the bound follows from the
+functions alone.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from cases import Load
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
 
-# A step changes an argument by at most this part of its function's length: events are detected at the steps' ends only.
+# A step changes an argument by at most this part of the function's length: events are detected only at steps' ends.
 QUARTER = 0.25
 # exp(-40) is far below rounding, also of the sum of a hundred such terms.
 NEGLIGIBLE = 40.0
@@ -43,14 +43,14 @@ class LoadScales:
             for argument in node.args
             if argument.has(*MOTION)
         )
-        # A function may be multiplied by any of the formulas' numbers before it is a force.
+        # A force may contain a function multiplied by any of the formulas' numbers.
         numbers = {abs(float(n)) for formula in formulas for n in formula.atoms(sp.Number)}
         negligible = NEGLIGIBLE + sum(abs(log(number)) for number in numbers if number)
         self._lengths = [_length(node, negligible) for node, _ in pairs]
         self._arguments = sp.lambdify(MOTION, [argument for _, argument in pairs], modules="numpy", cse=True)
 
     def allows(self, times: np.ndarray, bodies: np.ndarray) -> bool:
-        """Whether a step is short enough: `times` (n,) and (x, y, θ, vx, vy, ω) along it, shape (6, n)."""
+        """Whether a step is short enough, by `times` (n,) and (x, y, θ, vx, vy, ω) along it, shape (6, n)."""
         with np.errstate(all="ignore"):
             rows = [np.broadcast_to(row, times.shape) for row in self._arguments(times, *bodies)]
         return all(_within(row, length) for row, length in zip(rows, self._lengths, strict=True))

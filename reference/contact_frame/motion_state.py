@@ -1,4 +1,4 @@
-"""A motion of the second formulation on its way: where the plate is, what has happened so far, and the time."""
+"""The state of a simulation by the second formulation: the plate's state, the transitions so far, and the time."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .sampling import Record
 from .steps import WorkBudget
 from .surroundings import Surroundings
 
-# The status of a motion whose work is used up.
+# The status of a motion that reached the limit on work.
 UNFINISHED = "unfinished"
 
 
 class ContactState(NamedTuple):
-    """The plate on its track: (ξ₁, ξ₂, ω, v), whole turns that θ is ahead of (6), and the phase."""
+    """The plate on its track: (ξ₁, ξ₂, ω, v), the whole turns of θ in addition to (6), and the phase."""
 
     z: list[float]
     turns: int
@@ -27,8 +27,8 @@ class ContactState(NamedTuple):
 
 
 class LiftOff(NamedTuple):
-    """Where a flight left the track: (ξ₁, ξ₂, ω, v), turns, normal velocity; how long a small one lasts (s), and
-    whether it is one."""
+    """The start of a flight from the track: (ξ₁, ξ₂, ω, v), turns, normal velocity; the estimated duration of a short
+    flight (s), and whether it is short."""
 
     z: list[float]
     turns: int
@@ -38,8 +38,8 @@ class LiftOff(NamedTuple):
 
 
 class FlightState(NamedTuple):
-    """The plate off its track: (x, y, θ, vx, vy, ω), the contact's parameters if it comes from its track, and the leap
-    that began it, if it began with one."""
+    """The plate off its track: (x, y, θ, vx, vy, ω), the contact's parameters if it comes from its track, and the
+    lift-off, if the flight began with a normal velocity."""
 
     body: list[float]
     place: tuple[float, float] | None = None
@@ -47,7 +47,7 @@ class FlightState(NamedTuple):
 
 
 class LandingState(NamedTuple):
-    """The plate that has just met its track: (ξ₁, ξ₂, ω, v), turns, and normal velocity."""
+    """The plate at a landing: (ξ₁, ξ₂, ω, v), turns, and normal velocity."""
 
     z: list[float]
     turns: int
@@ -61,11 +61,11 @@ class EndState(NamedTuple):
 
 
 class MotionState:
-    """One motion on its way: what has happened so far, and the time."""
+    """One motion during its simulation: the transitions and bounces so far, and the time."""
 
     def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int, until: float, overlaps: bool):
         self.case, self.scene = case, ContactScene(case)
-        # An outline without an inside is only its contact arc.
+        # An open outline has no inside and is only the contact arc.
         self.overlaps = overlaps and bool(case.plate.outline.period)
         self.rtol, self.looks, self.end = max(rtol, 1e-13), looks, min(case.duration, until)
         self.record = Record(case, times)
@@ -77,12 +77,13 @@ class MotionState:
         self.last_xi1 = case.start.xi1
 
     def contact_state(self, z, turns: int, **options) -> ContactState | None:
-        """Contact at the present instant, if a phase of it is consistent; `known`: what has just been let go."""
+        """The contact at the present instant, if one of its phases is consistent, else None; `options` as in
+        `decide`."""
         phase = decide(self.scene, self.t, z, turns, **options)
         return ContactState(z, turns, phase) if phase else None
 
     def surroundings(self) -> Surroundings:
-        """The curves as a flight sees them."""
+        """The track in stretches, sampled on first use."""
         if self.around is None:
             self.around = Surroundings(self.scene, self.last_xi1)
         return self.around

@@ -1,4 +1,4 @@
-"""A plate's motion as a search sees it: poses at any time, and bounds on its velocities and accelerations."""
+"""A plate's motion for touch searches: poses at any time, and bounds on velocities and accelerations."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Bounds come from velocities at so many places of each smooth piece, and a margin.
+# Bounds are computed from velocities at this many nodes of each smooth piece, times a margin.
 NODES, MARGIN = 9, 1.25
-# Differences of times shorter than so many of their roundings say nothing.
+# Time differences below this many roundings are ignored.
 ROUNDINGS = 64 * 2.0**-52
 
 
@@ -21,7 +21,7 @@ class Motion(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """Bounds until a time: speed (m/s), acceleration (m/s²), spin (rad/s), its rate (rad/s²)."""
+    """Bounds over a time span: speed (m/s), acceleration (m/s²), spin (rad/s), its rate (rad/s²)."""
 
     speed: float
     pull: float
@@ -40,7 +40,7 @@ def limits(motion: Motion, start: float, end: float) -> Limits:
     per = 1.0 / np.where(between > ROUNDINGS * max(abs(start), abs(end)), between, np.inf)
     pull = MARGIN * float((np.hypot(np.diff(vx, axis=1), np.diff(vy, axis=1)) * per).max())
     swing = MARGIN * float((np.abs(np.diff(spin, axis=1)) * per).max())
-    # Between two places a velocity goes beyond both by no more than its greatest rate times half of their distance.
+    # Between two nodes a velocity exceeds both values by at most its greatest rate times half of the interval.
     rest = 0.5 * float(between.max())
     return Limits(
         float(np.hypot(vx, vy).max()) + pull * rest, pull, float(np.abs(spin).max()) + swing * rest, swing

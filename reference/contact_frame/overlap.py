@@ -1,4 +1,4 @@
-"""A second place in which a plate that lies on its track meets it, for the second formulation."""
+"""Search for a second contact of a plate that lies on its track, for the second formulation."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from .sampling import bodies_in_contact
 from .stretches import Stretches
 from .surroundings import Surroundings
 
-# A step in which the contact is not known to be alone around it is halved while it moves by more than this part of the
-# plate's reach, and so many times at most.
+# A step in which the contact is not proven to be the only one around it is halved while it moves by more than this part
+# of the plate's reach, at most HALVINGS times.
 LONG_WAY, HALVINGS = 0.1, 10
-# A touch comes out of a gap that was more than so many roundings of a position one step before: where a flat side lies
-# next to its contact the gap is nothing but rounding.
+# A touch counts if the gap one step before was more than this many roundings of a position: next to the contact of a
+# flat side the gap is only rounding.
 ROUNDINGS = 1024 * 2.0**-52
-# Where the contact is looked at in a step, and how far it may go beyond, in parts of what it covers.
+# Places in a step at which the contact is sampled, and how far it may go beyond them, as a part of their range.
 PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
 
 States = Callable[[np.ndarray], np.ndarray]
 
 
 class Overlaps:
-    """The search for a touch away from the contact in a phase of it, step by step of its integration."""
+    """The search for a touch away from the contact during a phase, in each step of the integration."""
 
     def __init__(self, case: Case, around: Surroundings, turns: int):
         self.case, self.around, self.turns = case, around, turns
@@ -35,11 +35,11 @@ class Overlaps:
         self.step = 0.0
 
     def before(self, t: float, z) -> float:
-        """How long before the touch a time is, s; positive as long as none is found."""
+        """The time from t to the touch, s; positive if none is found."""
         return 1.0 if self.touch is None else self.touch.time - t
 
     def look(self, z_at: States, start: float, end: float) -> None:
-        """Looks for it in a step; `z_at` maps times to (ξ₁, ξ₂, ω, v), shape (4, n). Raises TooManyRounds."""
+        """Search a step; `z_at` maps times to (ξ₁, ξ₂, ω, v), shape (4, n). Raises TooManyRounds."""
 
         def bodies(times: np.ndarray) -> np.ndarray:
             return bodies_in_contact(self.case, z_at(times), self.turns)
@@ -68,15 +68,15 @@ class Overlaps:
             self.touch = self.around.search.first(motion, end, rest, np.full(rest.number, start), self._is_resolved)
 
     def _is_resolved(self, motion: Motion, touch: Touch) -> bool:
-        """Whether a touch comes out of a gap that was there one step before."""
+        """Whether there was a gap at the touch one step before."""
         body = motion.bodies(np.array([touch.time - self.step]))[:, 0].tolist()
         pair = refine(self.around.scene, body, touch.xi1, touch.xi2, self.around.size)
         return pair is not None and pair.gap > ROUNDINGS * (self.around.reach + abs(body[0]) + abs(body[1]))
 
 
 def _fits(around: Surroundings, some: Stretches) -> bool:
-    """Whether the curvatures alone exclude a second touch: the outline bends more everywhere than what is near of the
-    track, and that is the graph of a function, or all of a convex closed curve."""
+    """Whether the curvatures alone exclude a second touch: the outline bends more everywhere than the nearby track, and
+    that track is the graph of a function, or the whole of a convex closed curve."""
     if not some.number or not around.distance.bluntest > max(float(some.valley.max()), 0.0):
         return not some.number
     if around.convex:

@@ -1,4 +1,4 @@
-"""Pairs of points of outline and track, seen in the track's frame, and Newton's method for where they meet."""
+"""Pairs of points of outline and track in the track's frame, and Newton's method for their meeting."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from .equations import ContactScene
 from .moving import Motion
 
-# Steps of Newton's method; the farthest it may go from where it begins, in plate's sizes; in how many
-# roundings of a position it must end.
+# Steps of Newton's method; its largest distance from the starting point, in plate's sizes; and its required final error
+# in roundings of a position.
 STEPS, FURTHEST, ENDS = 30, 0.25, 256.0
 EPS = 2.0**-52
 
@@ -26,7 +26,8 @@ class Pair(NamedTuple):
 
 
 class PairFrame(NamedTuple):
-    """Outline's point seen from the track's, in the track's frame: offsets, angle, speeds, curvatures, velocities."""
+    """The outline's point relative to the track's, in the track's frame: offsets, angle, speeds, curvatures,
+    velocities."""
 
     along: float
     gap: float
@@ -40,8 +41,8 @@ class PairFrame(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """An instant at which the outline meets the track: time, (x, y, θ, vx, vy, ω), parameters; how well the time is
-    known (s)."""
+    """An instant at which the outline meets the track: time, (x, y, θ, vx, vy, ω), parameters, and the error of the
+    time (s)."""
 
     time: float
     body: list[float]
@@ -51,7 +52,7 @@ class Touch(NamedTuple):
 
 
 def frame(scene: ContactScene, body, xi1: float, xi2: float) -> PairFrame:
-    """Where the outline's point xi2 is and how it moves, seen from the track's point xi1."""
+    """Position and velocity of the outline's point xi2 relative to the track's point xi1."""
     x, y, theta, vx, vy, w = body
     X, Y, Xp, Yp, Xs, Ys, _, _ = scene.track.jet(xi1)
     a, b, ap, bp, as_, bs, _, _ = scene.outline.jet(xi2)
@@ -80,7 +81,7 @@ def refine(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> Pa
         step1 = (b * f.angle - f.bend_outline * f.along) / det
         step2 = -(a * f.angle + f.bend_track * f.along) / det
         longest, furthest = max(abs(step1), abs(step2)), 0.1 * size
-        if features:  # the tangents that Newton's method follows are not true beyond the next feature
+        if features:  # the derivatives in Newton's method are not valid beyond the next feature
             furthest = min(furthest, f.P * abs(features.clear(xi1, xi1 + size / f.P) - xi1))
         shorten = min(1.0, furthest / max(longest, 1e-300))
         xi1, xi2 = xi1 + shorten * step1 / f.P, xi2 + shorten * step2 / f.p
@@ -127,7 +128,7 @@ def _step(f: PairFrame, spin: float) -> list[float] | None:
 
 
 def polish(scene: ContactScene, exactly, touch: Touch, size: float) -> Touch:
-    """The same touch with states that are integrated up to it: dense output is one order less accurate than a step."""
+    """Improve a touch with states integrated up to it: dense output is one order less accurate than a step."""
     time, xi1, xi2, smallest, best = touch.time, touch.xi1, touch.xi2, inf, touch
     for _ in range(8):
         body = exactly(time)
@@ -138,6 +139,6 @@ def polish(scene: ContactScene, exactly, touch: Touch, size: float) -> Touch:
         best, smallest = Touch(time, body, xi1, xi2, touch.blur), miss
         step = _step(f, body[5])
         if step is None or abs(f.lift * step[0]) > 1e-6 * size:
-            break  # a grazing touch: what the search found is as good as it gets
+            break  # a grazing touch cannot be improved this way
         time, xi1, xi2 = time + step[0], xi1 + step[1] / f.P, xi2 + step[2] / f.p
     return best

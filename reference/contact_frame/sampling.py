@@ -1,4 +1,4 @@
-"""What the second formulation was asked to tell of a motion, filled in piece by piece."""
+"""The output of the second formulation at requested times, recorded piece by piece."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from cases.contact import pose
 
 
 def bodies_in_contact(case: Case, z: np.ndarray, turns: int) -> np.ndarray:
-    """(x, y, θ, vx, vy, ω) of a plate whose contacts are (ξ₁, ξ₂, ω, v), shape (4, n), and which is whole turns ahead
-    of the angle that (6) gives."""
+    """(x, y, θ, vx, vy, ω) of a plate in contact states (ξ₁, ξ₂, ω, v), shape (4, n); `turns` whole turns are added to
+    the angle given by (6)."""
     xi1, xi2, w, v = z
     x, y, theta = pose(case, xi1, xi2)
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
@@ -22,7 +22,7 @@ def bodies_in_contact(case: Case, z: np.ndarray, turns: int) -> np.ndarray:
 
 
 class Record:
-    """States (4, n): ξ₁, ξ₂, ω, v, and motions (7, n): x, y, θ, vx, vy, ω, v, at n times; NaN where nothing is told."""
+    """States (4, n): ξ₁, ξ₂, ω, v, and motions (7, n): x, y, θ, vx, vy, ω, v, at n times; NaN where undefined."""
 
     def __init__(self, case: Case, times: np.ndarray):
         self.case, self.times = case, times
@@ -39,7 +39,7 @@ class Record:
         return bool(np.isfinite(self.motions[:6, self.times <= end]).all())
 
     def contact(self, start: float, end: float, z_at, turns: int) -> None:
-        """Notes contact from `start` to `end`; `z_at` maps an array of times to (ξ₁, ξ₂, ω, v)."""
+        """Record contact from `start` to `end`; `z_at` maps an array of times to (ξ₁, ξ₂, ω, v)."""
         inside = (self.times >= start) & (self.times <= end)
         if not inside.any():
             return
@@ -47,7 +47,7 @@ class Record:
         self.motions[:, inside] = [*bodies_in_contact(self.case, z, turns), z[3]]
 
     def flight(self, start: float, end: float, body_at) -> None:
-        """Notes flight from `start` to `end`; `body_at` maps an array of times to (x, y, θ, vx, vy, ω)."""
+        """Record flight from `start` to `end`; `body_at` maps an array of times to (x, y, θ, vx, vy, ω)."""
         inside = (self.times >= start) & (self.times <= end)
         if not inside.any():
             return

@@ -1,9 +1,9 @@
 """The second formulation, which certifies the first: the same physics in the moving frame of the contact.
 
-It shares no code with `eliminated`, `augmented`, `transitions` or their integrators: numbers instead of symbols,
-SciPy's `solve_ivp` with its own events, Coulomb's inequality instead of one-sided derivatives. Slow and simple on
-purpose. `equations` has its forces, `aloft` what happens off the track, `course` what is known on the way; here
-phases of contact are integrated, and follow each other.
+It shares no code with `elimination`, `augmented`, `decision` or their integrators: numbers instead of symbols, SciPy's
+`solve_ivp` with its own events, Coulomb's inequality instead of one-sided derivatives. Slow and simple on purpose.
+`equations` has its forces, `flight_guards` the motion off the track, `motion_state` the state of a simulation; this
+module integrates phases of contact and chains them.
 """
 
 from __future__ import annotations
@@ -37,26 +37,26 @@ STOPS = {
     "elsewhere": "second_contact",
 }
 
-# A slip (or rotation) that has just begun is not watched for this part of the motion's own time: an instant located to
-# 1e-13 may still lie inside the cone, where it would first go back by far less than anything resolved here.
+# The guard of a slip (or rotation) that has just begun is ignored for this part of the motion's time scale: an instant
+# located to 1e-13 may still lie inside the cone, where the slip would first go back by far less than the resolution.
 BLIND = 1e-6
 
 # Friction and normal force that are both below this part of the scene's forces when friction reaches its bound have
 # vanished together: the contact ends, and no slip begins.
 NEGLIGIBLE = 1e-9
 
-# A start's spin or slip that is this part of the other is a few roundings of it.
+# A start's spin or slip below this part of the other is a few roundings of it.
 NOTHING = 1e-15
 
-# Far more changes than any motion makes while it turns once; a loop without progress is told, not run for ever.
+# Far more changes of phase than any motion makes during one turn; a loop without progress ends with a status.
 MOST_CHANGES = 5000
 
 
 class SecondMotion(NamedTuple):
-    """The second formulation's motion: its transitions, how it ended, and what it does at the times asked for.
+    """The result of the second formulation: transitions, status, end, and the motion at the requested times.
 
     `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n), rows as named in `MOTION`. Contact parameters
-    and slip velocity are NaN in flight, everything is after the motion has ended; at an impact: what follows it.
+    and slip velocity are NaN in flight, all rows after the end of the motion; at an impact, values are those after it.
     """
 
     transitions: tuple[Transition, ...]
@@ -69,13 +69,12 @@ class SecondMotion(NamedTuple):
 def solve(
     case: Case, rtol: float = 1e-10, times=(), looks: int = 60, until: float = inf, overlaps: bool = False
 ) -> SecondMotion:
-    """The case's motion by the second formulation, at most `until` that time (s).
+    """Compute the case's motion by the second formulation, at most until time `until` (s).
 
-    `looks` is how many steps it takes at least while what acts on the plate turns once (`Scene.pace`): events are found
-    by their signs at steps' ends. With `overlaps` a second place in which plate and track meet is looked for too, and
-    ends the motion. One that takes `steps.MOST_WORK` steps and looks is "unfinished" at its `end`. Raises Lost, a
-    FloatingPointError with one sentence, where numbers leave the range of a double, a load has no value, or steps come
-    to nothing.
+    `looks` is the least number of steps per turn of the forces on the plate (`ContactScene.pace`): events are found by
+    their signs at steps' ends. With `overlaps`, a second contact is searched for too, and ends the motion. A motion
+    that takes `steps.MOST_WORK` steps and searches is "unfinished" at its `end`. Raises StepFailure, a
+    FloatingPointError with one sentence, if numbers leave the range of a double, a load has no value, or steps vanish.
     """
     course = None
     try:
@@ -103,7 +102,7 @@ def _run(course: MotionState) -> SecondMotion:
             break
         if course.t >= counted_until:
             changes, counted_until = 0, course.t + _turn(course, now)
-        changes += not (isinstance(now, FlightState) and now.leap)  # rebounds end where they are no longer resolved
+        changes += not (isinstance(now, FlightState) and now.leap)  # rebounds end when they are no longer resolved
         if changes > MOST_CHANGES:
             now = EndState("accumulation")
             break
@@ -119,7 +118,7 @@ def _run(course: MotionState) -> SecondMotion:
 
 
 def _at_once(course: MotionState) -> None:
-    """Notes the start of a motion that ends there."""
+    """Record the start of a motion that ends there."""
     begin = start_motion(course.case)
     if course.case.start.in_contact:
         z = [begin.xi1, begin.xi2, begin.omega, begin.slip]
@@ -130,7 +129,7 @@ def _at_once(course: MotionState) -> None:
 
 
 def _turn(course: MotionState, now: ContactState | FlightState) -> float:
-    """How long the plate takes to turn, or to go its own size, s."""
+    """The period 2π/rate of the plate's own motion, s: the time in which it turns once, or moves as much."""
     body = now.body if isinstance(now, FlightState) else course.scene.body(now.z, now.turns)
     pace = course.scene.free_pace(course.t, body)
     return 2 * pi / pace if pace > 0.0 else inf
@@ -139,7 +138,7 @@ def _turn(course: MotionState, now: ContactState | FlightState) -> float:
 def _start(course: MotionState) -> ContactState | FlightState | EndState:
     begin = start_motion(course.case)
     body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
-    # A speed that is a few roundings of the other is none: it would turn back and return within a step unseen.
+    # A speed of a few roundings of the other is set to zero: it would reverse and return within a step, undetected.
     size = sqrt(course.case.plate.inertia / course.case.plate.mass)
     omega = begin.omega if size * abs(begin.omega) > NOTHING * abs(begin.slip) else 0.0
     slip = begin.slip if abs(begin.slip) > NOTHING * size * abs(begin.omega) else 0.0
@@ -157,7 +156,7 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
 
 
 def _without_mode(course: MotionState, z, turns: int) -> FlightState | EndState:
-    """No phase of contact is consistent: the plate leaves, or rigid contact has no answer (Painlevé)."""
+    """No phase of contact is consistent: the plate leaves, or rigid contact has no solution (Painlevé)."""
     return _off(course, z, turns) if leaves(course.scene, course.t, z, turns) else EndState("paradox")
 
 
@@ -196,7 +195,7 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
 
 
 def _vanishes(course: MotionState, phase: ContactPhase, guard_names: list[str], z, turns: int) -> bool:
-    """Whether the normal force has vanished: by itself, or together with the friction that it bounds."""
+    """Whether the normal force has vanished: alone, or together with the friction that it bounds."""
     if "normal_force" in guard_names:
         return True
     if not course.scene.unilateral or not any(name.startswith("cone") for name in guard_names):
@@ -211,7 +210,7 @@ def _forceless(course: MotionState, phase: ContactPhase, z, turns: int) -> bool:
 
 
 def _after(course: MotionState, phase: ContactPhase, guard_names: list[str], z, turns: int) -> ContactState | None:
-    """What follows when a guard has fired; sets velocities that have vanished to zero. None: no phase does."""
+    """The contact after a guard's zero; sets velocities that have vanished to zero. None: no phase is consistent."""
     if "side" in guard_names:
         return ContactState(z, turns, phase._replace(side=-phase.side))
     if "slip" in guard_names:
@@ -247,7 +246,7 @@ def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, C
     if phase.slip or phase.turn:
         guards["painleve"] = lambda t, z: forces(t, z).inverse_mass
     if scene.unilateral and not (phase.slip == 0 and laws.stick < inf):
-        # Where friction holds, its cone closes before the normal force vanishes.
+        # With static friction the cone is reached before the normal force vanishes.
         guards["normal_force"] = lambda t, z: forces(t, z).normal
     if not scene.unilateral and (phase.slip is not None or phase.turn is not None):
         guards["side"] = lambda t, z: phase.side * forces(t, z).push

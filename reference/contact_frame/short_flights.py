@@ -1,13 +1,13 @@
 """Short flights close to the track: the contact's frame with a gap.
 
-A bounce of a microsecond rises a picometre, which a pose in metres rounds to ten digits less than it has. So a hop is
-followed in (ξ₁, ξ₂, ω, v, u, γ): contact parameters of the closest pair, spin, slip velocity, and the gap γ with its
-rate u, both of which begin at their own size. With the outline's point straight above the track's and the tangents
-parallel,
+A bounce of a microsecond rises a picometre: in a pose in metres its height has ten digits fewer than a double. So a hop
+is integrated in (ξ₁, ξ₂, ω, v, u, γ): contact parameters of the closest pair, spin, slip velocity, and the gap γ with
+its rate u, which keep their full relative precision. With the outline's point straight above the track's and the
+tangents parallel,
 
     (1 − κ_track γ) ṡ_track − ṡ_outline = v,     κ_track ṡ_track − κ_outline ṡ_outline = ω,     γ̇ = u,
 
-and v̇, u̇ are the acceleration of the outline's point in a frame that turns with the track's tangent.
+and v̇, u̇ are the components of the acceleration of the outline's point in a frame that turns with the track's tangent.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from scipy.integrate import solve_ivp
 
 from .equations import ContactScene
 
-# A hop is looked for up to this many times as long as its first estimate.
+# A hop is integrated for at most this many times its estimated duration.
 LONGEST = 4.0
 
 
 class Hop(NamedTuple):
-    """A hop that has come down: its duration (s), (ξ₁, ξ₂, ω, v) and the gap's rate (< 0) at its end, and its bodies.
+    """A finished hop: its duration (s), (ξ₁, ξ₂, ω, v) and the gap's rate (< 0) at its end, and its poses.
 
     `bodies` maps an array of times since its beginning to (x, y, θ, vx, vy, ω), shape (6, n).
     """
@@ -54,7 +54,7 @@ def rates(scene: ContactScene, t: float, state, turns: int) -> list[float]:
     along_track = (w - q.bend_outline * slip) / (q.bend_track - q.bend_outline * near)
     along_outline = near * along_track - slip
     turning = q.bend_track * along_track
-    # The outline's material point, and that the point of the outline moves on along it.
+    # Acceleration of the outline's material point, and of the contact point's motion along the outline.
     forward = ax * q.tx + ay * q.ty - spin_rate * q.arm_n - w * w * q.arm_t
     upward = ay * q.tx - ax * q.ty + spin_rate * q.arm_t - w * w * q.arm_n + w * along_outline
     return [
@@ -64,9 +64,9 @@ def rates(scene: ContactScene, t: float, state, turns: int) -> list[float]:
 
 
 def hop(scene: ContactScene, t: float, z, turns: int, lift: float, estimate: float, rtol: float) -> Hop | None:
-    """The hop that begins at t from (ξ₁, ξ₂, ω, v) with normal velocity `lift` and lasts about `estimate` seconds.
+    """Integrate the hop that begins at t from (ξ₁, ξ₂, ω, v) with normal velocity `lift` and lasts about `estimate` s.
 
-    None if it has not come down after `LONGEST` times that.
+    None if it has not landed after `LONGEST` times that.
     """
 
     def scaled_rates(s, state):
@@ -76,7 +76,7 @@ def hop(scene: ContactScene, t: float, z, turns: int, lift: float, estimate: flo
         return state[5] if s > 0.0 else 1.0
 
     landing.terminal, landing.direction = True, -1  # type: ignore[attr-defined]
-    # Absolute tolerances of the size each has in this hop; time in units of its estimate, which brackets its end well.
+    # Absolute tolerances by the size of each variable in this hop; time in units of the estimated duration.
     sizes = np.array([1.0, 1.0, 1.0, 1.0, lift, lift * estimate])
     solution = solve_ivp(
         scaled_rates, (0.0, LONGEST), [*z, lift, 0.0], method="DOP853", rtol=rtol, atol=1e-2 * rtol * sizes,

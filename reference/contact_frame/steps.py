@@ -1,7 +1,7 @@
-"""Steps of the second formulation: as long as its motion's own time allows, past no feature, however long it lasts.
+"""Steps of the second formulation: limited by the motion's time scale, and never past a feature.
 
-A step that passes a feature of track, outline or load (`cases.features`) is taken again with half its length, as often
-as it takes: slow and simple on purpose.
+A step that passes a feature of track, outline or load (`cases.features`) is repeated with half its length, as often as
+necessary: slow and simple on purpose.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from scipy.integrate import DOP853
 
 from cases.features import Features
 
-# Steps within one of the motion's own times: ten times what the closest look takes. Towards Painlevé's singularity
-# steps shrink without end.
+# Steps per time scale of the motion: ten times the number at the largest `looks` in use. Towards Painlevé's singularity
+# steps shrink without limit.
 MOST_STEPS = 20_000
 
-# What one motion takes, whatever its duration: minutes of work.
+# Limit on the work of one motion, whatever its duration: minutes.
 MOST_WORK = 400_000
 
-# Between its ends a step's course is looked at by Hermite's cubic, which turns round where the motion does.
+# Inside a step the state is sampled by Hermite's cubic, which has its extrema where the motion does.
 INSIDE = np.linspace(0.0, 1.0, 9)[1:]
 
-# A step covers at most this part of what a feature allows: events are seen at its ends only, and a force that is
-# resolved within a piece may leave its bound and come back there (a slip of a sixth of a pulse's width).
+# A step covers at most a quarter of the length that a feature allows: events are detected at its ends only, and a force
+# may leave its bound and come back within one piece (a slip of a sixth of a pulse's width).
 QUARTER = 4.0
 
 # A motion that turns more often than this before its end would take years to follow.
@@ -33,36 +33,35 @@ MOST_TURNS = 1e9
 
 
 class WorkBudget:
-    """Steps, hops and looks for a landing that a motion has taken so far."""
+    """The number of steps, hops and landing searches of a motion so far."""
 
     def __init__(self) -> None:
         self.count = 0
 
     @property
     def used_up(self) -> bool:
-        """Whether it may take no more."""
+        """Whether the limit is reached."""
         return self.count >= MOST_WORK
 
 
 class StepFailure(FloatingPointError):
-    """The second formulation cannot go on; one sentence says where and why."""
+    """The second formulation cannot continue; the message says where and why."""
 
 
 class WorkLimit(Exception):
-    """The motion's work is used up."""
+    """The motion reached its limit on work."""
 
 
 Allows = Callable[[np.ndarray, np.ndarray], bool]
 
 
 class FrequencyLimitedDOP853(DOP853):
-    """DOP853 whose steps are at most a part of a turn: `looks` of them while the motion's frequency turns by 2π.
+    """DOP853 with at least `looks` steps per turn of the motion's frequency by 2π.
 
-    `pace` maps (t, y) to that frequency (rad/s, zero where nothing sets one); `features` are what no step passes, each
-    with the row of the state it is met by (None: time); `load_allows` maps times (n,) and states (variables, n)
-    along a step to whether the load allows a step of that length; `after_step` is called with the interpolant and both
-    ends of each. Fails once the `work` of its motion is used up.
-    Raises Lost where steps come to nothing.
+    `pace` maps (t, y) to that frequency (rad/s, zero if there is none); no step passes one of the `features`, each
+    given with its row of the state (None: time); `load_allows` maps times (n,) and states (variables, n) along a step
+    to whether the load allows a step of that length; `after_step` is called with the interpolant and both ends of each
+    step. Fails when the `work` of the motion reaches its limit. Raises StepFailure if steps vanish.
     """
 
     t: float
@@ -101,7 +100,7 @@ class FrequencyLimitedDOP853(DOP853):
             )
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise StepFailure(f"the second formulation hardly moves on at t = {self.t:.9g} s")
+            raise StepFailure(f"the second formulation makes almost no progress at t = {self.t:.9g} s")
         self.max_step = turn / self.looks
         t, y, f = self.t, self.y, self.f
         while True:
@@ -114,7 +113,7 @@ class FrequencyLimitedDOP853(DOP853):
             self.t, self.y, self.f, self.max_step = t, y, f, 0.5 * h
 
     def _passes(self, t, y, f, h) -> bool:
-        """Whether the step from there goes farther than a feature or the load allows."""
+        """Whether the step from (t, y) is longer than a feature or the load allows."""
         if self.load_allows is not None:
             every = np.array([self._way(row, y, f, h) for row in range(len(y))])
             if not self.load_allows(np.append(t, t + h * INSIDE), np.column_stack([y, every])):
@@ -130,7 +129,7 @@ class FrequencyLimitedDOP853(DOP853):
         return False
 
     def _way(self, row: int, y, f, h) -> np.ndarray:
-        """One component at INSIDE of the step from there."""
+        """One component of the state at the parts INSIDE of the step from y."""
         start, end, s = y[row], self.y[row], INSIDE
         out, back = h * f[row] * s * (1 - s) ** 2, h * self.f[row] * s**2 * (1 - s)
         return start + (end - start) * s**2 * (3 - 2 * s) + out - back

@@ -1,4 +1,4 @@
-"""A track in stretches between its own features, with bounds on how each bends, for the second formulation."""
+"""The track divided into stretches at its features, with bounds on their curvature, for the second formulation."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from cases import Curve
 
-# Speed and curvature of a stretch are looked at in these places; beyond them they go by less than this part of what
-# they change by.
+# Speed and curvature of a stretch are sampled at these places; between them they exceed the samples by less than
+# BETWEEN times their range.
 PLACES, BETWEEN = np.linspace(0.0, 1.0, 5), 0.25
 
 
@@ -61,7 +61,7 @@ def halves(track: Curve, some: Stretches) -> Stretches:
 
 
 def cut(track: Curve, some: Stretches, ends: tuple[float, float]) -> Stretches:
-    """The stretches, cut where a range of the parameter begins and ends."""
+    """The stretches, divided at both ends of a parameter range."""
     for end in ends:
         across = (some.low < end) & (end < some.high)
         if across.any():

@@ -1,4 +1,5 @@
-"""The track around a plate in stretches, found by a tree of their middles, and what of it a contact excludes."""
+"""The track around a plate in stretches, found by a k-d tree of their middles, and the range that a contact
+excludes."""
 
 from __future__ import annotations
 
@@ -18,16 +19,16 @@ from .pairs import meeting
 from .steps import StepFailure
 from .stretches import Stretches, between, cut, evenly
 
-# Stretches are this part of the plate's size long at first, or as short as the track's features ask for.
+# Initial length of stretches as a part of the plate's size; the track's features may need shorter ones.
 LENGTH = 1 / 8
-# A track this many plates long is not searched for landings, nor one with more stretches than a gigabyte holds.
+# A track longer than this many plates is not searched for landings, nor one with more stretches than fit a gigabyte.
 LONGEST_TRACK, MOST_STRETCHES = 1e7, 4_000_000
-# A window of an endless track begins with so many sizes to either side, and is widened so many times at most.
+# A window of an endless track begins with MARGIN sizes on each side, and is widened MOST_WIDENINGS times at most.
 MARGIN, MOST_WIDENINGS = 8.0, 60
-# Around a contact a stretch in which it is alone is tried from half of the plate's reach downwards; where none is found
-# points closer than this part of the size are the contact: far above what Newton's method leaves.
+# A stretch around a contact without another contact is tried from half of the plate's reach downwards; if none is
+# found, points closer than SAME times the size count as the contact: far above the error of Newton's method.
 MOST_TRIES, SAME = 20, 1e-6
-# Over such a stretch both curves turn by less than this (rad), and their curvatures are looked at in so many places.
+# Over such a stretch both curves turn by less than STRAIGHT (rad); their curvatures are sampled at PLACES points.
 STRAIGHT, PLACES, BETWEEN = 0.5, 9, 0.25
 
 
@@ -62,13 +63,14 @@ class Surroundings:
             raise StepFailure("landings are searched on a track with too many features; give a shorter one")
         self.low, self.high = low, high
         self.stretches = between(track, edges[:-1], edges[1:])
-        # Closed and convex: it turns to its left all the way round, once.
+        # Closed and convex: it turns to its left everywhere, once around.
         self.convex = bool(track.period) and bool(np.all(self.stretches.bend <= self.stretches.valley))
         self.longest = float(self.stretches.half.max())
         self.tree = cKDTree(np.column_stack([self.stretches.x, self.stretches.y]))
 
     def away(self, x: float, y: float) -> float:
-        """How far the plate is from its track at least with its centre of mass there, m; negative if it may touch."""
+        """A lower bound on the plate's distance from its track with its centre of mass at (x, y), m; negative if it may
+        touch."""
         for _ in range(MOST_WIDENINGS):
             far, i = self.tree.query([x, y])
             if not self.endless or not self._widen(int(i)):
@@ -76,7 +78,7 @@ class Surroundings:
         raise StepFailure(f"the plate at ({x:.9g}, {y:.9g}) m is too far from its endless track; end the case before")
 
     def _widen(self, i: int) -> bool:
-        """Whether the window of an endless track had to grow, because what is nearest is close to one of its ends."""
+        """Widen the window of an endless track if stretch i is close to one of its ends; returns whether it did."""
         margin, width = self.stretches.number // 8, self.high - self.low
         before, after = i < margin, i >= self.stretches.number - margin
         if before or after:
@@ -84,7 +86,7 @@ class Surroundings:
         return before or after
 
     def near(self, x: float, y: float, radius: float) -> Stretches:
-        """The stretches that come within a distance (m) of a place; their ranges are in order."""
+        """The stretches within a distance (m) of a place, in the order of their parameter ranges."""
         for _ in range(MOST_WIDENINGS):
             which = np.array(sorted(self.tree.query_ball_point([x, y], radius + self.longest)), dtype=int)
             ends = which[[0, -1]] if which.size else which
@@ -94,7 +96,7 @@ class Surroundings:
         return some.some(np.hypot(some.x - x, some.y - y) <= radius + some.half)
 
     def inside(self, some: Stretches, own: tuple[float, float]) -> tuple[Stretches, np.ndarray]:
-        """Stretches, cut at the ends of a range of the parameter, and which lie in it."""
+        """The stretches divided at the ends of a parameter range, and a mask of those in it."""
         period, shifts = self.scene.track.period, [0.0]
         if period:
             low, high = self.scene.track.span
@@ -108,9 +110,9 @@ class Surroundings:
         return some, inside
 
     def own(self, xi1: Sequence[float], xi2: Sequence[float]) -> tuple[float, float] | None:
-        """The range of the track's parameter around a contact, whose parameters stay in those ranges, in which the
-        plate touches nowhere else: the outline bends more than the track there, and both turn little. None: there is
-        none known."""
+        """The range of the track's parameter around a contact, whose parameters stay in the given ranges, in which the
+        plate touches nowhere else: the outline bends more than the track there, and both turn little. None if no such
+        range is found."""
         track, outline = self.scene.track, self.scene.outline
         length = 0.5 * self.reach
         for _ in range(MOST_TRIES):
@@ -124,7 +126,7 @@ class Surroundings:
         return None
 
     def at(self, low: float, high: float) -> tuple[float, float]:
-        """The range of the track's parameter that is the contact, where it is not known to be alone around it."""
+        """The parameter range that counts as the contact itself if `own` finds none."""
         return _widen(self.scene.track, (low, high), SAME * self.size)
 
 
