@@ -107,15 +107,21 @@ class Bounces:
             times.append(pull * (landing.time - self.last.landing.time) / change if change else inf)
         return min(times)
 
-    def limit(self) -> Accumulation | None:
-        """The limit, once enough impacts are known to find it to rounding."""
-        if len(self.some) < 3 or self.some[-1] is not self.last:
+    def limit(self, is_unresolved: bool = False) -> Accumulation | None:
+        """The limit, once enough impacts are known to find it to rounding.
+
+        `is_unresolved`: the last rebound is no higher than rounding, so no further impact will show the limit better.
+        """
+        if self.last is None or not self.some:
+            return None
+        some = self.some
+        if is_unresolved and some[-1] is not self.last:
+            some = [*some[:-1], self.last]
+        if len(some) < (2 if is_unresolved else 3) or some[-1] is not self.last:
             return None
         landing, after, _, natural, _ = self.last
-        speeds = [b.after.lift for b in self.some]
-        rows = [
-            (b.landing.time + b.remaining, b.landing.xi1, b.landing.xi2, b.after.slip, b.after.omega) for b in self.some
-        ]
+        speeds = [b.after.lift for b in some]
+        rows = [(b.landing.time + b.remaining, b.landing.xi1, b.landing.xi2, b.after.slip, b.after.omega) for b in some]
         limits = [extrapolate(speeds, column) for column in zip(*rows, strict=True)]
         time, xi1, xi2, slip, omega = (value for value, _ in limits)
         # A length that the motion covers in the natural time is as small as that.
@@ -125,7 +131,7 @@ class Bounces:
             spread <= max(NEGLIGIBLE * scale, 4.0 * np.spacing(abs(value)))
             for (value, spread), scale in zip(limits, scales, strict=True)
         )
-        if not agree and np.prod([b.remaining / b.natural for b in self.some]) > NEGLIGIBLE:
+        if not (agree or is_unresolved) and np.prod([b.remaining / b.natural for b in some]) > NEGLIGIBLE:
             return None
         # A slip or a rotation that the impacts themselves end is none at the limit either.
         touch = ContactVelocity(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)

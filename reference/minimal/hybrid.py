@@ -409,7 +409,8 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
         return _rest(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), cause, is_listed)
     is_unresolved = _is_unresolved(case, after.lift, pull, place)
     bounces.rebound(landing, after, pull)
-    limit = None if is_listed and not is_unresolved else bounces.limit()  # what is listed is stepped through
+    # What is listed is stepped through.
+    limit = None if is_listed and not is_unresolved else bounces.limit(is_unresolved)
     if limit and landing.time < limit.time < case.duration:
         with_rest = (*path, bounces.settling(last.phase, limit))
         return _rest(case, with_rest, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest", False)
