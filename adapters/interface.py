@@ -37,6 +37,8 @@ Optional:
     KNOWN: str                                      the engine's package and the versions that the adapter was tested
                                                     with, as a pip requirement: "pymunk>=6.11". Users can select each
                                                     of them, as "pymunk@6.11.1". Read from the source, not imported
+    OUR_PARTS: dict[str, str]                       by route, what of it is not the engine's own, in a phrase; such a
+                                                    route is not ranked. Routes called assisted and integrator have one
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
                                                     and rolling resistance, and for which cases its law differs
 
@@ -67,6 +69,19 @@ FUNCTIONS = {"refuses", "ladder", "grid", "wide_grid", "build", "run", "read", "
 
 class EngineFailure(RuntimeError):
     """The engine ran without a usable motion: it stopped with an error, or its numbers are not finite."""
+
+
+# What routes of these names have that is not their engine's.
+_OUR_PARTS = {
+    "assisted": "our contact geometry around {}'s step",
+    "integrator": "our contact geometry and contact law around {}'s integrator",
+}
+
+
+def our_part(adapter: Any, route: str) -> str:
+    """What of a route is not its engine's own, in a phrase; "" for an engine by itself."""
+    own = getattr(adapter, "OUR_PARTS", {})
+    return str(own[route]) if route in own else _OUR_PARTS.get(route, "").format(adapter.NAME)
 
 
 def _never(case: Case) -> bool:

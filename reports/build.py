@@ -127,7 +127,7 @@ def _build(plan: BuildPlan) -> int:
             studied = _study(plan, calls)
             shown = external_motions.join_external(ran, plan.trajectories)
             with folder.of_report(plan.out).staged(whole=True) as place, for_print(plan.paper):
-                answers, left_out = _write(plan, shown, ran, measured, studied, calls, place)
+                verdicts, left_out = _write(plan, shown, ran, measured, studied, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except cluster.NoWorkers as problem:
@@ -135,7 +135,7 @@ def _build(plan: BuildPlan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, answers, studied, left_out, calls))
+    print(_summary(plan, shown, verdicts, studied, left_out, calls))
     lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
@@ -234,7 +234,7 @@ def _write(
     calls: Calls,
     place: Path,
 ) -> tuple[list[dict[str, Any]], list[LeftOut]]:
-    """Tables, figures, page and manifest into a folder; returns the rows of the answer table, and what was made without
+    """Tables, figures, page and manifest into a folder; returns the rows of the verdict, and what was made without
     a solver's results since with them it fails. `ran`: what was run here, without what is external."""
     from .drawing.figure_files import embed_command
     from .page import folder, html, motions, pictures, tables
@@ -309,25 +309,17 @@ def _options(plan: BuildPlan) -> str:
 def _summary(
     plan: BuildPlan,
     shown: Experiment,
-    answers: Sequence[dict[str, Any]],
+    verdicts: Sequence[dict[str, Any]],
     studied: Sequence[Result],
     left_out: Sequence[LeftOut],
     calls: Calls,
 ) -> str:
     """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
-    from .analysis import recommendation, tables
-    from .page import front_page
+    from .analysis import tables, verdict
     from .running.solvers import missing_words
     from .running.timing import phase_times
 
-    lines = [
-        front_page.in_terminal(answers),
-        "",
-        *front_page.notes(answers),
-        "",
-        *recommendation.sentences(answers),
-        "",
-    ]
+    lines = [verdict.in_terminal(verdicts), "", *verdict.notes(verdicts), "", verdict.sentence(verdicts), ""]
     counts = tables.outcome_counts(shown)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
     count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)

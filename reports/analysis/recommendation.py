@@ -1,4 +1,4 @@
-"""Whom to trust for rolling contact, and at what cost: the answer table of page, terminal and file, and its sentences.
+"""Which route reaches an accuracy in rolling contact, and at what cost: the table `answers`.
 
 Errors say how far a route is off in the middle of all cases; trust counts in how many of the cases that roll its ladder
 reached an accuracy so that no finer setting and no doubt contradicts it (`reached`). Costs are of whole calls as used
@@ -7,7 +7,7 @@ from Python, all of one case, so that they compare: the first of the timed ones 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +15,12 @@ from cases import Mode
 
 from ..running.records import REFERENCE, Experiment, Truth
 from . import solver_summary
-from .number_format import level, seconds
-from .time_to_accuracy import DISTURBED, YES, cost
+from .time_to_accuracy import YES, cost
 
 if TYPE_CHECKING:
     import pandas as pd
 
-HOLDS = "Whom to trust, and at what cost: a row for each solver and route, over all cases"
+HOLDS = "In how many rolling cases each solver and route reaches an accuracy, and at what cost"
 # What a game and what an engineer asks for, and how columns call it.
 COLUMN = {1e-2: "1e_2", 1e-4: "1e_4"}
 # Once, as a user tries an engine; for a sweep or a training.
@@ -54,53 +53,6 @@ def rows(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> list[dic
                 row[f"{word}_{name}_s"] = cost(one, runs) if one and one["award"] == YES else nan
         found.append(row)
     return sorted(found, key=_trust)
-
-
-def sentences(told: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Whom to trust for rolling contact at 1e-4 and what it costs, from these rows; one of the engines, then one of
-    the reference."""
-    asked = [row for row in told if row["rolling_cases"]]
-    engines = [row for row in asked if row["solver"] != REFERENCE]
-    own = min((row for row in asked if row["solver"] == REFERENCE), key=_trust, default=None)
-    lines = []
-    best = min(engines, key=_trust, default=None)
-    if best is not None and best[_REACHED]:
-        lines.append(f"For rolling contact at {level(LEVEL)}, trust {_who(best)}: {_reach(best)}{_costs(best)}.")
-        lines += [_rivals(engines, best)]
-    elif best is not None:
-        lines.append(
-            f"For rolling contact at {level(LEVEL)}, trust no engine: none reaches it in any of the cases that roll."
-        )
-    if own is not None:
-        lines.append(f"The reference ({own['route']}): {_reach(own)}{_costs(own)}.")
-    return [line for line in lines if line]
-
-
-def _rivals(engines: Sequence[Mapping[str, Any]], best: Mapping[str, Any]) -> str:
-    """The other routes of the engines: in how many cases they reach it, and the cost of one call."""
-    told = []
-    for row in engines:
-        if row is not best:
-            spent = f", {seconds(row[_ONCE])} once" if isfinite(row[_ONCE]) else ""
-            told.append(f"{_who(row)} {row[_REACHED]} of {row['rolling_cases']}{spent}")
-    return f"The other engines and routes: {'; '.join(told)}." if told else ""
-
-
-def _who(row: Mapping[str, Any]) -> str:
-    return f"{row['solver']} {row['route']}"
-
-
-def _reach(row: Mapping[str, Any]) -> str:
-    return f"it reaches that in {row[_REACHED]} of {row['rolling_cases']} cases that roll"
-
-
-def _costs(row: Mapping[str, Any]) -> str:
-    if row[_AWARD] == DISTURBED:
-        return "; what that costs is not known, since the machine had other things to do"
-    if not isfinite(row[_ONCE]):
-        return "; what that costs was not timed"
-    once, many = seconds(row[_ONCE]), seconds(row[_MANY])
-    return f"; on {row['cost_case']} one call from cold takes {once}, a thousand {many}"
 
 
 def _trust(row: Mapping[str, Any]) -> tuple:

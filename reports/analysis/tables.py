@@ -43,7 +43,13 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
     """The motions the runs are judged by: one row per transition, or one with event 0 for a case without."""
     rows = []
     for label, truth in experiment.truths.items():
-        common = {"case": label, "method": truth.method, "first_mode": truth.first_mode, "status": truth.status}
+        common: dict[str, Any] = {
+            "case": label,
+            "method": truth.method,
+            "first_mode": truth.first_mode,
+            "status": truth.status,
+        }
+        common |= {"friction_sensitivity": truth.friction_sensitivity}
         notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"
         for event, (transition, bar) in enumerate(zip(truth.transitions, truth.error_bars, strict=True), start=1):
             told = {"before": transition.before, "after": transition.after, "time": transition.time}

@@ -64,7 +64,7 @@ def render(
         "chapters": _chapters(results),
         "solvers": solvers,
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
-        **front_page.screen(experiment, frames, moving, bool(measurements.cases), manifest),
+        **front_page.screen(experiment, frames, moving, manifest),
         **chapters.cases(experiment, frames, figure_entries, figures, manifest, {motion["label"] for motion in moving}),
         "headline": chapters.headline(frames["headline"], figure_entries, figures),
         "cost": cost.section(measurements, frames, figure_entries, figures),

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import cost_tables, recommendation, tables
+from ..analysis import cost_tables, recommendation, tables, verdict
 from ..analysis.columns import Table, describe_column, with_version
 from ..analysis.work_precision import CostMeasurements
 from ..running import per_solver
 from ..running.per_solver import LeftOut
 from ..running.records import Experiment
-from . import dictionary, front_page, text
+from . import dictionary, text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,7 +74,7 @@ class Tables:
 def write(
     output: Tables, shown: Experiment, ran: Experiment, measurements: CostMeasurements, results: Sequence[Result]
 ) -> list[dict]:
-    """Write all tables of a report except that of omitted results; returns the rows of the answer table.
+    """Write all tables of a report except that of omitted results; returns the rows of the verdict.
 
     `ran`: the experiment without external motions.
     """
@@ -88,17 +88,23 @@ def write(
         output.left_out += result.left_out
         output.add(dict, (result.frames,), {}, f"tables of {result.name}", result.command, result.words)
 
-    answers: list[dict[str, Any]] = []
+    output.add(
+        lambda *some: {"answers": pd.DataFrame(recommendation.rows(*some))},
+        (shown, output.frames),
+        {"answers": recommendation.HOLDS},
+        "table answers",
+    )
+    verdicts: list[dict[str, Any]] = []
 
-    def make_answers(experiment: Experiment, frames: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
-        answers[:] = recommendation.rows(experiment, frames)
+    def make_verdict(experiment: Experiment) -> dict[str, pd.DataFrame]:
+        verdicts[:] = verdict.rows(experiment)
         # The terminal's text is made here as well, so that a row that fails there is omitted from both.
-        front_page.in_terminal(answers), front_page.notes(answers), recommendation.sentences(answers)
-        return {"answers": pd.DataFrame(answers)}
+        verdict.in_terminal(verdicts), verdict.notes(verdicts), verdict.sentence(verdicts)
+        return {"verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS))}
 
-    output.add(make_answers, (shown, output.frames), {"answers": recommendation.HOLDS}, "table answers")
-    output.frames = {"answers": output.frames.pop("answers")} | output.frames
-    return answers
+    output.add(make_verdict, (shown,), {"verdict": verdict.HOLDS}, "table verdict")
+    output.frames = {name: output.frames.pop(name) for name in ("verdict", "answers")} | output.frames
+    return verdicts
 
 
 def describe(output: Tables) -> None:

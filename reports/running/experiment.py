@@ -53,9 +53,17 @@ def run(
     present = calls.present(solvers)
     solvers = [name for name in solvers if name in present or split_version(name)[1]]
     truths = find_truths(cases, calls)
-    runs, tasks = _plan(cases, offers(cases, solvers, calls), truths, thin)
+    offered = offers(cases, solvers, calls)
+    runs, tasks = _plan(cases, offered, truths, thin)
     _fill(runs, _make(tasks, calls))
-    return Experiment(tuple(cases), truths, tuple(runs), time.perf_counter() - began, dict(calls.versions))
+    seconds, parts = time.perf_counter() - began, _our_parts(offered)
+    return Experiment(tuple(cases), truths, tuple(runs), seconds, dict(calls.versions), parts)
+
+
+def _our_parts(offered: Mapping[tuple[str, str], tuple[Offer, ...]]) -> dict[tuple[str, str], str]:
+    """What of each route is not its engine's own, by solver and route, where there is such a part."""
+    by_solver = [(name, offer) for (_, name), given in offered.items() for offer in given]
+    return {(name, offer.route): offer.our_part for name, offer in by_solver if offer.our_part}
 
 
 def find_truths(cases: Sequence[Case], calls: Calls) -> dict[str, Truth]:

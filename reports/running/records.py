@@ -31,12 +31,14 @@ Row = dict[str, str | float | int | bool | None]
 class Offer:
     """What one route of a solver offers for a case: a ladder of settings, or the reason why not.
 
-    `outcome` is "" for an offer, else "refused", "crashed" or "not_installed"."""
+    `outcome` is "" for an offer, else "refused", "crashed" or "not_installed". `our_part`: what of the route is not the
+    engine's own, "" for an engine by itself."""
 
     route: str
     settings: tuple[Setting, ...] = ()
     outcome: str = ""
     reason: str = ""
+    our_part: str = ""
 
 
 @dataclass(frozen=True)
@@ -96,13 +98,15 @@ class Run:
 @dataclass(frozen=True)
 class Experiment:
     """Everything that was found out, in the order asked for: truths by case label, and the runs. Only the finest run
-    of each route still has its `samples` and `off`. `versions`: of the solvers, "" where one could not tell."""
+    of each route still has its `samples` and `off`. `versions`: of the solvers, "" where one could not tell.
+    `our_parts`: by solver and route, what of it is not the engine's own, for routes that have such a part."""
 
     cases: tuple[Case, ...]
     truths: dict[str, Truth]
     runs: tuple[Run, ...]
     seconds: float
     versions: dict[str, str] = field(default_factory=dict)
+    our_parts: dict[tuple[str, str], str] = field(default_factory=dict)
 
 
 def gives_motion(run: Run) -> bool:

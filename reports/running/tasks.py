@@ -16,7 +16,7 @@ import numpy as np
 
 import cases
 import reference
-from adapters import EngineFailure, Setting, gate, other_laws
+from adapters import EngineFailure, Setting, gate, other_laws, our_part
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, contradiction, stored_or_new
 
@@ -51,16 +51,18 @@ def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
 
 
 def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
+    part = ""
     try:
+        part = legible(our_part(module, route))
         refusal = module.refuses(case, route)
         if refusal:
-            return Offer(route, (), "refused", legible(refusal))
+            return Offer(route, (), "refused", legible(refusal), part)
         offered = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
         if len(offered) > _MOST_SETTINGS:
             raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
-        return Offer(route, tuple(map(_plain, offered)))
+        return Offer(route, tuple(map(_plain, offered)), our_part=part)
     except (Exception, SystemExit) as problem:
-        return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}")
+        return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}", part)
 
 
 def _plain(given: object) -> Setting:

@@ -50,21 +50,26 @@ def test_the_first_screen_holds_the_answer_table_whole(open_page, width):
     assert page.eval_on_selector(".scroll:has(table.answer)", cut) <= 1
     assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
     rows = page.locator("table.answer tbody tr")
-    assert rows.count() >= 6 and all(row.is_visible() for row in rows.all())
+    assert rows.count() == 5 and all(row.is_visible() for row in rows.all())  # four routes and a heading
 
 
-def test_the_first_screen_answers_whom_to_trust_as_the_table_beside_it_does(open_page, page_file):
+def test_the_first_sentence_names_the_best_engine_by_itself_and_follows_the_switches(open_page, page_file):
     page = open_page()
-    rows = list(csv.DictReader((page_file.parent / "tables" / "answers.csv").read_text().splitlines()))
-    engines = [row for row in rows if row["solver"] != "reference"]
-    best = max(engines, key=lambda row: int(row["reached_1e_4"]) / int(row["rolling_cases"]))
-    verdict = page.locator(".verdict").inner_text()
-    reached, asked = re.search(r"(\d+) of (\d+) cases that roll", verdict).groups()
-    assert (reached, asked) == (best["reached_1e_4"], best["rolling_cases"])
-    named = re.search(r"trust (\w+) (\w+)", verdict).groups()
-    assert (reached, asked) in {
-        (r["reached_1e_4"], r["rolling_cases"]) for r in engines if (r["solver"], r["route"]) == named
-    }
+    rows = list(csv.DictReader((page_file.parent / "tables" / "verdict.csv").read_text().splitlines()))
+    ranked = [row for row in rows if row["digits_rank"]]
+    assert len(ranked) == 2 and {row["route"] for row in ranked} == {"native"}
+    sentence = page.locator("p.verdict")
+    without_scripts = re.search(r'<p class="verdict"[^>]*>([^<]*)<', page_file.read_text()).group(1)
+    assert sentence.inner_text() == without_scripts
+    first, second = (row["solver"] for row in ranked)
+    assert f"{first} native" in sentence.inner_text() and "assisted" not in sentence.inner_text()
+    page.uncheck(f"input[data-switch=solver][value={first}]")
+    assert f"{second} native" in sentence.inner_text() and first not in sentence.inner_text()
+    page.uncheck("input[data-switch=route][value=native]")
+    assert sentence.inner_text() == "No engine is shown."
+    page.check(f"input[data-switch=solver][value={first}]")
+    page.check("input[data-switch=route][value=native]")
+    assert sentence.inner_text() == without_scripts
 
 
 def test_the_first_paint_is_early(chromium, page_file):

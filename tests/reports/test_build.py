@@ -227,7 +227,7 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
 
 def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
     figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
-    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "answers", "columns"}
+    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "verdict", "answers", "columns"}
     for figure in figures:
         assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
     for file in texts:

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from reports import build, options
-from reports.analysis import columns, cost_conclusions, number_format, which_engine
+from reports.analysis import columns, cost_conclusions, number_format, verdict, which_engine
 from reports.page import dictionary, text
 from reports.running import solvers
 from reports.running.timing import timings
@@ -123,34 +123,21 @@ def test_answers_are_the_cheapest_of_each_side(report):
             assert answer.cheaper == ("alike" if answer.factor < 1.1 else min(pair, key=pair.get))
 
 
-def test_terminal_page_and_file_give_the_same_answer(report):
-    """Row by row in words, and the words by the file's numbers."""
+def test_terminal_page_and_file_give_the_same_verdict(report):
     lines = (report.parent / "terminal.txt").read_text().splitlines()
-    table = (report / "index.html").read_text().partition('<table class="answer')[2].partition("</table>")[0]
+    page = (report / "index.html").read_text()
+    table = page.partition('<table class="answer')[2].partition("</table>")[0]
     shown = re.findall(r'<span class="of">(.*?)</span></th>(.*?)</tr>', table, re.DOTALL)
-    rows = read(report, "answers").to_dict("records")
-    assert len(rows) == len(shown) == sum(len(solvers.solver(name).routes) for name in ("reference", "pymunk"))
+    rows = read(report, "verdict").to_dict("records")
+    assert len(rows) == len(shown) == len(solvers.solver("pymunk").routes)
     for row, (who, cells), line in zip(rows, shown, lines[1:], strict=False):
-        told = [
-            unescape(re.sub("<.*?>", " ", cell)).strip() for cell in re.findall(r"<td.*?>(.*?)</td>", cells, re.DOTALL)
-        ]
-        assert who == f"{row['solver']} {row['route']}" and line.strip().startswith(who)
-        assert row["cost_case"] == CASE
-        said = re.split(r" {2,}", line.strip())
-        assert [int(number) for number in said[1:5]] == [row[name] for name in ("right", "wrong", "refused", "failed")]
-        for place, level in ((7, "1e_2"), (10, "1e_4")):
-            assert said[place] == f"{row[f'reached_{level}']} of {row['rolling_cases']}"
-            spent = [row[f"{many}_{level}_s"] for many in ("once", "thousand")]
-            award = row[f"award_{level}"]
-            assert award == "reached" or all(pd.isna(spent))
-            missing = "not timed" if award == "reached" else award
-            words_of = [number_format.seconds(each) if pd.notna(each) else missing for each in spent]
-            assert said[place + 1 : place + 3] == words_of
-        # On the page what was reached stands small beside the cost of one call.
-        assert [said[5], said[6]] == [told[0], told[1].split("  ")[0]]
-        assert [re.split(r"  +", cell)[0] for cell in told[2:]] == [said[8], said[9], said[11], said[12]]
-    verdict = re.search(r'<p class="verdict">(.*?)</p>', (report / "index.html").read_text())[1]
-    assert unescape(verdict) in lines and lines[-1] == str(report / "index.html")
+        texts = re.findall(r"<td.*?>(.*?)(?: <small>.*?)?</td>", cells, re.DOTALL)
+        expected = [main for main, _ in verdict.cells(row).values()]
+        assert re.split(r" {2,}", line.strip()) == [who, *map(unescape, texts)] == [who, *expected]
+        assert who.endswith(f"{row['solver']} {row['route']}") and who[0].isdigit() == pd.notna(row["digits_rank"])
+    (sentence,) = re.findall(r'<p class="verdict"[^>]*>(.*?)</p>', page)
+    assert unescape(sentence) in lines and lines[-1] == str(report / "index.html")
+    assert unescape(sentence) == verdict.sentence(rows)
 
 
 def test_first_sentence_is_true_by_the_tables_beside_it(report):

@@ -15,7 +15,7 @@ import cases
 from adapters import Setting
 from cases import Mode, Transition
 from reports.analysis import recommendation
-from reports.page import chapters, front_page, motions, vendor
+from reports.page import chapters, motions, vendor
 from reports.page.fragments import table, verbatim
 from reports.running.records import Experiment, Run, Truth
 
@@ -62,36 +62,6 @@ def test_the_answer_counts_the_cases_that_roll_and_tells_costs_of_one_of_them():
     assert {row["cost_case"] for row in rows} == {"b"} and ghost["failed"] == 1
     assert (sure["once_1e_4_s"], sure["thousand_1e_4_s"]) == (2.0, 2.0 + 999 * 0.5)
     assert fast["once_1e_2_s"] == 0.5 and np.isnan(fast["once_1e_4_s"])
-
-
-def test_the_terminal_says_what_the_page_says():
-    rows = recommendation.rows(experiment(), frames())
-    head, sure, fast, ghost, _ = [
-        re.split(r" {2,}", line.strip()) for line in front_page.in_terminal(rows).splitlines()
-    ]
-    assert head[-6:] == [
-        "reaches 0.01",
-        "0.01 first run",
-        "0.01 1,000 runs",
-        "reaches 1e-4",
-        "1e-4 first run",
-        "1e-4 1,000 runs",
-    ]
-    assert sure[-3:] == ["2 of 2", "2 s", "500 s"]
-    assert fast[-6:] == ["2 of 2", "0.5 s", "100 s", "0 of 2", "by chance", "by chance"]
-    assert ghost[:5] == ["ghost", "0", "0", "0", "1"]
-
-
-def test_the_verdict_names_who_reaches_it_most_often_and_says_when_nobody_does():
-    said = recommendation.sentences(recommendation.rows(experiment(), frames()))
-    assert said[:2] == [
-        "For rolling contact at 1e-4, trust sure native: it reaches that in 2 of 2 cases that roll; on b one call from "
-        "cold takes 2 s, a thousand 500 s.",
-        "The other engines and routes: fast native 0 of 2.",
-    ]
-    poor = frames()
-    poor["headline"]["reached"] = 1e-2
-    assert "trust no engine" in recommendation.sentences(recommendation.rows(experiment(), poor))[0]
 
 
 def unpacked(text: str) -> np.ndarray:

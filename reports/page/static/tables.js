@@ -41,3 +41,14 @@ suite.table = (table) => {
   }
   (table.closest(".scroll") ?? table).before(tools);
 };
+
+// The first sentence names the most accurate engine of the rows that are shown, and those tied with it.
+suite.verdict = () => {
+  const place = document.querySelector("p.verdict[data-lead]");
+  const rows = [...document.querySelectorAll("tr[data-phrase]")].filter((row) => suite.on(row.dataset.solver, row.dataset.route));
+  if (!rows.length) { place.textContent = "No engine is shown."; return; }
+  const best = rows.reduce((one, row) => (+row.dataset.digits > +one.dataset.digits ? row : one));
+  const tied = (row) => +best.dataset.digits - +row.dataset.digits <= Math.max(+place.dataset.tie, Math.hypot(+best.dataset.doubt, +row.dataset.doubt));
+  place.textContent = `${place.dataset.lead} ${rows.filter(tied).map((row) => row.dataset.phrase).join("; tied with it ")}.`;
+};
+if (document.querySelector("tr[data-phrase]")) suite.whenSwitched(suite.verdict);

@@ -1,0 +1,190 @@
+"""The verdict: how far each route is from the truth, in one table; only what an engine does by itself is ranked.
+
+All routes are compared over the same cases: those that depend on friction's law. The reference is not among them, since
+it defines the truth.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from math import hypot, inf, isfinite, log, nan
+from statistics import median
+from typing import Any
+
+from ..judging.friction_sensitivity import LEAST
+from ..judging.grades import LIMITS, Grade, grade, percent
+from ..judging.ranking import TIE, Standing, ranking
+from ..judging.score import Score
+from ..running.records import REFERENCE, Experiment, Run, default, routes
+
+HOLDS = (
+    "How far each route is from the truth, over the cases that depend on friction's law; engines by themselves first"
+)
+COLUMNS = (
+    "digits_rank", "solver", "route", "our_part", "friction_cases", "answered", "unsupported", "crashed", "timed_out",
+    "default_off", "default_off_worst", "finest_off", "finest_off_worst", "median_grade", "good_cases",
+    "worst_friction_factor", "digits", "digits_doubt",
+)  # fmt: skip
+_NOT_ANSWERED = {"refused": "unsupported", "crashed": "crashed", "timed_out": "timed_out"}
+
+
+def friction_cases(experiment: Experiment) -> list[str]:
+    """The cases that depend on friction's law: 1 % of friction moves off by 1e-5 at least."""
+    return [label for label, truth in experiment.truths.items() if truth.friction_sensitivity >= LEAST]
+
+
+def rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """One row per route, as `COLUMNS` has them: engines by themselves, the best first, then routes that are partly this
+    project's, without a rank."""
+    cases = friction_cases(experiment)
+    groups: dict[tuple[str, str], dict[str, list[Run]]] = {}
+    for (case, solver, route), group in routes(experiment.runs).items():
+        if solver != REFERENCE:
+            groups.setdefault((solver, route), {})[case] = group
+    own = [key for key in groups if key[1] and key not in experiment.our_parts]
+    standings = _standings(groups, own, cases)
+    others = [key for key in groups if key not in own]
+    unranked = {key: standing for one in others for key, standing in _standings(groups, [one], cases).items()}
+    unranked = {key: standing._replace(rank=0) for key, standing in unranked.items()}
+    order = [*standings, *sorted(unranked, key=lambda key: (key not in experiment.our_parts, -unranked[key].digits))]
+    every = standings | unranked
+    return [_row(key, groups[key], every[key], experiment.our_parts.get(key, ""), cases) for key in order]
+
+
+def _standings(
+    groups: Mapping[tuple[str, str], Mapping[str, list[Run]]], keys: Sequence[tuple[str, str]], cases: Sequence[str]
+) -> dict[tuple[str, str], Standing]:
+    """The routes ranked by the finest setting run in each case, best first; none without a case to rank them by."""
+    names = {" ".join(key): key for key in keys}
+    scores = {name: _scores(groups[key]) for name, key in names.items()}
+    found = ranking(scores, cases) or [Standing(name, nan, nan, 0, 0) for name in names]
+    return {names[standing.route]: standing for standing in found}
+
+
+def _scores(group: Mapping[str, list[Run]]) -> dict[str, Score]:
+    return {case: run.score for case, runs in group.items() if (run := _finest(runs)) is not None and run.score}
+
+
+def _finest(group: Sequence[Run]) -> Run | None:
+    """The finest setting run that gave a motion, or None."""
+    return next((run for run in reversed(group) if run.score is not None), None)
+
+
+def _row(
+    key: tuple[str, str], group: Mapping[str, list[Run]], standing: Standing, our_part: str, cases: Sequence[str]
+) -> dict[str, Any]:
+    mine = [group[case] for case in cases if case in group]
+    last = [run for runs in mine if (run := _finest(runs)) is not None]
+    first = [run for runs in mine if (run := default(runs)) is not None and run.score is not None]
+    missing = Counter(_NOT_ANSWERED.get(runs[-1].outcome, "crashed") for runs in mine if _finest(runs) is None)
+    finest, defaults = _offs(last), _offs(first)
+    middle = median(finest) if finest else nan
+    return {
+        "digits_rank": standing.rank or nan,
+        "solver": key[0],
+        "route": key[1],
+        "our_part": our_part,
+        "friction_cases": len(cases),
+        "answered": len(last),
+        **{word: missing[word] for word in _NOT_ANSWERED.values()},
+        "default_off": median(defaults) if defaults else nan,
+        "default_off_worst": max(defaults, default=nan),
+        "finest_off": middle,
+        "finest_off_worst": max(finest, default=nan),
+        "median_grade": str(grade(middle)) if finest else "",
+        "good_cases": sum(off <= LIMITS[Grade.GOOD] for off in finest),
+        "worst_friction_factor": _worst_friction([*first, *last]),
+        "digits": standing.digits,
+        "digits_doubt": standing.doubt,
+    }
+
+
+def _offs(runs: Sequence[Run]) -> list[float]:
+    return [run.score.off for run in runs if run.score is not None]
+
+
+def _worst_friction(runs: Sequence[Run]) -> float:
+    """The friction × that is farthest from 1, by its ratio; NaN where none is known."""
+    known = [run.friction_factor for run in runs if isfinite(run.friction_factor)]
+    return max(known, key=lambda factor: abs(log(factor)) if factor > 0.0 else inf, default=nan)
+
+
+# --- in words ---------------------------------------------------------------------------------------------------------
+
+
+def sentence(table: Sequence[Mapping[str, Any]]) -> str:
+    """The most accurate engine by itself, and those tied with it."""
+    ranked = [row for row in table if isfinite(row["digits_rank"])]
+    if not ranked:
+        return "No engine was ranked: none was run on a case that depends on friction's law."
+    best = ranked[0]
+    ties = [
+        row
+        for row in ranked
+        if best["digits"] - row["digits"] <= max(TIE, hypot(best["digits_doubt"], row["digits_doubt"]))
+    ]
+    return f"{LEAD} {'; tied with it '.join(phrase(row) for row in ties)}."
+
+
+LEAD = "Most accurate of the engines shown (100 % off: as bad as ignoring friction's law):"
+
+
+def phrase(row: Mapping[str, Any]) -> str:
+    """What a route does, in one phrase that is true of it whatever others do."""
+    if not row["answered"]:
+        return f"{row['solver']} {row['route']}, which answers none of the {row['friction_cases']} cases"
+    default_words = f", {percent(row['default_off'])} with default settings" if isfinite(row["default_off"]) else ""
+    return (
+        f"{row['solver']} {row['route']}, {percent(row['finest_off'])} off at the finest setting run{default_words} "
+        f"(medians of the {row['answered']} of {row['friction_cases']} cases that it answers)"
+    )
+
+
+def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """The row for readers, as in the terminal and on the page: main text and small text by heading."""
+    lacking = [f"{row[word]} {word.replace('_', ' ')}" for word in _NOT_ANSWERED.values() if row[word]]
+    count = f"{row['answered']} of {row['friction_cases']}"
+    factor = row["worst_friction_factor"]
+    digits = f"{row['digits']:.1f} ± {row['digits_doubt']:.1g}" if isfinite(row["digits"]) else "–"
+    return {
+        "answered": (count, ", ".join(lacking)),
+        "default": (_percent(row["default_off"]), _worst(row["default_off_worst"])),
+        "finest": (_percent(row["finest_off"]), _worst(row["finest_off_worst"])),
+        "grade": (row["median_grade"] or "–", ""),
+        "≤ 1 %": (str(row["good_cases"]), ""),
+        "friction ×": (f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–", ""),
+        "digits": (digits, ""),
+    }
+
+
+def _percent(off: float) -> str:
+    return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
+
+
+def _worst(off: float) -> str:
+    return f"worst {_percent(off)}" if isfinite(off) else ""
+
+
+def in_terminal(table: Sequence[Mapping[str, Any]]) -> str:
+    """The table for the terminal: ranked engines, then the routes that are partly this project's."""
+    from tabulate import tabulate
+
+    lines = []
+    for row in table:
+        rank = f"{row['digits_rank']:.0f}. " if isfinite(row["digits_rank"]) else ""
+        line = {"engine": f"{rank}{row['solver']} {row['route']}"}
+        lines.append(line | {name: main for name, (main, _) in cells(row).items()})
+    return tabulate(lines, headers="keys", tablefmt="plain", disable_numparse=True, stralign="right")
+
+
+def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What the table's columns mean, and what the routes without a rank are."""
+    parts = {f"{row['solver']} {row['route']}": row["our_part"] for row in table if row["our_part"]}
+    return [
+        "default, finest: error (off) with default settings and at the finest setting run, in",
+        "percent of the error of ignoring friction's law; medians of the cases answered",
+        f"cases: those where 1 % of friction makes an off of {LEAST:g} at least; ≤ 1 %: how many are within it",
+        "friction ×: farthest from 1; digits: mean of all cases at the finest setting run, 0 if not answered",
+        *(f"not ranked: {name} ({words})" for name, words in parts.items()),
+    ]
