@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from html import unescape
 
 import pytest
 
@@ -59,7 +60,7 @@ def test_the_first_sentence_names_the_best_engine_by_itself_and_follows_the_swit
     ranked = [row for row in rows if row["digits_rank"]]
     assert len(ranked) == 2 and {row["route"] for row in ranked} == {"native"}
     sentence = page.locator("p.verdict")
-    without_scripts = re.search(r'<p class="verdict"[^>]*>([^<]*)<', page_file.read_text()).group(1)
+    without_scripts = unescape(re.search(r'<p class="verdict"[^>]*>([^<]*)<', page_file.read_text()).group(1))
     assert sentence.inner_text() == without_scripts
     first, second = (row["solver"] for row in ranked)
     assert f"{first} native" in sentence.inner_text() and "assisted" not in sentence.inner_text()

@@ -75,7 +75,7 @@ def test_each_class_and_column_exists_at_its_home():
         ("`cases/case.py`", "`cases/question.py`"),
         ("`Transition`", "`Change`"),
         ("`Case.track`", "`Case.rail`"),
-        ("`event`", "`happening`"),
+        ("`off_doubt`", "`sureness`"),
         ("`engines`", "`motors`"),
     ],
 )

@@ -388,7 +388,7 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
     )
     ran = Experiment((case,), {case.label: Truth()}, runs, 0.0)
     monkeypatch.setattr("reports.running.experiment.run", lambda *_: ran)
-    monkeypatch.setattr(build, "_studied", lambda *_: [])
+    monkeypatch.setattr(build, "_study", lambda *_: [])
     monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
     argv = ["--quick", "--case", case.label, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]
     assert build.main(argv) == status

@@ -162,8 +162,8 @@ def written(ran, measured, tmp_path_factory):
         folder = tmp_path_factory.mktemp("report")
         monkeypatch.chdir(folder)
         monkeypatch.setattr(experiment, "run", lambda *given: spoilt(ran, *changes))
-        monkeypatch.setattr(build, "_measured", lambda *given: measured)
-        monkeypatch.setattr(build, "_studied", lambda *given: [])
+        monkeypatch.setattr(build, "_measure", lambda *given: measured)
+        monkeypatch.setattr(build, "_study", lambda *given: [])
         monkeypatch.setattr(pictures, "draw", lambda *given: ([], {}))
         assert build.main(["--case", CASE.label, "--quick", "--solver", REFERENCE, SOUND, "--store", "store"]) == 0
         return folder / "report"
