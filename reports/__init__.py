@@ -1,3 +1,3 @@
-"""Cases and solvers into tables, figures and a page: `python -m reports.build`."""
+"""Runs cases with solvers and writes tables, figures and a page: `python -m reports.build`."""
 
 import cases.keyboard_interrupt  # noqa: F401

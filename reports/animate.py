@@ -1,6 +1,6 @@
-"""`python -m reports.animate CASE [mu=0.3 …] [--out FILE.gif]`: the true motion as a film, GIF or MP4.
+"""`python -m reports.animate CASE [mu=0.3 …] [--out FILE.gif]`: write an animation of the true motion, GIF or MP4.
 
-A film plays in real time where that takes a few seconds, else by a round factor, which it says.
+It plays in real time if that takes a few seconds, otherwise slowed down or sped up by a round factor, which it shows.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ COMMAND = "reports.animate"
 
 
 def run(words: Sequence[str]) -> None:
-    """Write the film; raises CaseError if what was asked for makes no sense, or there is no ffmpeg for an MP4."""
-    case, out, force = case_of(COMMAND, words, "A case as a film: GIF, or MP4 where ffmpeg is installed.")
+    """Write the animation; raises CaseError for invalid arguments, or if ffmpeg is missing for an MP4."""
+    case, out, force = case_of(COMMAND, words, "Write an animation of a case: GIF, or MP4 if ffmpeg is installed.")
     path = out or Path(f"{file_name(case.label)}.gif")
     check_free(path, force)
     _film(case, path, force)
@@ -32,7 +32,7 @@ def _film(case: Case, path: Path, force: bool) -> None:
     film = reference.simulate(case).animate()
     path.parent.mkdir(parents=True, exist_ok=True)
     film.save(path, replace=force)
-    print(f"{film.seconds:.3g} s of film, {film.factor:g} × real time, {path.stat().st_size / 1e3:.0f} kB: {path}")
+    print(f"{film.seconds:.3g} s of animation, {film.factor:g} × real time, {path.stat().st_size / 1e3:.0f} kB: {path}")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

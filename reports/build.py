@@ -1,7 +1,7 @@
 """The full report: `python -m reports.build`, or `report([case, …])` from Python.
 
-`options` checks everything before any file is touched. What is slow to import is imported when it is needed: help and
-errors answer at once.
+`options` checks all arguments before any file is written. Slow modules are imported when they are needed, so that help
+and errors appear at once.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ COMMAND = "reports.build"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status: 0; 2 if what was asked for makes no sense, 1 if the report cannot be
-    written, 3 if it is written and a case has no truth, or no solver could run one that was named, 130 if it was
-    stopped."""
+    """Run the command; returns its exit status.
+
+    0; 1 if the report cannot be written; 2 for invalid arguments; 3 if the report is written but a case has no truth
+    or no solver could run a selected case; 130 if it was interrupted."""
     return status(COMMAND, _work, argv)
 
 
@@ -46,15 +47,15 @@ def _work(words: list[str]) -> int:
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
-    given = parser.parse_args(words)
-    if given.list:
-        print(listing(given.case_file))
+    arguments = parser.parse_args(words)
+    if arguments.list:
+        print(listing(arguments.case_file))
         return 0
-    return _build(options.plan_of(given, words))
+    return _build(options.plan_of(arguments, words))
 
 
 def report(
-    given: Iterable[Case],
+    cases: Iterable[Case],
     solvers: Iterable[str] | None = None,
     out: str | Path = "report",
     effort: str = "default",
@@ -62,18 +63,18 @@ def report(
     store: str | Path | None = None,
     fresh: bool = False,
 ) -> Path:
-    """A report on cases made by hand, in a script or a notebook; returns the path of its page.
+    """Write a report on cases made in a script or notebook; returns the path of its page.
 
-    The arguments are the command's options; each case has a name of its own. Raises CaseError, in one sentence, for
-    what makes no sense, and OSError if the report cannot be written.
+    The arguments are the command's options; each case needs a different name. Raises CaseError for invalid arguments,
+    OSError if the report cannot be written.
     """
-    plan = options.plan_by_hand(given, solvers, Path(out), effort, jobs, None if store is None else Path(store), fresh)
+    plan = options.plan_by_hand(cases, solvers, Path(out), effort, jobs, None if store is None else Path(store), fresh)
     _build(plan)
     return plan.out / "index.html"
 
 
 def listing(files: Sequence[str]) -> str:
-    """Cases with variants and summaries, solvers with routes. Imports no engine."""
+    """Cases with variants and summaries, and solvers with routes, as text. Imports no engine."""
     from .running.solvers import routes
 
     options.load_files(files)
@@ -87,10 +88,10 @@ def listing(files: Sequence[str]) -> str:
     lines.append("solvers")
     for name in options.solvers():
         try:
-            lines.append(f"  {name}: {', '.join(routes(name)) or 'says its routes when it is run'}")
+            lines.append(f"  {name}: {', '.join(routes(name)) or 'reports its routes when it runs'}")
         except ImportError as problem:
             lines.append(f"  {name}: not installed ({problem})")
-        except Exception as problem:  # its file may hold anything
+        except Exception as problem:  # the source of an adapter can raise anything
             lines.append(f"  {name}: its code cannot be read ({type(problem).__name__}: {problem})")
     return "\n".join(lines)
 
@@ -99,13 +100,13 @@ def listing(files: Sequence[str]) -> str:
 
 
 def _build(plan: BuildPlan) -> int:
-    """Make and write the report, and say what came out; the command's status: 3 if a case has no truth, or one that was
-    named was run by nobody."""
+    """Make and write the report and print its summary; returns the exit status of `main`."""
     from .drawing.figure_files import for_print
     from .page import folder
     from .page.text import lost_text
-    from .running import experiment, external_motions, versions
+    from .running import external_motions, versions
     from .running.calls import Calls
+    from .running.experiment import run as run_cases
     from .running.processes import cluster
     from .running.processes.progress import Display, usual
     from .running.storage.result_store import Store
@@ -119,15 +120,15 @@ def _build(plan: BuildPlan) -> int:
         _say(f"store: {store.problem()}")
     versions.make(plan.solvers, _say)
     try:
-        shown_by = Display(usual(len(plan.cases), timed=plan.effort != "quick", studied=_requested_studies(plan)))
-        with shown_by as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
+        progress = Display(usual(len(plan.cases), timings=plan.effort != "quick", studies=_requested_studies(plan)))
+        with progress as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
             calls.begin(plan.solvers)
-            ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
-            measured = _measure(plan, ran, calls)
-            studied = _study(plan, calls)
-            shown = external_motions.join_external(ran, plan.trajectories)
+            local_runs = run_cases(plan.cases, plan.solvers, calls, plan.select_rungs)
+            costs = _measure(plan, local_runs, calls)
+            study_results = _study(plan, calls)
+            experiment = external_motions.join_external(local_runs, plan.trajectories)
             with folder.of_report(plan.out).staged(whole=True) as place, for_print(plan.paper):
-                verdicts, left_out = _write(plan, shown, ran, measured, studied, calls, place)
+                verdicts, left_out = _write(plan, experiment, local_runs, costs, study_results, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except cluster.NoWorkers as problem:
@@ -135,18 +136,18 @@ def _build(plan: BuildPlan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, shown, verdicts, studied, left_out, calls))
-    lacking = _without_truth(shown) + (_run_by_nobody(shown) if plan.named else [])
+    print(_summary(plan, experiment, verdicts, study_results, left_out, calls))
+    lacking = _without_truth(experiment) + (_run_by_nobody(experiment) if plan.is_selection else [])
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
-    if calls.lost:
-        _say(f"{COMMAND}: {lost_text(calls.lost)}")
+    if calls.interruptions:
+        _say(f"{COMMAND}: {lost_text(calls.interruptions)}")
     return 3 if lacking else 0
 
 
 @contextmanager
 def _machines(plan: BuildPlan, calls: Calls) -> Iterator[None]:
-    """Runs that are not timed are made on the plan's cluster, if it has one, in the block."""
+    """A context manager in which untimed runs are made on the plan's cluster, if it has one."""
     from .running.processes import cluster_worker
     from .running.processes.cluster import Cluster
 
@@ -159,48 +160,48 @@ def _machines(plan: BuildPlan, calls: Calls) -> Iterator[None]:
         yield
 
 
-def _without_truth(shown: Experiment) -> list[str]:
-    """A sentence for each case that nothing could be judged by."""
-    return [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
+def _without_truth(experiment: Experiment) -> list[str]:
+    """A sentence for each case without a truth."""
+    return [f"no truth for {label}: {truth.failure}" for label, truth in experiment.truths.items() if truth.failure]
 
 
-def _run_by_nobody(shown: Experiment) -> list[str]:
-    """A sentence for each case of which no run is a motion though it has a truth, with what the first solver says."""
-    moved = {run.case for run in shown.runs if run.outcome in ("right", "wrong")}
-    moved |= {label for label, truth in shown.truths.items() if truth.failure}
-    first = {run.case: run for run in reversed(shown.runs) if run.case not in moved}
+def _run_by_nobody(experiment: Experiment) -> list[str]:
+    """A sentence for each case with a truth but without a motion, with the reason of the first solver."""
+    done_cases = {run.case for run in experiment.runs if run.outcome in ("right", "wrong")}
+    done_cases |= {label for label, truth in experiment.truths.items() if truth.failure}
+    first = {run.case: run for run in reversed(experiment.runs) if run.case not in done_cases}
     return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
 
 
-def _measure(plan: BuildPlan, ran: Experiment, calls: Calls) -> CostMeasurements:
-    """The timed pass, after everything else has ended; a quick report goes without."""
+def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasurements:
+    """The timed pass, after all other runs; a quick report has none."""
     from .analysis import baselines, time_to_accuracy, which_engine, work_precision
     from .analysis.work_precision import CostMeasurements
     from .running import per_solver
     from .running.timing import timings
 
     if plan.effort == "quick":
-        _say("timings: skipped by --quick; CPU times of the tables were taken beside other runs and rank nothing")
+        _say("timings: skipped by --quick; CPU times in the tables were measured next to other runs and are not ranked")
         return CostMeasurements()
     full = plan.effort == "full"
-    timed = timings.measure(ran, full, calls)
-    labels = tuple(case.label for case in timed.cases)
-    measured = CostMeasurements(labels, timed.timings, baselines.measure(timed.cases, calls), timed.failures)
+    results = timings.measure(local_runs, full, calls)
+    labels = tuple(case.label for case in results.cases)
+    costs = CostMeasurements(labels, results.timings, baselines.measure(results.cases, calls), results.failures)
     points = work_precision.work_precision_rows
-    told, _ = per_solver.make_per_solver(
-        lambda *some: time_to_accuracy.rows(points(*some)), (ran, measured), per_solver.solvers_of(ran)
+    rows, _ = per_solver.make_per_solver(
+        lambda *some: time_to_accuracy.rows(points(*some)), (local_runs, costs), per_solver.solvers_of(local_runs)
     )
-    beside = timings.beside(ran, which_engine.cold_start_keys(told), full, calls)
-    return measured._replace(cold=beside.cold, parts=beside.parts)
+    extra = timings.measure_extra(local_runs, which_engine.cold_start_keys(rows), full, calls)
+    return costs._replace(cold=extra.cold, parts=extra.parts)
 
 
 def _requested_studies(plan: BuildPlan) -> bool:
-    """A quick report has none, nor one where cases were named, unless it is a full one."""
-    return plan.effort == "full" or (plan.effort == "default" and not plan.named)
+    """Whether the report has studies: full reports do, default reports only on the whole catalogue."""
+    return plan.effort == "full" or (plan.effort == "default" and not plan.is_selection)
 
 
 def _study(plan: BuildPlan, calls: Calls) -> list[Result]:
-    """All studies of a report."""
+    """Run all studies of a report."""
     from . import studies
 
     if not _requested_studies(plan):
@@ -210,13 +211,13 @@ def _study(plan: BuildPlan, calls: Calls) -> list[Result]:
     for name in studies.names():
         study = studies.study(name)
         if study.IN_REPORT:
-            chosen = plan.cases if plan.named and "case" in study.TAKES else ()
+            selection = plan.cases if plan.is_selection and "case" in study.TAKES else ()
             solvers = plan.solvers if "solver" in study.TAKES else ()
-            words = [name, *(["--case", *(case.label for case in chosen)] if chosen else [])]
+            words = [name, *(["--case", *(case.label for case in selection)] if selection else [])]
             words += ["--full"] if full else []
-            words += ["--case-file", *map(os.path.relpath, plan.files)] if chosen and plan.files else []
+            words += ["--case-file", *map(os.path.relpath, plan.files)] if selection and plan.files else []
             words += ["--solver", *solvers] if solvers and set(solvers) != set(options.solvers()) else []
-            request = studies.Request(chosen, solvers, full)
+            request = studies.Request(selection, solvers, full)
             results.append(studies.run(name, request, calls, options.command("reports.study", words)))
     return results
 
@@ -227,15 +228,17 @@ def _say(text: str) -> None:
 
 def _write(
     plan: BuildPlan,
-    shown: Experiment,
-    ran: Experiment,
-    measured: CostMeasurements,
-    studied: Sequence[Result],
+    experiment: Experiment,
+    local_runs: Experiment,
+    costs: CostMeasurements,
+    study_results: Sequence[Result],
     calls: Calls,
     place: Path,
 ) -> tuple[list[dict[str, Any]], list[LeftOut]]:
-    """Tables, figures, page and manifest into a folder; returns the rows of the verdict, and what was made without
-    a solver's results since with them it fails. `ran`: what was run here, without what is external."""
+    """Write tables, figures, page and manifest into a folder.
+
+    Returns the rows of the verdict, and the items made without a solver because they fail with its results.
+    `local_runs`: the experiment without external motions."""
     from .drawing.figure_files import embed_command
     from .page import folder, html, motions, pictures, tables
     from .page.manifest import manifest
@@ -243,61 +246,68 @@ def _write(
     from .running.solvers import missing_words
     from .running.timing import phase_times
 
-    command = options.command(COMMAND, plan.argv) if plan.argv or not plan.named else "reports.build.report([…])"
-    told = manifest(ran.versions) | {
+    command = options.command(COMMAND, plan.argv) if plan.argv or not plan.is_selection else "reports.build.report([…])"
+    facts = manifest(local_runs.versions) | {
         "command": command,
         "options": _options(plan),
         "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {calls.store.taken_words()}",
-        "store": calls.store.told(),
+        "store": calls.store.summary(),
         "compiled": compile_cache.words(),
         "ladders": plan.ladders() or "All settings of all ladders.",
         "limit_seconds": plan.limit,
-        "cases": {case.label: dict(case.parameters) for case in shown.cases},
-        "lost": calls.lost,
+        "cases": {case.label: dict(case.parameters) for case in experiment.cases},
+        "lost": calls.interruptions,
     }
-    told["not installed"] = "; ".join(missing_words(ran.versions))
-    told["solvers"] |= external_motions.sources(plan.trajectories)
-    made = tables.Tables(place / "tables", command, ran.versions, plan.paper)
-    rows = tables.write(made, shown, ran, measured, studied)
-    calls.spent.book("tables")
+    facts["not installed"] = "; ".join(missing_words(local_runs.versions))
+    facts["solvers"] |= external_motions.sources(plan.trajectories)
+    table_files = tables.Tables(place / "tables", command, local_runs.versions, plan.paper)
+    rows = tables.write(table_files, experiment, local_runs, costs, study_results)
+    calls.times.book("tables")
     figures = place / "figures"
-    drawn, of_studies = pictures.draw(shown, ran, measured, studied, figures, calls)
-    for figure in drawn:
-        embed_command(figures, figure, html.command_of(figure.case, told))
-    for result in studied:
+    entries, of_studies = pictures.draw(experiment, local_runs, costs, study_results, figures, calls)
+    for figure in entries:
+        embed_command(figures, figure, html.command_of(figure.case, facts))
+    for result in study_results:
         for figure in of_studies[result.name]:
             embed_command(figures, figure, result.command)
-    moving, unmoved = motions.motions(shown)
-    made.note([*unmoved, *(one for some in (drawn, *of_studies.values()) for each in some for one in each.left_out)])
-
-    # The page shows the time of the report up to itself; the manifest has the whole.
-    told["seconds"] = phase_times.total(calls.spent.phases).wall
-
-    def rendered(
-        shown: Experiment, measured: CostMeasurements, frames: dict[str, Any], studied: Sequence[Result]
-    ) -> str:
-        frames |= {tables.OMISSIONS: made.frames[tables.OMISSIONS]} if made.left_out else {}
-        return html.render(shown, measured, frames, made.words, drawn, studied, of_studies, moving, figures, told)
-
-    records = (shown, measured, dict(made.frames), tuple(studied))
-    page, left = per_solver.make_per_solver(rendered, records, per_solver.solvers_of(shown), "the page")
-    if left:
-        made.note(left)
-        page = rendered(*(per_solver.without(each, {one.solver for one in left}) for each in records))
-    tables.describe(made)
-    (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
-    calls.spent.book("page")
-    told["phases"], told["seconds"] = (
-        phase_times.time_summary(calls.spent.phases),
-        phase_times.total(calls.spent.phases).wall,
+    moving, motion_omissions = motions.motions(experiment)
+    table_files.note(
+        [
+            *motion_omissions,
+            *(one for some in (entries, *of_studies.values()) for each in some for one in each.left_out),
+        ]
     )
-    told["left_out"] = [one._asdict() for one in made.left_out]
-    folder.sign(place, told)
-    return rows, made.left_out
+
+    # The page shows the time of the report up to its own writing; the manifest has the total.
+    facts["seconds"] = phase_times.total(calls.times.phases).wall
+
+    def render_page(
+        experiment: Experiment, costs: CostMeasurements, frames: dict[str, Any], study_results: Sequence[Result]
+    ) -> str:
+        frames |= {tables.OMISSIONS: table_files.frames[tables.OMISSIONS]} if table_files.left_out else {}
+        return html.render(
+            experiment, costs, frames, table_files.words, entries, study_results, of_studies, moving, figures, facts
+        )
+
+    records = (experiment, costs, dict(table_files.frames), tuple(study_results))
+    page, omissions = per_solver.make_per_solver(render_page, records, per_solver.solvers_of(experiment), "the page")
+    if omissions:
+        table_files.note(omissions)
+        page = render_page(*(per_solver.without(each, {one.solver for one in omissions}) for each in records))
+    tables.describe(table_files)
+    (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
+    calls.times.book("page")
+    facts["phases"], facts["seconds"] = (
+        phase_times.time_summary(calls.times.phases),
+        phase_times.total(calls.times.phases).wall,
+    )
+    facts["left_out"] = [one._asdict() for one in table_files.left_out]
+    folder.sign(place, facts)
+    return rows, table_files.left_out
 
 
 def _options(plan: BuildPlan) -> str:
-    """The options that matter when one case is to be made again: effort, case files and solvers."""
+    """The options needed to repeat one case of the report: effort, case files and solvers."""
     words = [] if plan.effort == "default" else [f"--{plan.effort}"]
     if plan.files:
         words += ["--case-file", *(shlex.quote(os.path.relpath(file)) for file in plan.files)]
@@ -308,34 +318,34 @@ def _options(plan: BuildPlan) -> str:
 
 def _summary(
     plan: BuildPlan,
-    shown: Experiment,
+    experiment: Experiment,
     verdicts: Sequence[dict[str, Any]],
-    studied: Sequence[Result],
+    study_results: Sequence[Result],
     left_out: Sequence[LeftOut],
     calls: Calls,
 ) -> str:
-    """What a terminal is told at the end: the answer, the counts, and last of all the path to open."""
+    """The text on the terminal at the end: the verdict, the counts, and last the path of the page."""
     from .analysis import tables, verdict
     from .running.solvers import missing_words
     from .running.timing import phase_times
 
     lines = [verdict.in_terminal(verdicts), "", *verdict.notes(verdicts), "", verdict.sentence(verdicts), ""]
-    counts = tables.outcome_counts(shown)
+    counts = tables.outcome_counts(experiment)
     total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
     count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
-    many = len(shown.cases)
-    lines += [f"{many} case{'s' * (many != 1)}, {len(shown.runs):,} runs in {shown.seconds:.0f} s: {count}"]
-    lines += [f"no truth for {label}: {truth.failure}" for label, truth in shown.truths.items() if truth.failure]
-    lines += [f"{result.name} failed: {result.failure}" for result in studied if result.failure]
+    many = len(experiment.cases)
+    lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs in {experiment.seconds:.0f} s: {count}"]
+    lines += [f"no truth for {label}: {truth.failure}" for label, truth in experiment.truths.items() if truth.failure]
+    lines += [f"{result.name} failed: {result.failure}" for result in study_results if result.failure]
     lines += [f"{one.item} made without {one.solver}: {one.reason}" for one in left_out]
-    lines += missing_words(shown.versions)
+    lines += missing_words(experiment.versions)
     store = calls.store
     lines += [
         f"store: {store.taken_words()}; {store.size_words()}",
         f"cache: {compile_cache.place() or 'off'}; {compile_cache.words()}",
     ]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
-    lines += [phase_times.words(calls.spent.phases)]
+    lines += [phase_times.words(calls.times.phases)]
     return "\n".join([*lines, str(plan.out / "index.html")])
 
 

@@ -1,5 +1,6 @@
-"""The console command `slip-to-roll`: the suite's commands under one name. `slip-to-roll report` is
-`python -m reports.build`, and so on; nothing is done here."""
+"""The console command `slip-to-roll`, with the suite's commands as subcommands.
+
+`slip-to-roll report` is `python -m reports.build`, and so on."""
 
 from __future__ import annotations
 
@@ -14,17 +15,17 @@ from io import StringIO
 import cases
 
 NAME = "slip-to-roll"
-# Sub-command: the module whose `main` it is, and what it does.
+# Subcommand: the module with its `main`, and its description.
 COMMANDS = {
     "report": ("reports.build", "run cases through solvers and write the comparison"),
     "cases": ("cases.commands", "list, show, make, check and export cases"),
     "compare": ("reports.compare", "judge a motion from a file"),
-    "submit": ("reports.submit", "check motions that are to be handed in"),
+    "submit": ("reports.submit", "check motions before you submit them"),
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
-    "animate": ("reports.animate", "a film of a motion, GIF or MP4"),
-    "study": ("reports.study", "one of the studies beside the comparison"),
+    "animate": ("reports.animate", "write an animation of a motion, GIF or MP4"),
+    "study": ("reports.study", "run one of the additional studies"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
-    "completion": ("", "print what completes words in bash, zsh or fish"),
+    "completion": ("", "print the completion script for bash, zsh or fish"),
 }
 
 _BASH = """\
@@ -43,14 +44,14 @@ _SHELLS = {
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a sub-command; returns its exit status: 2 if there is none of that name."""
+    """Run a subcommand; returns its exit status, 2 for an unknown name."""
     words = list(sys.argv[1:] if argv is None else argv)
     name, *rest = words or ["--help"]
     if name in ("-h", "--help"):
         print(_help())
     elif name == "--version":
         print(f"{NAME} {cases.__version__}")
-    elif name == "complete":  # asked by the shell at every press of a key
+    elif name == "complete":  # called by the shell at every completion
         print("\n".join(following(rest)))
     elif name == "completion":
         return _completion(rest)
@@ -73,7 +74,7 @@ def _help() -> str:
         "",
     ]
     lines += [f"  {name:{width}}  {what}" for name, (_, what) in COMMANDS.items()]
-    return "\n".join([*lines, "", f"{NAME} COMMAND --help tells the options of each."])
+    return "\n".join([*lines, "", f"{NAME} COMMAND --help lists the options of a command."])
 
 
 def _completion(words: Sequence[str]) -> int:
@@ -85,7 +86,7 @@ def _completion(words: Sequence[str]) -> int:
 
 
 def following(words: Sequence[str]) -> list[str]:
-    """What may come after these words of a command line: sub-commands, cases, solvers, options."""
+    """The completions of a command line: subcommands, cases, solvers, options."""
     if not words:
         return list(COMMANDS)
     if words[0] == "completion":
@@ -100,13 +101,13 @@ def following(words: Sequence[str]) -> list[str]:
         from .options import solvers
 
         return list(solvers())
-    told = StringIO()
-    with redirect_stdout(told):
+    output = StringIO()
+    with redirect_stdout(output):
         try:
             import_module(COMMANDS[words[0]][0]).main(["--help"])
-        except SystemExit:  # argparse ends so
+        except SystemExit:  # argparse exits after the help
             pass
-    return sorted(set(re.findall(r"--[a-z][a-z-]*", told.getvalue())))
+    return sorted(set(re.findall(r"--[a-z][a-z-]*", output.getvalue())))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""`python -m reports.compare CASE FILE.csv`: judge a trajectory that a solver without Python has written to a file.
+"""`python -m reports.compare CASE FILE.csv`: judge a trajectory from a file, by the criteria of the report.
 
-The columns: `adapters.common.motion_file`. The judgement is that of the report. Exit status: 0 if the file could be
-judged, whatever came out; 2, with one sentence, if it could not.
+Columns of the file: `adapters.common.motion_file`. Exit status: 0 if the file could be judged, right or wrong; 2, with
+one sentence, if not.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
     from .running.records import Run
 
 COMMAND = "reports.compare"
-# What the transitions' times are, and are not.
+# Note on the times of transitions.
 SHOWN_DIGITS = (
-    "Transitions are extrapolated between the samples (seen_at: the first sample after each, where a user who looks at "
-    "step ends would see it)."
+    "Transitions are extrapolated between the samples (seen_at: the first sample after each, where it becomes visible "
+    "at the end of a step)."
 )
 
 
 def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
-    """The judgement as text; `creep` (m/s) is what the solver creeps while it sticks.
+    """Judge a file's motion; returns the result as text. `creep`: creep velocity of the solver while it sticks, m/s.
 
-    Raises CaseError if the file cannot be judged, or the reference has no truth.
+    Raises CaseError if the file cannot be judged or the reference has no truth.
     """
     from adapters import Setting
     from adapters.common.motion_file import columns_of, read_table, trajectory_of
@@ -71,7 +71,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
         ("energy at the end (J)", total[-1]),
         ("largest growth (J)", energy_growth(case, motion)),
     ]
-    broken = broken_laws(case, motion, gap)
+    violations = broken_laws(case, motion, gap)
     assert run.score is not None, "a motion that is judged has a score"
     return "\n\n".join(
         (
@@ -80,7 +80,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
             "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=".9g") if ledger else "none, as in the truth"),
             "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
-            "Laws broken\n" + ("\n".join(broken) if broken else "none"),
+            "Laws broken\n" + ("\n".join(violations) if violations else "none"),
             _creep_text(run.score.creep, motion.slip_resolution),
             SHOWN_DIGITS,
         )
@@ -94,7 +94,7 @@ def _creep_text(creep: float, declared: float) -> str:
 
 
 def _time_text(motion: Trajectory, time: float) -> float:
-    """The first sample at or after a time; NaN where there is none."""
+    """The time of the first sample at or after `time`; NaN if there is none."""
     place = int(motion.t.searchsorted(time))
     return float(motion.t[place]) if place < len(motion.t) else float("nan")
 
@@ -108,10 +108,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             "FILE": "comma-separated values with the columns t, x, y, theta",
         }
         parser = options.parser(COMMAND, "Judge an exported trajectory.", "case_file", "creep", words=positional)
-        given = parser.parse_args(words)
-        options.load_files(given.case_file)
-        case = lookup.case_name(given.CASE).one()
-        print(compare(case, existing("file", given.FILE), options.creep_of(given.creep)))
+        arguments = parser.parse_args(words)
+        options.load_files(arguments.case_file)
+        case = lookup.case_name(arguments.CASE).one()
+        print(compare(case, existing("file", arguments.FILE), options.creep_of(arguments.creep)))
 
     return status(COMMAND, work, argv)
 

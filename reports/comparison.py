@@ -1,7 +1,6 @@
-"""Solvers compared in a script or a notebook: `compare(case, pymunk="assisted", mine="motion.csv")`.
+"""Comparison of solvers in a script or notebook: `compare(case, pymunk="assisted", mine="motion.csv")`.
 
-The judgement is that of the report. Engines run in a process of their own, so that one that crashes takes nothing
-with it.
+The criteria are those of the report. Engines run in separate processes, so that a crash does not affect this one.
 """
 
 from __future__ import annotations
@@ -30,52 +29,52 @@ if TYPE_CHECKING:
 
 
 def motion_of(case: Case, solver: str, route: str, setting: Setting | Mapping | None = None) -> Trajectory:
-    """The motion an engine makes of a case, by a setting of its own (None: the finest of its ladder).
+    """Simulate a case with an engine, at a setting of its route (None: the finest of its ladder).
 
-    Raises UnknownName; NotSupported where the route refuses the case or is not there; EngineFailure where it crashed
-    or ran out of time.
+    Raises UnknownName for an unknown engine or route, NotSupported if the route does not support the case or is not
+    installed, EngineFailure if it crashed or timed out.
     """
     if solver not in adapters.engines():
         raise unknown_name("engine", solver, adapters.engines())
     with Calls(jobs=1) as calls:
-        (asked,) = calls.all("survey", tasks.survey, [(case, solver)])
-        offers = asked.value if asked.outcome == "done" else ()
-        if asked.outcome != "done":
-            raise EngineFailure(f"{solver} cannot be asked: {asked.reason}")
+        (answer,) = calls.all("survey", tasks.survey, [(case, solver)])
+        offers = answer.value if answer.outcome == "done" else ()
+        if answer.outcome != "done":
+            raise EngineFailure(f"{solver} does not answer: {answer.reason}")
         offer = next((offer for offer in offers if offer.route in (route, "")), None)
         if offer is None:
             raise unknown_name(f"route of {solver}", route, [offer.route for offer in offers])
         if offer.outcome or not offer.settings:
             raise NotSupported(f"{solver}, {route}: {offer.reason or 'it offers no setting'}")
-        chosen = offer.settings[-1] if setting is None else _setting(setting)
-        (made,) = calls.all("run", tasks.motion_of, [(case, solver, route, chosen)])
-    if made.outcome != "done":
-        raise EngineFailure(f"{solver}, {route}: {made.failure[1]}")
-    return replace(made.value, case=case)
+        rung = offer.settings[-1] if setting is None else _setting(setting)
+        (result,) = calls.all("run", tasks.motion_of, [(case, solver, route, rung)])
+    if result.outcome != "done":
+        raise EngineFailure(f"{solver}, {route}: {result.failure[1]}")
+    return replace(result.value, case=case)
 
 
-def _setting(given: Setting | Mapping) -> Setting:
-    return given if isinstance(given, Setting) else Setting.of(**given)
+def _setting(knobs: Setting | Mapping) -> Setting:
+    return knobs if isinstance(knobs, Setting) else Setting.of(**knobs)
 
 
-def compare(case: Case, **given: str | Path | Trajectory) -> Comparison:
-    """The motions judged by the certified truth. Of each solver, by its name: a Trajectory; the path of an exported
-    one, ending in .csv; or a route of an engine of that name, run at its finest setting.
+def compare(case: Case, **solvers: str | Path | Trajectory) -> Comparison:
+    """Judge motions by the certified truth.
 
-    Raises CaseError where there is no truth, or what is given is no motion of the case.
+    `solvers`: by name, a Trajectory, the path of an exported one (ending in .csv), or a route of the engine of that
+    name, run at its finest setting. Raises CaseError if there is no truth, or a motion is not one of the case.
     """
     truth = tasks.find_truth(case)
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge by: {truth.failure}")
     motions, runs = {}, []
-    for name, what in given.items():
+    for name, what in solvers.items():
         motions[name], run = _judge(case, truth, name, what)
         runs.append(run)
     return Comparison(case, truth, motions, tuple(runs))
 
 
 def _judge(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -> tuple[Trajectory, Run]:
-    """A motion of what is given, and its row."""
+    """The motion of one argument of `compare`, and its row."""
     row = Run(case.label, name, "", Setting.of(), 0, outcome="")
     if not isinstance(what, Trajectory | str | Path):
         raise BadValue(f"{name} is {what!r}; give a Trajectory, the path of a .csv, or a route of the engine {name}")
@@ -93,7 +92,7 @@ def _judge(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -
 
 @dataclass(frozen=True, repr=False)
 class Comparison:
-    """Motions of one case beside its truth: `runs` are their rows of the report, in the order given."""
+    """Motions of one case and its truth; `runs`: their rows as in the report, in the order of the arguments."""
 
     case: Case
     truth: Truth
@@ -101,8 +100,8 @@ class Comparison:
     runs: tuple[Run, ...]
 
     def __repr__(self) -> str:
-        told = "; ".join(f"{run.solver} {run.outcome}" for run in self.runs)
-        return f"<Comparison on {self.case.label}: {told}>"
+        outcomes = "; ".join(f"{run.solver} {run.outcome}" for run in self.runs)
+        return f"<Comparison on {self.case.label}: {outcomes}>"
 
     def _repr_html_(self) -> str:
         from html import escape
@@ -133,7 +132,7 @@ class Comparison:
         return pd.DataFrame(rows)
 
     def plot(self, quantity: str = "slip") -> Picture:
-        """A quantity of all motions against time, and below how far each is from the truth."""
+        """Plot a quantity of all motions against time, and below its difference from the truth."""
         from .drawing.comparison import plot
 
         return plot(self.case.label, self.truth, self.runs, quantity)

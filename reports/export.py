@@ -1,7 +1,7 @@
-"""`python -m cases export NAME [mu=0.3 …] [--out DIR]`: a case as data, for a tool of your own.
+"""`python -m cases export NAME [mu=0.3 …] [--out DIR]`: write a case as data for other tools.
 
-Writes scene.json (`adapters.by_process.scene`, as an executable is given it, with the true transitions and their error
-bars beside it), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion, motion.csv.
+Writes scene.json (`adapters.by_process.scene`, the input of executables, with the true transitions and their error
+bars), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion, motion.csv.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv")
 
 
 def run(words: Sequence[str]) -> None:
-    """Write the files; raises CaseError if what was asked for makes no sense."""
-    case, out, force = case_of("cases export", words, "A case as data, for a tool of your own.")
+    """Write the files; raises CaseError for invalid arguments."""
+    case, out, force = case_of("cases export", words, "Write a case as data for other tools.")
     folder = out or Path(case.name)
     for name in FILES:
         check_free(folder / name, force)
@@ -33,14 +33,13 @@ def run(words: Sequence[str]) -> None:
 
 
 def export(case: Case, folder: Path, replace: bool = True) -> list[Path]:
-    """Write a case into a folder; returns the files. `replace`: whether they may be there; if not, FileExistsError is
-    raised."""
+    """Write a case into a folder; returns the files. Without `replace`, raises FileExistsError if one exists."""
     from adapters.by_process.scene import as_json, curve_samples, scene
 
-    told = {**scene(case), **truth(case)}
+    data = {**scene(case), **truth(case)}
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / name for name in FILES]
-    write(paths[0], as_json(told, indent=1) + "\n", replace)
+    write(paths[0], as_json(data, indent=1) + "\n", replace)
     for path, rows in zip(paths[1:3], curve_samples(case).values(), strict=True):
         _write_csv(path, rows, "s,x,y,normal_x,normal_y,curvature", replace)
     names, rows = motion(case)
@@ -54,7 +53,7 @@ def _write_csv(path: Path, rows: np.ndarray, head: str, replace: bool, fmt: str 
 
 
 def truth(case: Case) -> dict:
-    """How the true motion ends, and its transitions with their error bars, by the certificate that reports judge by."""
+    """The end of the true motion and its transitions with their error bars, from the certificate that reports use."""
     from reference.certification import stored_or_new
 
     from .running.tasks import in_catalogue
@@ -72,7 +71,7 @@ def truth(case: Case) -> dict:
 
 
 def motion(case: Case) -> tuple[tuple[str, ...], np.ndarray]:
-    """Columns and rows of the true motion, as `reports.compare` reads them; a plate in flight has no forces."""
+    """Columns and rows of the true motion, in the format of `reports.compare`; forces are zero in flight."""
     import reference
 
     true = reference.simulate(case, rtol=1e-13)

@@ -188,7 +188,7 @@ class BuildPlan:
     effort: str
     jobs: int
     argv: tuple[str, ...]
-    named: bool  # whether the cases were named, not taken from the whole catalogue
+    is_selection: bool  # whether the cases were named, not taken from the whole catalogue
     store: Path | None = None  # where finished runs are kept
     fresh: bool = False  # whether what is kept there is left out of account
     trajectories: tuple[External, ...] = ()
@@ -205,7 +205,7 @@ class BuildPlan:
 
         There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion; but
         by the paper's own matrix, which takes fifteen times as long, at its two coarsest."""
-        if self.effort == "full" or (self.effort == "default" and (self.named or case in WHOLE)):
+        if self.effort == "full" or (self.effort == "default" and (self.is_selection or case in WHOLE)):
             return settings
         if self.effort == "default" and (solver, route) == (REFERENCE, LITERAL):
             return settings[:2]
@@ -217,7 +217,7 @@ class BuildPlan:
 
     def ladders(self) -> str:
         """Which settings are run, in a sentence; "" where all are."""
-        if self.effort == "full" or (self.effort == "default" and self.named):
+        if self.effort == "full" or (self.effort == "default" and self.is_selection):
             return ""
         if self.effort == "quick":
             return "Of each ladder three settings and the engine as it comes; --full runs all."
@@ -240,25 +240,25 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
         own_engines = tuple(adapters.lookup.register(file) for file in options.engine)
     except ImportError as problem:
         raise BadValue(str(problem)) from problem
-    jobs, chosen = whole_jobs(options.jobs), choose_solvers([*(options.solver or solvers()), *own_engines])
+    jobs, solver_names = whole_jobs(options.jobs), choose_solvers([*(options.solver or solvers()), *own_engines])
     files, own = load_files(options.case_file)
     out = check_out(options.out)
     store = check_store(options.store, out)
     names = options.case or own
-    found, more = choose_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
-    external = _trajectories(options.trajectory, found) + _submissions(options.submissions, found)
-    named = bool(names)
+    case_list, more = choose_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
+    external = _trajectories(options.trajectory, case_list) + _submissions(options.submissions, case_list)
+    is_selection = bool(names)
     if options.dask is not None and own_engines:
         raise BadValue("--engine names files of this machine, which --dask leaves; give one of the two")
     files = tuple(dict.fromkeys((*files, *more)))
     return BuildPlan(
-        out, found, files, chosen, effort, jobs, tuple(argv), named, store, options.fresh, external, options.paper,
-        options.dask,
+        out, case_list, files, solver_names, effort, jobs, tuple(argv), is_selection, store, options.fresh, external,
+        options.paper, options.dask,
     )  # fmt: skip
 
 
 def plan_by_hand(
-    given: Iterable[Case],
+    own_cases: Iterable[Case],
     solvers: Iterable[str] | None,
     out: Path,
     effort: str,
@@ -267,24 +267,26 @@ def plan_by_hand(
     fresh: bool,
 ) -> BuildPlan:
     """The plan of a report on cases made by hand, checked as one of the command's; raises CaseError."""
-    found = tuple(given)
-    for case in found:
+    case_list = tuple(own_cases)
+    for case in case_list:
         if not isinstance(case, Case):
             raise BadValue(f"{case!r} is no Case; give a list of cases")
-    labels = [case.label for case in found]
+    labels = [case.label for case in case_list]
     twice = next((label for label in labels if labels.count(label) > 1), "")
-    if twice or not found:
+    if twice or not case_list:
         raise BadValue(f"two cases are called {twice!r}; give each a name=" if twice else "no case is given; give one")
     if effort not in _LIMITS:
         raise unknown_name("effort", effort, _LIMITS)
-    chosen, out = choose_solvers(solvers), check_out(out)
-    return BuildPlan(out, found, (), chosen, effort, whole_jobs(str(jobs)), (), True, check_store(store, out), fresh)
+    solver_names, out = choose_solvers(solvers), check_out(out)
+    return BuildPlan(
+        out, case_list, (), solver_names, effort, whole_jobs(str(jobs)), (), True, check_store(store, out), fresh
+    )
 
 
 def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
     """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be asked for."""
-    chosen = tuple(dict.fromkeys(names or solvers()))
-    for name in chosen:
+    solver_names = tuple(dict.fromkeys(names or solvers()))
+    for name in solver_names:
         engine, mark, _ = name.partition("@")
         if engine not in solvers():
             raise unknown_name("solver", engine, solvers())
@@ -292,7 +294,7 @@ def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
             from .running import versions
 
             versions.check(name)
-    return chosen
+    return solver_names
 
 
 def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
@@ -301,12 +303,12 @@ def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
     return tuple(str(Path(file).resolve()) for file in files), names
 
 
-def _trajectories(texts: Sequence[str], found: Sequence[Case]) -> tuple[External, ...]:
+def _trajectories(texts: Sequence[str], case_list: Sequence[Case]) -> tuple[External, ...]:
     if not texts:
         return ()
     from .running import external_motions
 
-    return external_motions.from_options(texts, found, solvers())
+    return external_motions.from_options(texts, case_list, solvers())
 
 
 def creep_of(text: str) -> float:
@@ -320,12 +322,14 @@ def creep_of(text: str) -> float:
     return creep
 
 
-def _submissions(folder: str | None, found: Sequence[Case]) -> tuple[External, ...]:
+def _submissions(folder: str | None, case_list: Sequence[Case]) -> tuple[External, ...]:
     if folder is None:
         return ()
     from .running import submissions
 
-    return submissions.externals(submissions.submissions_in(place("folder of --submissions", folder)), found, solvers())
+    return submissions.externals(
+        submissions.submissions_in(place("folder of --submissions", folder)), case_list, solvers()
+    )
 
 
 def whole_jobs(text: str) -> int:
@@ -342,13 +346,13 @@ def whole_jobs(text: str) -> int:
 def choose_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], tuple[str, ...]]:
     """The cases of the texts, each once, and the files that the texts name; a quick report takes only the last variant
     of each case."""
-    found: dict[tuple, Case] = {}
-    named = [lookup.case_name(text) for text in texts]
-    for one in named:
+    case_list: dict[tuple, Case] = {}
+    case_names = [lookup.case_name(text) for text in texts]
+    for one in case_names:
         variants = one.every()
         for case in {case.name: case for case in variants}.values() if effort == "quick" else variants:
-            found.setdefault((case.name, tuple(case.parameters.items())), case)
-    return tuple(found.values()), tuple(str(one.file.resolve()) for one in named if one.file)
+            case_list.setdefault((case.name, tuple(case.parameters.items())), case)
+    return tuple(case_list.values()), tuple(str(one.file.resolve()) for one in case_names if one.file)
 
 
 def check_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = folder.of_report) -> Path:

@@ -53,21 +53,21 @@ def publish(report: Path, results: Path) -> Path:
     Raises BadValue for what may not stand for a release, OSError if the folder cannot be written.
     """
     names = folder.of_report(report).names()
-    told = _manifest(report)
-    _check(told, report, names)
+    manifest = _manifest(report)
+    _check(manifest, report, names)
     place = folder.of_report(results / cases.__version__, "release")
     place.check()
     with place.staged(whole=True) as partial:
-        kept = [name for name in names if not name.startswith("figures/") or name in _FIGURES]
-        for name in kept:
+        files = [name for name in names if not name.startswith("figures/") or name in _FIGURES]
+        for name in files:
             (partial / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(report / name, partial / name)
-        page = _by_itself(_text(report / folder.PAGE), kept)
+        page = _by_itself(_text(report / folder.PAGE), files)
         (partial / folder.PAGE).write_text(page, encoding="utf-8")
-        package = _describe(_json(report / PACKAGE), told, partial, names)
+        package = _describe(_json(report / PACKAGE), manifest, partial, names)
         (partial / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
-        (partial / CONSTRAINTS).write_text(_constraints(told), encoding="utf-8")
-        folder.sign(partial, told | {"licence": LICENCE["name"]})
+        (partial / CONSTRAINTS).write_text(_constraints(manifest), encoding="utf-8")
+        folder.sign(partial, manifest | {"licence": LICENCE["name"]})
         numbers(partial)
     return place.path
 
@@ -76,8 +76,8 @@ def releases(results: Path = RESULTS) -> list[Path]:
     """The folders of published reports, the last release last."""
     from packaging.version import Version
 
-    found = [path.parent for path in results.glob("*/manifest.json")]
-    return sorted(found, key=lambda path: Version(path.name))
+    folders = [path.parent for path in results.glob("*/manifest.json")]
+    return sorted(folders, key=lambda path: Version(path.name))
 
 
 # --- what may be published --------------------------------------------------------------------------------------------
@@ -109,43 +109,43 @@ _TYPES: dict[str, Callable[[Any], bool]] = {
 
 def _manifest(report: Path) -> dict[str, Any]:
     """What the report says of itself; raises BadValue if a value is not of its type."""
-    told = _json(report / folder.MANIFEST)
-    if not isinstance(told, dict) or told.get("made_by") != folder.MADE_BY:
-        raise BadValue(f"{report} holds no report; {_AGAIN}")
-    wrong = next((name for name, fits in _TYPES.items() if not fits(told.get(name))), "")
+    manifest = _json(report / folder.MANIFEST)
+    if not isinstance(manifest, dict) or manifest.get("made_by") != folder.MADE_BY:
+        raise BadValue(f"{report} contains no report; {_AGAIN}")
+    wrong = next((name for name, fits in _TYPES.items() if not fits(manifest.get(name))), "")
     if wrong:
         raise BadValue(f"{wrong} in {report / folder.MANIFEST} is not as a build writes it; {_AGAIN}")
-    return told
+    return manifest
 
 
 def _json(file: Path) -> Any:
     try:
         return json.loads(_text(file))
     except (ValueError, RecursionError) as problem:
-        raise BadValue(f"{file} is no JSON ({type(problem).__name__}); {_AGAIN}") from None
+        raise BadValue(f"{file} is not JSON ({type(problem).__name__}); {_AGAIN}") from None
 
 
 def _text(file: Path) -> str:
     return user_files.text("file of the report", file, _LARGEST)
 
 
-def _check(told: Mapping[str, Any], report: Path, names: Sequence[str]) -> None:
+def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> None:
     """Raises BadValue unless it is a whole default report of this version, of a commit, with nothing lost."""
     absent = [name for name in (folder.PAGE, PACKAGE, *_FIGURES) if name not in names]
     lacking = sorted(
-        {case.label for name in cases.names(hard=False) for case in cases.select(name)} - set(told["cases"])
+        {case.label for name in cases.names(hard=False) for case in cases.select(name)} - set(manifest["cases"])
     )
-    version, commit = told["solvers"].get("reference"), told["commit"]
+    version, commit = manifest["solvers"].get("reference"), manifest["commit"]
     problems = {
         f"is without {', '.join(absent)}": absent,
         f"is of version {version}, and this is {cases.__version__}": version != cases.__version__,
         f"has no {', '.join(lacking[:3])}": lacking,
-        f"was made with {told['options']}": told["options"],
+        f"was made with {manifest['options']}": manifest["options"],
         "has no timings": "tables/time_to_accuracy.csv" not in names,
-        "lost calls to something outside": told["lost"],
+        "lost calls to something outside": manifest["lost"],
         "does not say which commit it is of": not commit,
         "was made of files that differ from their commit": commit.endswith("+"),
-        "does not say what was installed": not told["installed"],
+        "does not say what was installed": not manifest["installed"],
         f"has no headline picture of {CASE}": not absent and CASE not in _text(report / _FIGURES[1]),
     }
     problem = next((words for words, is_so in problems.items() if is_so), "")
@@ -166,43 +166,43 @@ _INSTEAD = (
 _REFERENCE = re.compile(r'(?:href|src)="((?:figures|tables)/[^"]+|[\w.]+)"')
 
 
-def _by_itself(page: str, kept: Sequence[str]) -> str:
+def _by_itself(page: str, files: Sequence[str]) -> str:
     """The page without what it says of figures beside it; raises BadValue if it refers to a file that is not kept."""
     page = _LINK.sub(r"\1", _LINE.sub("", _WITHOUT_SCRIPTS.sub(_INSTEAD, page)))
-    lost = sorted({*_REFERENCE.findall(page)} - {*kept})
-    if lost:
-        raise BadValue(f"the page refers to {lost[0]}, which is not kept; mend what {COMMAND} leaves out")
+    missing = sorted({*_REFERENCE.findall(page)} - {*files})
+    if missing:
+        raise BadValue(f"the page refers to {missing[0]}, which is not kept; mend what {COMMAND} leaves out")
     return page
 
 
-def _describe(package: Any, told: Mapping[str, Any], place: Path, names: Sequence[str]) -> dict[str, Any]:
+def _describe(package: Any, manifest: Mapping[str, Any], place: Path, names: Sequence[str]) -> dict[str, Any]:
     """The data package with version, licence and the digests of its tables; raises BadValue for one that says anything
     but which tables there are."""
-    given = package.get("resources") if isinstance(package, dict) else None
-    if not isinstance(given, list) or not all(
-        isinstance(one, dict) and f"tables/{one.get('path')}" in names for one in given
+    entries = package.get("resources") if isinstance(package, dict) else None
+    if not isinstance(entries, list) or not all(
+        isinstance(one, dict) and f"tables/{one.get('path')}" in names for one in entries
     ):
         raise BadValue(f"{PACKAGE} is not as a build writes it; {_AGAIN}")
     head = {
         "$schema": "https://datapackage.org/profiles/2.0/datapackage.json",
         "name": package.get("name"),
         "title": "slip-to-roll: how wrong is your friction?",
-        "description": f"Tables of the report of version {cases.__version__}, made by `{told['command']}`.",
+        "description": f"Tables of the report of version {cases.__version__}, made by `{manifest['command']}`.",
         "version": cases.__version__,
-        "created": told["made_at"],
+        "created": manifest["made_at"],
         "licenses": [LICENCE],
     }
     tables = place / "tables"
     resources = [
         one | {"bytes": (tables / one["path"]).stat().st_size, "hash": f"sha256:{digest(tables / one['path'])}"}
-        for one in given
+        for one in entries
     ]
     return head | {"resources": resources}
 
 
-def _constraints(told: Mapping[str, Any]) -> str:
-    head = f"# What the report of version {cases.__version__} was made with, by Python {told['python']}.\n"
-    return head + "".join(f"{name}=={version}\n" for name, version in told["installed"].items())
+def _constraints(manifest: Mapping[str, Any]) -> str:
+    head = f"# What the report of version {cases.__version__} was made with, by Python {manifest['python']}.\n"
+    return head + "".join(f"{name}=={version}\n" for name, version in manifest["installed"].items())
 
 
 # --- the README -------------------------------------------------------------------------------------------------------
@@ -231,15 +231,15 @@ def numbers(place: Path) -> tuple[str, str, str, str]:
     return f"{when:.9f}", f"{bar:.0e}", f"{1e3 * pymunk:.2g}", f"{1e3 * exudyn:.2g}"
 
 
-def _number(place: Path, table: str, column: str, **wanted: str) -> float:
+def _number(place: Path, table: str, column: str, **keys: str) -> float:
     """One number of a table; raises BadValue if it is not there."""
     name = f"tables/{table}.csv"
     rows = csv.DictReader(StringIO(_text(place / name), newline=""))
     try:
-        row = next((row for row in rows if wanted.items() <= row.items()), {})
+        row = next((row for row in rows if keys.items() <= row.items()), {})
         return finite(column, float(row.get(column) or ""))
     except (ValueError, csv.Error):
-        raise BadValue(f"{name} of the report has no {column} for {', '.join(wanted.values())}; {_AGAIN}") from None
+        raise BadValue(f"{name} of the report has no {column} for {', '.join(keys.values())}; {_AGAIN}") from None
 
 
 def refresh(readme: Path, place: Path) -> None:
@@ -268,11 +268,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             COMMAND, "Keep a report with its release.", "out", words=positional, out="docs/results",
             example=f"python -m {COMMAND} report",
         )  # fmt: skip
-        given = parser.parse_args(words)
-        results = user_files.place("folder of --out", given.out).resolve()
+        arguments = parser.parse_args(words)
+        results = user_files.place("folder of --out", arguments.out).resolve()
         if results == RESULTS:
             around(ROOT / "README.md")  # before anything is written
-        place = publish(user_files.place("report", given.REPORT), results)
+        place = publish(user_files.place("report", arguments.REPORT), results)
         if results == RESULTS:
             refresh(ROOT / "README.md", place)
         size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())

@@ -1,6 +1,6 @@
-"""`python -m cases show NAME [mu=0.3 …] [--case-file FILE] [--out FILE]`: a picture of scene and motion, and the facts.
+"""`python -m cases show NAME [mu=0.3 …] [--case-file FILE] [--out FILE]`: draw scene and motion, and print the facts.
 
-Lives among the reports because it needs solvers; `python -m cases` finds it as an entry point.
+It is in `reports` because it needs solvers; `python -m cases` finds it as an entry point.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from cases.user_files import place
 
 from . import options
 
-_CHANGES = "what differs from its own"
+_CHANGES = "parameters that differ from the defaults"
 KINDS = (".png", ".svg", ".pdf")
 
 
 class ShowRequest(NamedTuple):
-    """What a command line asks for."""
+    """The arguments of a command on one case."""
 
     case: Case
     out: Path | None
@@ -33,9 +33,9 @@ class ShowRequest(NamedTuple):
 
 
 def run(words: Sequence[str]) -> None:
-    """Draw and print; raises CaseError if what was asked for makes no sense."""
+    """Draw and print; raises CaseError for invalid arguments."""
     case, out, force = case_of(
-        "cases show", words, "A picture of a case and its motion, the facts, and who can run it."
+        "cases show", words, "Draw a case and its motion; print its facts and the solvers that can run it."
     )
     picture = out or Path(f"{case.name}.png")
     if picture.suffix not in KINDS:
@@ -53,24 +53,25 @@ def run(words: Sequence[str]) -> None:
 
 
 def case_of(command: str, words: Sequence[str], says: str) -> ShowRequest:
-    """The case that a command line names, where its output goes, and whether it may write over what is there."""
+    """Parse the command line: the case, the output path, and whether existing files may be replaced."""
     positional = {"CASE": options.A_CASE, "parameter=value*": _CHANGES}
     parser = options.parser(command, says, "case_file", "out", "force", words=positional)
-    given = parser.parse_args(list(words))
-    out = given.out and place("folder or file of --out", given.out)
-    options.load_files(given.case_file)
-    return ShowRequest(lookup.case_name(given.CASE).one(getattr(given, "parameter=value")), out, given.force)
+    arguments = parser.parse_args(list(words))
+    out = arguments.out and place("folder or file of --out", arguments.out)
+    options.load_files(arguments.case_file)
+    return ShowRequest(
+        lookup.case_name(arguments.CASE).one(getattr(arguments, "parameter=value")), out, arguments.force
+    )
 
 
 def check_free(path: Path, force: bool) -> None:
-    """Raises BadValue if a new file cannot be written: something is in its place (with `force` a file may be), or its
-    folder is closed."""
+    """Raises BadValue if a file cannot be written: it exists (allowed with `force`), or its folder is not writable."""
     check_new(path, force)
     options.check_writable("--out", path, path.parent)
 
 
 def facts(case: Case, motion: Trajectory) -> str:
-    """Parameters, docstring with its facts, transitions, and which solvers can run it."""
+    """Parameters, docstring, transitions, and the solvers that can run the case, as text."""
     from .running.calls import Calls
     from .running.experiment import offers
 
@@ -88,7 +89,7 @@ def facts(case: Case, motion: Trajectory) -> str:
 
 
 def main(command: Callable[[list[str]], None] = run) -> int:
-    """For a suite that is not installed: `python -m reports.show NAME`."""
+    """The command `python -m reports.show NAME`, for a suite that is not installed."""
     return status("cases", command, None)
 
 

@@ -1,4 +1,4 @@
-"""`python -m reports.study NAME`: one study by itself, its tables and pictures in a folder."""
+"""`python -m reports.study NAME`: make one study and write its tables and figures into a folder."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ COMMAND = "reports.study"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """The command; returns its exit status."""
+    """Run the command; returns its exit status."""
     return status(COMMAND, _work, argv)
 
 
@@ -28,23 +28,23 @@ def _work(words: list[str]) -> None:
         "store", "fresh", "paper", words={"NAME": "the study"},
         example=f"python -m {COMMAND} stability --solver reference pymunk",
     )  # fmt: skip
-    given = parser.parse_args(words)
-    study = studies.study(given.NAME)
+    arguments = parser.parse_args(words)
+    study = studies.study(arguments.NAME)
     for option in ("case", "solver"):
-        if getattr(given, option) and option not in study.TAKES:
-            raise BadValue(f"{given.NAME} has its own; leave out --{option}")
-    files, own = options.load_files(given.case_file)
-    texts = given.case or own
+        if getattr(arguments, option) and option not in study.TAKES:
+            raise BadValue(f"{arguments.NAME} has its own; leave out --{option}")
+    files, own = options.load_files(arguments.case_file)
+    texts = arguments.case or own
     if own and "case" not in study.TAKES:
-        raise BadValue(f"{given.NAME} has its own cases; leave out --case-file")
-    solvers, jobs = options.choose_solvers(given.solver), options.whole_jobs(given.jobs)
-    made = (case for text in texts for case in lookup.case_name(text).every(long=given.full))
-    chosen = tuple({case.label: case for case in made}.values())
-    request = studies.Request(chosen, solvers, given.full)
-    out = options.check_out(given.out or given.NAME, folder.of_study)
-    store = options.check_store(given.store, out)
-    with for_print(given.paper):
-        _make(given.NAME, request, out, store, given.fresh, jobs, options.command(COMMAND, words))
+        raise BadValue(f"{arguments.NAME} has its own cases; leave out --case-file")
+    solvers, jobs = options.choose_solvers(arguments.solver), options.whole_jobs(arguments.jobs)
+    variants = (case for text in texts for case in lookup.case_name(text).every(long=arguments.full))
+    selection = tuple({case.label: case for case in variants}.values())
+    request = studies.Request(selection, solvers, arguments.full)
+    out = options.check_out(arguments.out or arguments.NAME, folder.of_study)
+    store = options.check_store(arguments.store, out)
+    with for_print(arguments.paper):
+        _make(arguments.NAME, request, out, store, arguments.fresh, jobs, options.command(COMMAND, words))
 
 
 def _make(
@@ -71,10 +71,12 @@ def _make(
     with folder.of_study(out).staged(whole=True) as place:
         files = text.write(result.frames, result.words, place, command, writes_pdf())
         files += dictionary.write(result.frames, result.words, place, command)
-        for drawn in result.draw(place):
-            embed_command(place, drawn, command)
-            print(f"{drawn.title}: {out / f'{drawn.name}.svg'}" if drawn.name else f"{drawn.title}. {drawn.caption}")
-        folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.told()})
+        for figure in result.draw(place):
+            embed_command(place, figure, command)
+            print(
+                f"{figure.title}: {out / f'{figure.name}.svg'}" if figure.name else f"{figure.title}. {figure.caption}"
+            )
+        folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.summary()})
     store.trim()
     summary = getattr(result.study, "summary", None)
     print(summary(result.findings) if summary else "\n\n".join(text.plain(frame) for frame in result.frames.values()))

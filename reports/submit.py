@@ -1,6 +1,6 @@
-"""`python -m reports.submit FOLDER`: check motions that are to be handed in, and judge them as the report will.
+"""`python -m reports.submit FOLDER`: check motions before submission, and judge them by the report's criteria.
 
-Exit status: 0 if all of them could be judged, whatever came out; 2, with one sentence, for the first that could not.
+Exit status: 0 if all of them could be judged, right or wrong; 2, with one sentence, for the first that could not.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ COMMAND = "reports.submit"
 
 
 def judge_submission(folder: str | Path) -> tuple[Submission, list[Run]]:
-    """A submission and the rows of its motions. Raises CaseError, in one sentence, for what is not in the form."""
+    """Read a submission and judge its motions; returns both. Raises CaseError for a wrong format."""
     from .running import external_motions, submissions
     from .running.tasks import find_truth
 
     submission = submissions.read(place("folder", folder))
     motions = [submissions.motion(submission, label) for label in submission.files]
-    return submission, [external_motions.judge_motion(given, 1, find_truth(given.case)) for given in motions]
+    return submission, [external_motions.judge_motion(external, 1, find_truth(external.case)) for external in motions]
 
 
 def _text(submission: Submission, runs: Sequence[Run]) -> str:
@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     def work(words: list[str]) -> None:
         positional = {"FOLDER": "submissions/ENGINE/VERSION, with submission.toml and a CASE.csv for each case"}
-        parser = options.parser(COMMAND, "Check and judge motions that are to be handed in.", words=positional)
+        parser = options.parser(COMMAND, "Check and judge motions before you submit them.", words=positional)
         print(_text(*judge_submission(parser.parse_args(words).FOLDER)))
 
     return status(COMMAND, work, argv)

@@ -1,4 +1,4 @@
-"""`python -m reports.sweep CASE --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200`: one row a scenario, and the map."""
+"""`python -m reports.sweep CASE --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200`: a row per scenario, and maps."""
 
 from __future__ import annotations
 
@@ -21,44 +21,44 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _work(words: list[str]) -> None:
     parser = options.parser(
-        COMMAND, "Simulate a case over its parameters: a row for every scenario, in Parquet, and a map.", "vary",
+        COMMAND, "Simulate a case for many parameter values: a row per scenario, in Parquet, and a map.", "vary",
         "sample", "number", "seed", "rtol", "certify", "refine", "solver", "case_file", "out", "jobs", "dask", "fresh",
         words={"CASE": options.A_CASE}, out="sweep",
         example=f"python -m {COMMAND} disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
     )  # fmt: skip
-    given = parser.parse_args(words)
-    files, _ = options.load_files(given.case_file)
-    case = lookup.case_name(given.CASE)
-    plan = _plan(given, case.label(), (*files, str(case.file.resolve())) if case.file else files)
-    solvers = [name for name in options.choose_solvers(given.solver or ["reference"]) if name != "reference"]
-    if versioned := next((name for name in solvers if "@" in name), ""):
-        raise BadValue(f"a sweep runs what is installed, not {versioned}; reports.build has versions beside each other")
-    jobs = options.whole_jobs(given.jobs)
-    width = None if given.refine is None else _width(given.refine, plan)
-    _sweep(plan, solvers, jobs, given, width, options.command(COMMAND, words))
+    arguments = parser.parse_args(words)
+    files, _ = options.load_files(arguments.case_file)
+    case = lookup.case_name(arguments.CASE)
+    plan = _plan(arguments, case.label(), (*files, str(case.file.resolve())) if case.file else files)
+    solvers = [name for name in options.choose_solvers(arguments.solver or ["reference"]) if name != "reference"]
+    if with_version := next((name for name in solvers if "@" in name), ""):
+        raise BadValue(f"a sweep runs the installed engines, not {with_version}; reports.build compares versions")
+    jobs = options.whole_jobs(arguments.jobs)
+    width = None if arguments.refine is None else _width(arguments.refine, plan)
+    _sweep(plan, solvers, jobs, arguments, width, options.command(COMMAND, words))
 
 
-def _plan(given, case: str, files: Sequence[str]):
-    """The plan of the options; raises CaseError, in one sentence."""
+def _plan(arguments, case: str, files: Sequence[str]):
+    """The plan of the options; raises CaseError for invalid ones."""
     try:
         from reference.sweeping import plan, table
         from reference.sweeping.plan import MOST
     except ImportError as problem:
-        raise BadValue(f"sweeps keep their rows in Parquet ({problem}); install it: pip install pyarrow") from None
+        raise BadValue(f"sweeps store their rows in Parquet ({problem}); install it: pip install pyarrow") from None
 
     vary = {}
-    for text in given.vary:
+    for text in arguments.vary:
         name, equals, values = text.partition("=")
         if not equals or not name.strip() or not values.strip():
             raise BadValue(f"--vary {text!r} cannot be read; write --vary parameter=low:high:count")
         if name.strip() in vary:
             raise BadValue(f"--vary {name.strip()} is given twice; give each parameter once")
         vary[name.strip()] = values.strip()
-    number = None if given.number is None else whole("--number", _number("--number", given.number), 1, MOST)
-    seed, rtol = whole("--seed", _number("--seed", given.seed), 0, MOST), _number("--rtol", given.rtol)
-    found = plan(case, vary, given.sample, number, seed, rtol, files)
-    table.check_names(found)
-    return found
+    number = None if arguments.number is None else whole("--number", _number("--number", arguments.number), 1, MOST)
+    seed, rtol = whole("--seed", _number("--seed", arguments.seed), 0, MOST), _number("--rtol", arguments.rtol)
+    sweep_plan = plan(case, vary, arguments.sample, number, seed, rtol, files)
+    table.check_names(sweep_plan)
+    return sweep_plan
 
 
 def _number(option: str, text: str) -> float:
@@ -80,40 +80,40 @@ def _width(text: str, plan) -> float:
     return width
 
 
-def _sweep(plan, solvers: Sequence[str], jobs: int, given, width: float | None, command: str) -> None:
-    """Make the rows, the boundaries and the maps, and say where they are."""
+def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | None, command: str) -> None:
+    """Make the rows, the boundaries and the maps, and print their paths."""
     from .drawing.figure_files import embed_command
     from .running.processes import cluster
     from .running.processes.progress import Display
     from .sweeping import boundary_search, maps, run
     from .sweeping.folder import Folder
 
-    out = options.check_out(given.out, lambda path: Folder(path, given.fresh))
-    if given.dask is not None:
-        cluster.check(given.dask)
+    out = options.check_out(arguments.out, lambda path: Folder(path, arguments.fresh))
+    if arguments.dask is not None:
+        cluster.check(arguments.dask)
 
-    ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not there
-    folder = Folder(out, given.fresh)
-    with folder.exclusive(run.sweep_identity(plan, given.certify)):
+    ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not installed
+    folder = Folder(out, arguments.fresh)
+    with folder.exclusive(run.sweep_identity(plan, arguments.certify)):
         folder.record({"command": command})
         try:
             with Display() as display:
-                machines = run.Machines(jobs, given.dask, display)
-                made = run.run(plan, folder, given.certify, machines)
+                machines = run.Machines(jobs, arguments.dask, display)
+                new_count = run.run(plan, folder, arguments.certify, machines)
                 engines: dict[str, str] = {}
                 for name in solvers:
                     engines |= run.run_engine(plan, folder, name, ways[name], machines)
             edges = boundary_search.run(plan, folder, width) if width is not None else None
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"what is done is in {out}; give the same command to go on") from None
+            raise KeyboardInterrupt(f"finished rows are in {out}; give the same command to continue") from None
         counts = maps.counts(folder)
         with folder.staged() as place:
             pictures = [*maps.draw(plan, folder, place, engines, edges)]
-            for drawn in pictures:
-                embed_command(place, drawn, command)
-    for drawn in pictures:
-        print(f"{drawn.title}: {out / f'{drawn.name}.svg'}")
-    print(f"{len(plan)} scenarios of {plan.name}, {made} of them made now; rows: {out / run.ROWS}")
+            for figure in pictures:
+                embed_command(place, figure, command)
+    for figure in pictures:
+        print(f"{figure.title}: {out / f'{figure.name}.svg'}")
+    print(f"{len(plan)} scenarios of {plan.name}, {new_count} of them made now; rows: {out / run.ROWS}")
     for what, count in counts.most_common(12):
         print(f"  {count:>12,}  {what}")
     if edges is not None:

@@ -1,1 +1,1 @@
-"""Runs of solvers: what is run, in which process, how long it takes, what is kept."""
+"""Runs of solvers: the calls, their processes, timing, and the store of results."""

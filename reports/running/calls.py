@@ -1,7 +1,7 @@
-"""The one way to run a list of calls: in workers, within a limit, with progress shown; what is kept is not made again.
+"""Runs lists of calls: in workers, with a time limit and a progress display; stored results are reused.
 
-What is kept is kept under a key of the function's code, its arguments and the solvers that they name. Nothing that an
-adapter brings is called in this process: what a solver is asked, it is asked in a worker.
+A result is stored with a key of the function's code, its arguments and the solvers that they name. No code of an
+adapter runs in this process: all questions to a solver are asked in a worker.
 """
 
 from __future__ import annotations
@@ -26,25 +26,27 @@ from .storage.result_store import Store
 from .timing.phase_times import PhaseTimes
 from .versions import split_version
 
-# Wall time (s) a call may take. A whole default report takes minutes, so one run that takes longer has lost its way.
+# Time limit of a call, wall seconds. A whole default report takes minutes, so a longer run is a failure.
 LIMIT_SECONDS = 60.0
-# Wall seconds in which a solver says its version, or what it offers for a case: that takes milliseconds, and imports a
-# few seconds.
+# Time limit for a solver's version or its settings for a case, wall seconds: these take milliseconds, imports a few
+# seconds.
 ASKING_SECONDS = 20.0
 
-# Kinds of answers that do not depend on the machine, as far as a cluster's are like this one.
+# Kinds of answers that do not depend on the machine, if its identity is the same; these may run on a cluster.
 ELSEWHERE = {"truth", "run", "trial"}
-# What is longer is no name of anything.
+# A longer text is not a name.
 _NAMED_CHARACTERS = 120
 
-# Given a call and the calls that ran out of time so far: the answer that stands for it, or None if it is to be made.
+# Takes a call and the calls that timed out so far; returns an answer in its place, or None if it must be made.
 Skip = Callable[[tuple, Sequence[tuple]], CallResult | None]
 
 
 class StorePolicy(NamedTuple):
-    """How answers are kept: the store's word for them; what of the arguments they depend on; modules whose code they
-    do not depend on, because what it found out is an argument; which answers are worth keeping; whether failures are
-    kept as well."""
+    """How answers are stored.
+
+    `kind`: their kind in the store; `of`: the part of the arguments that they depend on; `apart`: modules whose code is
+    not part of the key, because their results are arguments; `worth`: which answers are stored; `failures`: whether
+    failures are stored too."""
 
     kind: str = "trial"
     of: Callable[..., tuple] = lambda *arguments: arguments
@@ -54,7 +56,7 @@ class StorePolicy(NamedTuple):
 
 
 class _Failure(NamedTuple):
-    """What is kept of a call that ended its process or ran out of time."""
+    """The stored record of a call that ended its process or timed out."""
 
     outcome: str
     reason: str
@@ -64,13 +66,12 @@ class _Failure(NamedTuple):
 
 @dataclass
 class Calls:
-    """Where calls are made: how many at a time, within how many wall seconds each, who watches, where answers are kept.
+    """Makes calls: `jobs` at a time, each within `limit` wall seconds, with a progress display and a store.
 
-    `versions`: what each solver said of itself (`ask_versions`), "" where it could not; without it nothing that
-    depends on the solver is kept. `lost`: a sentence for each call that something outside ended twice, so that it would
-    come out otherwise another time. `spent`: what each step took. `cluster`: who makes calls of the kinds ELSEWHERE, if
-    that is not this machine. `timed`: nothing but the calls runs in the workers. A context manager: the workers of this
-    machine end with it.
+    `versions`: the version of each solver (`ask_versions`), "" if unknown; results of such a solver are not stored.
+    `interruptions`: a sentence for each call that was ended twice from outside, so that its result may differ another
+    time. `times`: wall and CPU time of each step. `cluster`: makes the calls of the kinds ELSEWHERE, if given.
+    `is_timed`: nothing but the calls runs in the workers. A context manager that ends the workers of this machine.
     """
 
     jobs: int = 2
@@ -78,41 +79,41 @@ class Calls:
     store: Store = field(default_factory=lambda: Store(None))
     progress: Progress = silent
     versions: dict[str, str] = field(default_factory=dict)
-    lost: list[str] = field(default_factory=list)
-    spent: PhaseTimes = field(default_factory=PhaseTimes)
+    interruptions: list[str] = field(default_factory=list)
+    times: PhaseTimes = field(default_factory=PhaseTimes)
     cluster: Cluster | None = None
-    timed: bool = False
+    is_timed: bool = False
 
     def __enter__(self) -> Calls:
-        self._pool = workers.WorkerPool(self.jobs, known_run=not self.timed)
+        self._pool = workers.WorkerPool(self.jobs, known_run=not self.is_timed)
         return self
 
     def __exit__(self, *_) -> None:
         self._pool.close()
 
     def begin(self, solvers: Iterable[str]) -> None:
-        """Have workers start, and meanwhile read the code that decides the solvers' results."""
+        """Start workers, and meanwhile read the source code for the solvers' keys."""
         solvers = tuple(solvers)
         self._pool.begin(
             sorted({group for group in groups_of((name,) for name in solvers) if not split_version(group)[1]})
         )
         for name in solvers:
-            with suppress(SyntaxError, ValueError, LookupError, OSError):  # its solver fails when it is asked, in a row
+            with suppress(SyntaxError, ValueError, LookupError, OSError):  # the solver then fails in its rows
                 adapter_sources(name)
 
     def alone(self) -> Calls:
-        """The same with one worker of its own, on this machine, and nothing shown: for what is timed."""
-        return replace(self, jobs=1, progress=silent, cluster=None, timed=True)
+        """A copy for timings: one separate worker on this machine, without a progress display."""
+        return replace(self, jobs=1, progress=silent, cluster=None, is_timed=True)
 
     def ask_versions(self, solvers: Iterable[str]) -> None:
-        """Note the versions of solvers that are not known yet."""
+        """Ask the solvers for their versions, unless known."""
         new = [name for name in solvers if name not in self.versions]
         limit = min(self.limit, ASKING_SECONDS)
         answers = self.all("versions", version, [(name,) for name in new], limit=limit, brief=True)
         self.versions |= {n: a.value if a.outcome == "done" else "" for n, a in zip(new, answers, strict=True)}
 
     def present(self, solvers: Iterable[str]) -> tuple[str, ...]:
-        """Those of the solvers that are installed here."""
+        """The solvers that are installed here."""
         solvers = tuple(solvers)
         self.ask_versions(solvers)
         return tuple(name for name in solvers if not is_missing(self.versions[name]))
@@ -132,31 +133,30 @@ class Calls:
         brief: bool = False,
         group: str | None = None,
     ) -> Iterator[tuple[int, CallResult]]:
-        """Index and answer of `function(*arguments[i])` for every i as they come: what is kept first, then the rest.
+        """Yield index and answer of `function(*arguments[i])` for every i: stored answers first, then the rest.
 
-        `limit` stands in the place of the usual one; `brief` calls take milliseconds each.
-        `group`: the worker group of all of them ("": nothing of an engine is loaded). With `keep` a call that
-        returned is made only once, and so is one that ended its process or ran out of time under this limit; the
-        function's annotation says what it returns. What came from outside (a signal, an exception that is the machine's
-        fault) is not kept.
+        `limit` replaces the usual time limit; `brief` calls take milliseconds each; `group`: the worker group of all
+        calls ("": no engine is loaded). With `keep`, answers are stored and reused, also of calls that ended their
+        process or timed out with this limit; the function's return annotation is the stored type. Outcomes with a cause
+        outside (a signal, a fault of the machine) are not stored.
         """
         limit = self.limit if limit is None else limit
         keys = [keep and self.key(function, call, keep) for call in arguments]
-        left: list[int] = []
+        remaining: list[int] = []
         slow: list[tuple] = []
         for i, key in enumerate(keys):
-            answer = self._kept(function, key, keep, limit)
+            answer = self._from_store(function, key, keep, limit)
             if answer is None:
-                left.append(i)
+                remaining.append(i)
                 continue
             if answer.outcome == "timed_out":
                 slow.append(arguments[i])
             yield i, answer
-        if not left:
-            self.spent.book(step)
+        if not remaining:
+            self.times.book(step)
             return
-        calls = [arguments[i] for i in left]
-        title = f"{step} ({len(keys) - len(left)} more from the store)" if len(left) < len(keys) else step
+        calls = [arguments[i] for i in remaining]
+        title = f"{step} ({len(keys) - len(remaining)} more from the store)" if len(remaining) < len(keys) else step
         groups = groups_of(calls) if group is None else [group] * len(calls)
         pool = self.cluster if self.cluster is not None and keep and keep.kind in ELSEWHERE else self._pool
         with closing(pool.run(function, calls, limit, lambda k: skip(calls[k], slow), groups, brief)) as coming:
@@ -164,20 +164,22 @@ class Calls:
                 if answer.outcome == "timed_out":
                     slow.append(calls[k])
                 if answer.outcome == "died" and not answer.lasting:
-                    self.lost.append(f"{step}, {_call_text(calls[k])}: {answer.reason}")
+                    self.interruptions.append(f"{step}, {_call_text(calls[k])}: {answer.reason}")
                 if keep:
                     answer = replace(answer, when=now())
-                    self._keep(function, keys[left[k]], keep, limit, answer)
-                yield left[k], answer
-        self.spent.book(step)
+                    self._keep(function, keys[remaining[k]], keep, limit, answer)
+                yield remaining[k], answer
+        self.times.book(step)
 
-    def _kept(self, function: Callable, key: Key | None, keep: StorePolicy | None, limit: float) -> CallResult | None:
+    def _from_store(
+        self, function: Callable, key: Key | None, keep: StorePolicy | None, limit: float
+    ) -> CallResult | None:
         if keep is None or key is None:
             return None
         value = self.store.get(keep.kind, key, _result(function))
         if value is not None:
             return CallResult("done", value=value)
-        # A finished call stands whatever the limit is now; one that failed, under the limit it had.
+        # A finished call is valid for any limit, a failed one only for the same limit.
         failure = self.store.get(keep.kind, {**key, "limit": limit}, _Failure)
         return failure and CallResult(**failure._asdict())
 
@@ -190,12 +192,12 @@ class Calls:
             self.store.put(keep.kind, key and {**key, "limit": limit}, failure, _Failure)
 
     def key(self, function: Callable, call: tuple, keep: StorePolicy) -> Key | None:
-        """What decides a call's answer; None, and so nothing is kept, where a solver could not tell its version or an
-        argument has something that cannot be compared."""
-        said = keep.of(*call)
-        cases = [each for each in said if isinstance(each, Case)]
-        engines = environment_key(self.versions, sorted(named_in(said, self.versions.__contains__)))
-        arguments = [of_argument(each) for each in said]
+        """The key of a call's answer; None (not stored) if the version of a solver is unknown or an argument cannot be
+        compared."""
+        content = keep.of(*call)
+        cases = [each for each in content if isinstance(each, Case)]
+        engines = environment_key(self.versions, sorted(named_in(content, self.versions.__contains__)))
+        arguments = [of_argument(each) for each in content]
         if engines is None or None in arguments:
             return None
         return {
@@ -208,11 +210,11 @@ class Calls:
 
 
 def _result(function: Callable) -> Any:
-    """The type that a function says it returns."""
+    """The return annotation of a function."""
     return get_type_hints(function)["return"]
 
 
 def _call_text(call: tuple) -> str:
-    """A call's cases, solvers and settings, for people."""
-    told = [argument.label if isinstance(argument, Case) else str(argument) for argument in call[:4]]
-    return " ".join(text for text in told if text and len(text) <= _NAMED_CHARACTERS)
+    """A call's cases, solvers and settings as text."""
+    texts = [argument.label if isinstance(argument, Case) else str(argument) for argument in call[:4]]
+    return " ".join(text for text in texts if text and len(text) <= _NAMED_CHARACTERS)

@@ -1,8 +1,8 @@
-"""Whether a process still computes as it did before third-party code ran in it.
+"""Checks whether a process still computes as it did before third-party code ran in it.
 
-An engine that replaces `numpy.hypot`, or anything else that a motion is judged with, would decide its own row. So what
-is computed with is compared, function by function, and a known run is made and judged again: its bits must not change.
-A process that has changed keeps none of its answers and makes no other call.
+An engine that replaces `numpy.hypot`, or anything else used to judge a motion, would influence its own row. Therefore
+the functions are compared one by one, and a known run is made and judged again: its bits must not change. The answers
+of a changed process are discarded, and it makes no further call.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .storage.source_code import adapter_packages, is_adapters
 
 # The case of the known run: its motion is known in closed form, and judging it takes two milliseconds.
 _CASE, _SAMPLES, _RTOL = "disc_on_line[mu=0.1]", 61, 1e-9
-# Whose functions are compared: all imported modules of the suite but adapters, and libraries by the names used there.
+# Modules whose functions are compared: all imported modules of the suite except adapters, and libraries it uses.
 _OURS = ("cases", "reference", "adapters", "reports")
 _LIBRARIES = (
     "builtins", "math", "cmath", "operator", "functools", "itertools", "statistics", "pickle", "time", "numpy",
@@ -36,36 +36,36 @@ _Attribute = tuple[Any, str, Any, str]
 
 
 class Canary:
-    """The functions that a process computes with, and the numbers of a known run, as they are when it is made.
+    """The state of the functions of a process and the numbers of a known run, at the time of creation.
 
-    Modules that are imported later must hold no function of an adapter, and are compared from then on.
-    `known_run`: False leaves that run out, which would import and compile what a cold start is to be measured with.
+    Modules imported later must not contain functions of an adapter, and are compared from then on.
+    `known_run`: False omits that run, whose imports and compilations would change the measurement of a cold start.
     """
 
     def __init__(self, known_run: bool = True) -> None:
-        self._packages = adapter_packages()  # read now: an engine may change where packages are looked for
+        self._packages = adapter_packages()  # read now, because an engine may change the search path
         self._modules: set[str] = set()
-        self._attributes = self._imported()
+        self._attributes = self._new_attributes()
         self._numbers = _known_run() if known_run else None
 
     def change(self) -> str:
-        """What is no longer as it was, in a phrase; "" if nothing is."""
+        """What has changed, as a phrase; "" if nothing has."""
         for place, name, value, known_as in self._attributes:
             if place.get(name) is not value:
                 return f"{known_as} was replaced"
-        imported = self._imported()
-        for _, _, value, known_as in imported:
+        new_attributes = self._new_attributes()
+        for _, _, value, known_as in new_attributes:
             if is_adapters(str(getattr(value, "__module__", "")), self._packages):
                 return f"{known_as} was replaced"
-        self._attributes += imported
+        self._attributes += new_attributes
         try:
             same = self._numbers is None or _known_run() == self._numbers
         except Exception as problem:
             return f"a known run fails: {type(problem).__name__}"
         return "" if same else "a known run gives other numbers"
 
-    def _imported(self) -> list[_Attribute]:
-        """What is compared of the modules that were imported since the last call."""
+    def _new_attributes(self) -> list[_Attribute]:
+        """The compared attributes of modules imported since the last call."""
         names = sys.modules.keys() - self._modules
         self._modules |= names
         ours = [name for name in names if name.partition(".")[0] in _OURS and not is_adapters(name, self._packages)]
@@ -89,14 +89,14 @@ def _attributes(known_as: str, module: ModuleType, methods: bool) -> Iterator[_A
 
 
 def _known_run() -> tuple[bytes, ...]:
-    """A run made by the reference, moved a little and judged: every number of it, bit by bit."""
+    """All numbers of a reference run that is shifted a little and judged, as bytes."""
     case = cases.load(_CASE)
     motion = reference.simulate(case, rtol=_RTOL)
     times = np.linspace(0.0, case.duration, _SAMPLES)
     state = motion(times)
-    moved = Trajectory(t=times, **state._replace(x=np.asarray(state.x) + 1e-3 * times)._asdict())
-    reading = transitions.read_motion(case, moved)
-    off = distances.differences(moved, motion, case)
-    told = [event.time for event in (*motion.transitions, *reading.transitions)]
-    numbers = [*told, *reading.spreads, *distances.distance(off)]
+    test_motion = Trajectory(t=times, **state._replace(x=np.asarray(state.x) + 1e-3 * times)._asdict())
+    reading = transitions.read_motion(case, test_motion)
+    off = distances.differences(test_motion, motion, case)
+    event_times = [event.time for event in (*motion.transitions, *reading.transitions)]
+    numbers = [*event_times, *reading.spreads, *distances.distance(off)]
     return np.array(numbers).tobytes(), *(np.asarray(values).tobytes() for values in state)

@@ -1,8 +1,7 @@
-"""Cases × solvers × routes × settings -> runs.
+"""Runs an experiment: cases × solvers × routes × settings.
 
-Four steps, each a list of calls of `tasks`: ask the solvers for their versions, find the truths, ask what the solvers
-offer, run it all. Whatever happens, each run gives a record. What is finished goes into the store at once, and what is
-there already is not done again.
+It has four steps, each a list of calls of `tasks`: versions of the solvers, truths, settings of the solvers, runs.
+Every run gives a record, also if it fails. Finished results are stored at once, and stored results are reused.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ from .storage.fingerprint import truth_key
 from .tasks import find_truth, perform, survey
 from .versions import split_version
 
-# A solver that did not answer for so many cases is not asked about the others: each would take as long.
+# A solver that did not answer for so many cases is not asked about the others, which would take as long.
 _MOST_SILENCES = 3
 
-# Of a case's name, a solver, its route and its ladder: the settings to run.
+# Takes a case's name, a solver, its route and its ladder; returns the settings to run.
 Thin = Callable[[str, str, str, tuple[Setting, ...]], tuple[Setting, ...]]
 
-# What says how the truth was found does not decide what a run is worth beside it, and the reference as a contestant is
-# told by its adapter's code.
+# The code that computes the truth is not part of a run's key, because the truth itself is; for the reference as a
+# contestant, its adapter's code is part of the key.
 TRUTHS_OWN = (reference, reference_adapter)
 _KEEP_TRUTH = StorePolicy("truth", of=lambda case: (case, truth_key()))
 _KEEP_RUN = StorePolicy(
@@ -47,8 +46,10 @@ def run(
     thin: Thin = lambda case, solver, route, settings: settings,
 ) -> Experiment:
     """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, route,
-    ladder)` leaves. A solver that is not installed has no runs, and `versions` say so; but one that was asked for with
-    a version has a row for each case that says why."""
+    ladder)` returns.
+
+    A solver that is not installed has no runs, only its entry in `versions`; one selected with a version has a row with
+    the reason for each case."""
     began = time.perf_counter()
     present = calls.present(solvers)
     solvers = [name for name in solvers if name in present or split_version(name)[1]]
@@ -67,7 +68,7 @@ def _our_parts(offered: Mapping[tuple[str, str], tuple[Offer, ...]]) -> dict[tup
 
 
 def find_truths(cases: Sequence[Case], calls: Calls) -> dict[str, Truth]:
-    """The motion each case's runs are judged by, kept or found, by the case's label."""
+    """The truth of each case, stored or computed, by the case's label."""
     answers = calls.all("truth", find_truth, [(case,) for case in cases], keep=_KEEP_TRUTH)
     return {
         case.label: answer.value if answer.outcome == "done" else Truth(failure=answer.reason)
@@ -78,8 +79,9 @@ def find_truths(cases: Sequence[Case], calls: Calls) -> dict[str, Truth]:
 def offers(
     cases: Sequence[Case], solvers: Sequence[str], calls: Calls, knobs: str = "ladder"
 ) -> dict[tuple[str, str], tuple[Offer, ...]]:
-    """What each solver offers for each case (a ladder, or a grid), by label and name. Asked anew each time: it is
-    quick, and an engine that was not installed may be now."""
+    """The settings (a ladder or a grid) of each solver for each case, by label and name.
+
+    Never stored: the calls are quick, and an engine may have been installed since."""
 
     def silent(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
         if Counter(other[1] for other in slow)[call[1]] < _MOST_SILENCES:
@@ -87,9 +89,9 @@ def offers(
         return CallResult("timed_out", reason=f"not asked: {call[1]} had not answered for {_MOST_SILENCES} other cases")
 
     pairs = [(case, name) for case in cases for name in solvers]
-    asked = [(case, name, knobs) for case, name in pairs]
+    requests = [(case, name, knobs) for case, name in pairs]
     limit = min(calls.limit, ASKING_SECONDS)
-    answers = calls.all("survey", survey, asked, limit=limit, skip=silent, brief=True)
+    answers = calls.all("survey", survey, requests, limit=limit, skip=silent, brief=True)
     return {(case.label, name): _offers(answer, knobs) for (case, name), answer in zip(pairs, answers, strict=True)}
 
 
@@ -108,13 +110,16 @@ class _Task(NamedTuple):
 
 
 def _plan(
-    cases: Sequence[Case], offered: Mapping[tuple[str, str], tuple[Offer, ...]], truths: Mapping[str, Truth], thin: Thin
+    cases: Sequence[Case],
+    all_offers: Mapping[tuple[str, str], tuple[Offer, ...]],
+    truths: Mapping[str, Truth],
+    thin: Thin,
 ) -> tuple[list[Run], list[_Task]]:
-    """All runs in the tables' order, and the tasks that fill in those without an outcome yet."""
+    """All runs in the order of the tables, and the tasks for those without an outcome yet."""
     by_label = {case.label: case for case in cases}
     runs: list[Run] = []
     tasks: list[_Task] = []
-    for (label, name), of_routes in offered.items():
+    for (label, name), of_routes in all_offers.items():
         truth = truths[label]
         for offer in of_routes:
             excuse = _excuse(offer, truth)
@@ -128,7 +133,7 @@ def _plan(
 
 
 def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
-    """Outcome and reason where there is nothing to run."""
+    """Outcome and reason if there is nothing to run; else None."""
     if offer.outcome:
         return offer.outcome, offer.reason
     if truth.failure:
@@ -137,42 +142,45 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
 
 
 def _make(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:
-    """Place and run of every task as they come."""
+    """Yield place and run of every task as they end."""
     for i, answer in calls.each("runs", perform, [task.call for task in tasks], keep=_KEEP_RUN, skip=hopeless):
         yield tasks[i].place, _run(tasks[i].call, answer)
 
 
 def _run(call: tuple, answer: CallResult) -> Run:
     case, name, route, setting, rung, _ = call
-    made = answer.value
-    if answer.outcome == "done" and (made.case, made.solver, made.route, made.setting) == (case.label, *call[1:4]):
-        return replace(made, rung=rung)
-    # Nothing is known to bring an answer of another call here; were it to happen, no table would show it.
-    outcome, reason = answer.failure if answer.outcome != "done" else ("crashed", f"the record is another's: {made}")
+    result = answer.value
+    names = (case.label, name, route, setting)
+    if answer.outcome == "done" and (result.case, result.solver, result.route, result.setting) == names:
+        return replace(result, rung=rung)
+    if answer.outcome != "done":
+        outcome, reason = answer.failure
+    else:  # a check: an answer to another call must not get into a table
+        outcome, reason = "crashed", f"the record belongs to another call: {result}"
     return Run(case.label, name, route, setting, rung, outcome, reason, when=answer.when or now())
 
 
 def hopeless(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
-    """A rung finer than one that ran out of time would run out of time as well: it is said so, not waited for.
+    """A time-out for a rung finer than one that timed out, which would time out as well; None for other rungs.
 
     Calls are (case, solver, route, setting, rung, …); ladders go from coarse to fine."""
     for other in slow:
         if other[:3] == call[:3] and other[4] < call[4]:
-            return CallResult("timed_out", reason=f"not tried: {other[3]} had run out of time", lasting=False)
+            return CallResult("timed_out", reason=f"not tried: {other[3]} had timed out", lasting=False)
     return None
 
 
 def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]]) -> None:
-    """Put the runs that come in their places, without samples and differences but for the finest of each route.
+    """Put the runs into their places; only the finest of each route keeps its samples and differences.
 
-    Those are for figures, which draw no other: a thousand runs' would take some hundred megabytes.
+    Figures need no others, and those of a thousand runs would take some hundred megabytes.
     """
     finest: dict[tuple[str, str, str], int] = {}
-    for place, made in coming:
-        runs[place] = made
-        route = (made.case, made.solver, made.route)
-        undrawn, best = place, finest.get(route)
-        if gives_motion(made) and (best is None or place > best):
-            finest[route], undrawn = place, place if best is None else best
-        if undrawn != finest.get(route):
-            runs[undrawn] = replace(runs[undrawn], samples={}, off={})
+    for place, result in coming:
+        runs[place] = result
+        route = (result.case, result.solver, result.route)
+        outdated_place, best = place, finest.get(route)
+        if gives_motion(result) and (best is None or place > best):
+            finest[route], outdated_place = place, place if best is None else best
+        if outdated_place != finest.get(route):
+            runs[outdated_place] = replace(runs[outdated_place], samples={}, off={})

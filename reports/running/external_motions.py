@@ -1,8 +1,8 @@
 """External trajectories in the full report: `python -m reports.build --trajectory NAME@CASE=FILE.csv`.
 
-NAME becomes a solver of its own, its route is "file" and its setting the file's name; several files of one name are
-its rungs, from coarse to fine in the order given. They are read and judged as by `reports.compare`. Nobody saw them
-run, so they have no time and are ranked nowhere by it.
+NAME becomes a separate solver with the route "file" and the file's name as its setting; several files with one name are
+its rungs, from coarse to fine in the order of the options. They are read and judged as by `reports.compare`. Their run
+times are unknown, so they are not in rankings by time.
 """
 
 from __future__ import annotations
@@ -33,19 +33,19 @@ _FORM = re.compile(r"(?P<name>[^@=]+)(@(?P<case>[^=\[]+(\[[^\]]*\])?))?=(?P<file
 
 @dataclass(frozen=True)
 class External:
-    """One trajectory: its solver's name, its case, where it came from (with a digest of the file), and its motion."""
+    """An external trajectory: its solver's name, case, file with digest, and motion."""
 
     name: str
     case: Case
     file: str
     digest: str
     motion: Trajectory
-    columns: dict[str, np.ndarray]  # as the file has them
+    columns: dict[str, np.ndarray]  # as in the file
     route: str = ROUTE
 
 
 def from_options(texts: Sequence[str], cases: Sequence[Case], solvers: Sequence[str]) -> tuple[External, ...]:
-    """The trajectories of the options, read and checked; raises CaseError with one sentence that names the option."""
+    """Read and check the trajectories of the options; raises CaseError with a message that names the option."""
     return tuple(_of_option(text, cases, solvers) for text in texts)
 
 
@@ -66,68 +66,69 @@ def _of_option(text: str, cases: Sequence[Case], solvers: Sequence[str]) -> Exte
 
 
 def read(name: str, case: Case, file: Path, route: str = ROUTE, creep: float = 0.0) -> External:
-    """The trajectory of a file, which creeps so much (m/s) while it sticks; raises CaseError, in one sentence, if it is
-    none of the case's."""
+    """Read the trajectory in a file; raises CaseError if it is not a motion of the case.
+
+    `creep`: creep velocity of the solver while it sticks, m/s."""
     table = motion_file.read_table(file)
     motion = motion_file.trajectory_of(case, table, creep)
-    # A dollar sign begins a formula in a figure.
-    shown = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
+    # A dollar sign starts a formula in a figure.
+    display_name = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
     digest = hashlib.sha256(file.read_bytes()).hexdigest()[:12]
-    return External(name, case, shown, digest, motion, motion_file.columns_of(table), route)
+    return External(name, case, display_name, digest, motion, motion_file.columns_of(table), route)
 
 
 def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:
-    """The one case of the report that is meant."""
+    """The case of the report that the option selects."""
     if label is None:
         if len(cases) != 1:
             raise BadValue(f"--trajectory {text!r} names no case, and the report has {len(cases)}; give {FORM}")
         return cases[0]
-    found = [case for case in cases if label.strip() in (case.label, case.name)]
-    if len(found) > 1:
-        labels = ", ".join(case.label for case in found)
-        raise BadValue(f"--trajectory {text!r} fits {len(found)} cases; give one of {labels}")
-    if not found:
+    matches = [case for case in cases if label.strip() in (case.label, case.name)]
+    if len(matches) > 1:
+        labels = ", ".join(case.label for case in matches)
+        raise BadValue(f"--trajectory {text!r} fits {len(matches)} cases; give one of {labels}")
+    if not matches:
         raise unknown_name("case in this report", label.strip(), [case.label for case in cases])
-    return found[0]
+    return matches[0]
 
 
 def join_external(experiment: Experiment, trajectories: Sequence[External]) -> Experiment:
-    """The experiment with the trajectories' runs after the solvers' of their case."""
+    """The experiment with the runs of the trajectories, each after the solvers' runs of its case."""
     runs = list(experiment.runs)
     rungs: dict[tuple[str, str], int] = {}
-    for given in trajectories:
-        rung = rungs[given.name, given.case.label] = rungs.get((given.name, given.case.label), 0) + 1
-        run = judge_motion(given, rung, experiment.truths[given.case.label])
+    for external in trajectories:
+        rung = rungs[external.name, external.case.label] = rungs.get((external.name, external.case.label), 0) + 1
+        run = judge_motion(external, rung, experiment.truths[external.case.label])
         after = max((i for i, other in enumerate(runs) if other.case == run.case), default=len(runs) - 1)
         runs.insert(after + 1, run)
     return replace(experiment, runs=tuple(runs))
 
 
-def judge_motion(given: External, rung: int, truth: Truth) -> Run:
-    """The trajectory's row, judged like any solver's."""
-    row = Run(given.case.label, given.name, given.route, Setting.of(file=given.file), rung, outcome="")
-    row = replace(row, cost=Cost(steps=len(given.motion.t) - 1), status=given.motion.status)
+def judge_motion(external: External, rung: int, truth: Truth) -> Run:
+    """The row of an external trajectory, judged like a solver's run."""
+    row = Run(external.case.label, external.name, external.route, Setting.of(file=external.file), rung, outcome="")
+    row = replace(row, cost=Cost(steps=len(external.motion.t) - 1), status=external.motion.status)
     try:
-        return judge_external(row, given.case, given.motion, truth, given.columns)
+        return judge_external(row, external.case, external.motion, truth, external.columns)
     except DoesNotFit as problem:
         return replace(row, outcome="refused", reason=str(problem))
 
 
 def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, columns: diagnosis.Columns) -> Run:
-    """The row with its verdict, ledger and errors, and what is noticed about its columns; raises DoesNotFit if there is
-    no truth to judge it by."""
+    """The row with its verdict, ledger, errors and the diagnosis of its columns; raises DoesNotFit if there is no
+    truth."""
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
     run = judge(row, case, motion, true, truth)
-    said = [run.reason, diagnosis.half_step(columns), diagnosis.slip_half_a_step_beside(case, motion)]
-    said += [diagnosis.mirror_axis(columns, true), diagnosis.other_unit(columns, true)]
-    return replace(run, reason="; ".join(text for text in said if text))
+    remarks = [run.reason, diagnosis.half_step(columns), diagnosis.slip_half_a_step_beside(case, motion)]
+    remarks += [diagnosis.mirror_axis(columns, true), diagnosis.other_unit(columns, true)]
+    return replace(run, reason="; ".join(text for text in remarks if text))
 
 
 def sources(trajectories: Sequence[External]) -> dict[str, str]:
-    """What the manifest tells in place of a version, by solver's name: the files and their digests."""
-    told: dict[str, list[str]] = {}
-    for given in trajectories:
-        told.setdefault(given.name, []).append(f"{given.file} (sha256 {given.digest})")
-    return {name: "a trajectory from " + ", ".join(files) for name, files in told.items()}
+    """Files and digests by solver's name, for the manifest in place of versions."""
+    files: dict[str, list[str]] = {}
+    for external in trajectories:
+        files.setdefault(external.name, []).append(f"{external.file} (sha256 {external.digest})")
+    return {name: "a trajectory from " + ", ".join(files) for name, files in files.items()}

@@ -1,4 +1,4 @@
-"""Tables and figures of several solvers: where the rows of one make them fail, they are made without it and say so."""
+"""Tables and figures of several solvers: if they fail with the rows of one, they are made without it and report it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class LeftOut(NamedTuple):
-    """A solver whose rows a table or figure was made without, and why."""
+    """A solver whose rows a table or figure (`item`) omits, and the reason."""
 
     item: str
     solver: str
@@ -22,27 +22,27 @@ class LeftOut(NamedTuple):
 def make_per_solver(
     make: Callable[..., T], records: tuple, solvers: Iterable[str], item: str = ""
 ) -> tuple[T, list[LeftOut]]:
-    """What `make(*records)` makes, and the solvers without whose rows it was made.
+    """The result of `make(*records)`, and the solvers whose rows were omitted because `make` fails with them.
 
-    A solver is left out if `make` fails on its rows alone; if it fails on no solver's alone, each one without whose
-    rows it does not fail. Raises what `make` raises where no solver's rows are the reason, and OSError in any case: a
-    full disk is not the fault of a row.
+    A solver is omitted if `make` fails on its rows alone. If it fails on no solver's rows alone, each solver is omitted
+    without which `make` succeeds. If no solver is the cause, the error of `make` is raised; OSError is always raised,
+    because rows do not cause a full disk.
     """
     try:
         return make(*records), []
     except OSError:
         raise
-    except Exception as whole:  # whatever rows of a wrong form may raise
+    except Exception as whole:  # rows of a wrong form can raise anything
         names = tuple(dict.fromkeys(solvers))
         failures = {name: _failure(make, _without(records, {*names} - {name})) for name in names}
-        reasons = {name: said for name, said in failures.items() if said}
+        reasons = {name: reason for name, reason in failures.items() if reason}
         if not reasons:
             failures = {name: _failure(make, _without(records, {name})) for name in names}
-            reasons = {name: _sentence(whole) for name, said in failures.items() if not said}
+            reasons = {name: _sentence(whole) for name, reason in failures.items() if not reason}
         if not reasons:
             raise
-        left = [LeftOut(item, name, reason) for name, reason in reasons.items()]
-        return make(*_without(records, set(reasons))), left
+        omissions = [LeftOut(item, name, reason) for name, reason in reasons.items()]
+        return make(*_without(records, set(reasons))), omissions
 
 
 def _without(records: tuple, solvers: set[str]) -> tuple:
@@ -50,7 +50,7 @@ def _without(records: tuple, solvers: set[str]) -> tuple:
 
 
 def words(left_out: Iterable[LeftOut]) -> str:
-    """What a caption says of those who were left out."""
+    """The sentence of a caption about omitted solvers."""
     return " ".join(f"Without {one.solver}, whose results could not be shown: {one.reason}." for one in left_out)
 
 
@@ -73,14 +73,15 @@ def _sentence(problem: Exception) -> str:
 
 
 def solvers_of(records: Any) -> list[str]:
-    """The solvers that rows of the records name, in their order."""
+    """The solvers in the rows of the records, in their order."""
     return list(dict.fromkeys(_name(records)))
 
 
 def without(records: Any, solvers: Collection[str]) -> Any:
-    """The same records without what belongs to these solvers: in lists, tuples, tables of pandas and fields of the
-    reports' own records the rows that name one as their `solver` or, as tuples, among their elements; in mappings what
-    stands under such a tuple."""
+    """The records without the rows of these solvers.
+
+    In lists, tuples, pandas tables and fields of the reports' own records, rows whose `solver` (in tuples, any element)
+    is one of them are omitted; in mappings, entries whose key is such a tuple."""
     if _is_table(records):
         return records[~records["solver"].isin(solvers)] if "solver" in records.columns else records
     if isinstance(records, Mapping):
@@ -110,8 +111,8 @@ def _name(records: Any) -> Iterator[str]:
 def _belongs(each: Any, solvers: Collection[str]) -> bool:
     if type(each) is tuple:
         return any(_belongs(part, solvers) for part in each)
-    named = each if isinstance(each, str) else _solver(each)
-    return isinstance(named, str) and named in solvers
+    name = each if isinstance(each, str) else _solver(each)
+    return isinstance(name, str) and name in solvers
 
 
 def _solver(row: Any) -> Any:
@@ -119,12 +120,12 @@ def _solver(row: Any) -> Any:
 
 
 def _is_table(records: Any) -> bool:
-    return hasattr(records, "columns") and hasattr(records, "isin")  # pandas is slow to import, and need not be
+    return hasattr(records, "columns") and hasattr(records, "isin")  # without importing pandas, which is slow
 
 
 def _fields(record: Any) -> dict[str, Any]:
-    """The fields of one of the reports' own records; none of anything else, such as a number, an array or a case, which
-    holds no solver's rows."""
+    """The fields of one of the reports' own records; none for other values (numbers, arrays, cases), which contain no
+    rows of solvers."""
     if type(record).__module__.partition(".")[0] != __name__.partition(".")[0]:
         return {}
     if dataclasses.is_dataclass(record):

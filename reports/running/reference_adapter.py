@@ -1,4 +1,4 @@
-"""The reference behind the interface of an adapter, so that the experiment runs it like any engine.
+"""The reference with the interface of an adapter, so that the experiment runs it like an engine.
 
 Its routes are its methods and the paper's own matrix ("augmented"); its ladder is the relative tolerance.
 """
@@ -14,20 +14,20 @@ from reference import solve
 from reference.minimal.modes import start_state
 
 NAME = "reference"
-# The compiled package behind the Taylor method; the other routes are Python's own.
+# The compiled package of the Taylor method; the other routes are pure Python.
 ENGINE = "heyoka"
 routes = solve.ROUTES
 
-# From what a hurried user asks for to the last digit double precision holds.
+# From a coarse tolerance to the limit of double precision.
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
-# The literal matrix takes some fifteen times as long as the eliminated equations with the same steps. What that costs
-# is seen without the last digits, which alone would take longer than the engines.
+# The literal matrix takes about fifteen times as long as the eliminated equations with the same steps. Its cost is
+# visible without the tightest tolerances, which alone would take longer than the engines.
 _LITERAL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9)
 
 
 @dataclass
 class _Model:
-    """A case and how to integrate it; after the run also what `solve.solved` returned."""
+    """A case and its integration; after the run also the result of `solve.solve_motion`."""
 
     case: Case
     integrate: Callable[[], tuple]
@@ -35,7 +35,7 @@ class _Model:
 
 
 def refuses(case: Case, route: str) -> str | None:
-    """Nothing is refused beforehand: what the reference has no equations for, it says when it is asked."""
+    """Always None: unsupported cases are reported by `build`."""
     return None
 
 
@@ -45,7 +45,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 
 def build(case: Case, route: str, setting: Setting) -> _Model:
-    """Derive and compile the equations; raises NotSupported for a case without."""
+    """Derive and compile the equations; raises NotSupported for an unsupported case."""
     solve.prepare(case, route, setting["rtol"])
     start = start_state(case)
     regime = solve.first_regime(case, start)
@@ -54,12 +54,12 @@ def build(case: Case, route: str, setting: Setting) -> _Model:
 
 
 def run(model: _Model) -> None:
-    """Integrate, locate the transitions, look for a second contact: what an engine does while it steps."""
+    """Integrate, locate the transitions and search for second contacts: the work of an engine's steps."""
     model.result = model.integrate()
 
 
 def read(model: _Model) -> Trajectory:
-    """The motion sampled, with the transitions the reference located itself."""
+    """The sampled motion with the transitions that the reference located."""
     assert model.result is not None, "read comes after run"
     return solve.as_trajectory(model.case, *model.result)
 
@@ -67,9 +67,9 @@ def read(model: _Model) -> Trajectory:
 def version() -> str:
     """The suite's own version: the reference is part of it."""
     from importlib.metadata import PackageNotFoundError
-    from importlib.metadata import version as installed
+    from importlib.metadata import version as installed_version
 
     try:
-        return installed("slip-to-roll")
+        return installed_version("slip-to-roll")
     except PackageNotFoundError:
         return "not installed as a package"

@@ -1,5 +1,5 @@
-"""Solvers by name: the reference and the engines. `solver` and `version` load an engine, so that they are called in
-workers."""
+"""Solvers by name: the reference and the engines. `solver` and `version` load an engine and are called in workers
+only."""
 
 from __future__ import annotations
 
@@ -25,29 +25,29 @@ _SEVERAL, _ABSENT = "several engines", "absent engines"
 
 
 def names() -> tuple[str, ...]:
-    """Every solver's name: the reference first, then the engines in alphabetical order. Loads none of them."""
+    """Names of all solvers: the reference, then the engines in alphabetical order. Loads no engine."""
     return (REFERENCE, *adapters.engines())
 
 
 def solver(name: str) -> Any:
-    """A solver by name, an engine or the reference; raises ImportError if it, or the version that its name asks for, is
-    not installed."""
+    """A solver by name, an engine or the reference; raises ImportError if it, or the version in its name, is not
+    installed."""
     if name == REFERENCE:
         from . import reference_adapter
 
-        return ReturnsOnce(reference_adapter)  # like an engine, for the clock's sake
+        return ReturnsOnce(reference_adapter)  # like an engine, so that timings are comparable
     if worker_process.group == "":
-        raise RuntimeError(f"{name} is asked for in a worker whose calls load no engine")
+        raise RuntimeError(f"{name} was requested in a worker whose calls must not load an engine")
     versions.demand(name)
     return ReturnsOnce(returns_once(adapters.engine)(versions.split_version(name)[0]))
 
 
-# The outcome of an engine that is not there: it refuses nothing, and is counted nowhere.
+# The outcome of an engine that is not installed; it is not counted.
 NOT_INSTALLED = "not_installed"
 
 
 def version(name: str) -> str:
-    """The version of a solver; NOT_INSTALLED and what is missing if it is not there."""
+    """The version of a solver; NOT_INSTALLED and the missing module if it is not installed."""
     try:
         return legible(solver(name).version(), _LONGEST_VERSION)
     except ImportError as problem:
@@ -55,55 +55,54 @@ def version(name: str) -> str:
 
 
 def is_missing(version: str) -> bool:
-    """Whether what a solver said of its version says that it is not there."""
+    """Whether a solver's version says that it is not installed."""
     return version.startswith(NOT_INSTALLED)
 
 
 def groups_of(calls: Iterable[Iterable]) -> list[str]:
     """The worker group of each call, by the engines that its arguments name.
 
-    Each engine, and each version of one, has its own workers, so that what it leaves in its process changes no digit of
-    another. "" is for calls without engines. Engines that are not installed share a group, and so do calls that name
-    several.
+    Each engine, and each version of one, has its own workers, so that its changes to a process affect no other engine.
+    "" is for calls without engines. Engines that are not installed share a group, and so do calls that name several.
     """
     engines = names()[1:]
 
     def group(call: Iterable) -> str:
-        named = sorted(named_in(call, lambda text: versions.split_version(text)[0] in engines))
-        if len(named) == 1:
-            return named[0] if is_installed(named[0]) else _ABSENT
-        return _SEVERAL if named else ""
+        mentions = sorted(named_in(call, lambda text: versions.split_version(text)[0] in engines))
+        if len(mentions) == 1:
+            return mentions[0] if is_installed(mentions[0]) else _ABSENT
+        return _SEVERAL if mentions else ""
 
     return [group(call) for call in calls]
 
 
-def named_in(arguments: Iterable, known: Callable[[str], bool]) -> set[str]:
-    """The solvers that arguments name, within tuples and lists as well."""
-    found: set[str] = set()
+def named_in(arguments: Iterable, is_solver: Callable[[str], bool]) -> set[str]:
+    """The solvers named in arguments, also inside tuples and lists."""
+    result: set[str] = set()
     for argument in arguments:
-        if isinstance(argument, str) and known(argument):
-            found.add(argument)
+        if isinstance(argument, str) and is_solver(argument):
+            result.add(argument)
         elif isinstance(argument, tuple | list):
-            found |= named_in(argument, known)
-    return found
+            result |= named_in(argument, is_solver)
+    return result
 
 
 @lru_cache(maxsize=256)
 def is_installed(name: str) -> bool:
-    """Whether the package that an adapter names in `KNOWN` is installed here, or it names none; loads no engine."""
+    """Whether the package in an adapter's `KNOWN` is installed, or there is none; loads no engine."""
     engine, version = versions.split_version(name)
     try:
         package = source_code.literal_of(engine, "KNOWN")
         return bool(version) or not isinstance(package, str) or bool(distribution(Requirement(package).name))
     except PackageNotFoundError:
         return False
-    except (SyntaxError, ValueError, LookupError, OSError, ImportError):  # its code cannot be read: it says so itself
+    except (SyntaxError, ValueError, LookupError, OSError, ImportError):  # the import reports an unreadable source
         return True
 
 
 def missing_words(versions: Mapping[str, str]) -> list[str]:
-    """A line for each solver that is not there, and the command that adds those that are extras of this suite."""
-    missing = {name: said.partition(": ")[2] for name, said in versions.items() if is_missing(said)}
+    """A line for each solver that is not installed, and the command that installs those that are extras."""
+    missing = {name: text.partition(": ")[2] for name, text in versions.items() if is_missing(text)}
     lines = [f"{name}: {NOT_INSTALLED} (it needs {needs})" for name, needs in missing.items()]
     packages = sorted({package for needs in missing.values() if (package := _package(needs))})
     if packages:
@@ -112,20 +111,20 @@ def missing_words(versions: Mapping[str, str]) -> list[str]:
 
 
 def _package(module: str) -> str:
-    """The package of an extra of this suite that brings a module, "" if none does."""
+    """The package of an extra of this suite that contains a module; "" if none does."""
     try:
         needs = requires("slip-to-roll") or []
     except PackageNotFoundError:
         return ""
-    found = [re.fullmatch(r"([\w-]+).*;.*extra\s*==.*", need) for need in needs]
-    own = {match[1].replace("-", "_"): match[1] for match in found if match}
+    result = [re.fullmatch(r"([\w-]+).*;.*extra\s*==.*", need) for need in needs]
+    own = {match[1].replace("-", "_"): match[1] for match in result if match}
     return own.get(module.partition(".")[0], "")
 
 
 def routes(name: str) -> tuple[str, ...]:
-    """The routes of a solver, () where its code does not say them; loads no engine.
+    """The routes of a solver; () if its source does not list them. Loads no engine.
 
-    Raises ImportError if what the adapter imports is not installed, LookupError if it has no code to read.
+    Raises ImportError if an import of the adapter is not installed, LookupError if it has no source file.
     """
     return (
         tuple(map(str, solver(name).routes))

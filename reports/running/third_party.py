@@ -1,4 +1,4 @@
-"""Code of an engine: what it sets for its whole process is afterwards as it was."""
+"""Restores the settings of the process after an engine's code has run."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("
 
 @contextmanager
 def third_party() -> Iterator[None]:
-    """In the block an engine's code runs. Afterwards the settings of the process are as they were: working folder,
-    locale, decimal context, recursion limit, umask, limits of resources, signal handlers, garbage collection, warning
-    filters and NumPy's handling of errors; rounding is as when this module was imported. The environment and the places
-    of modules stay as the engine leaves them: it may need them for what it imports later."""
+    """A context manager for an engine's code that restores the settings of the process afterwards.
+
+    These are working folder, locale, decimal context, recursion limit, umask, resource limits, signal handlers, garbage
+    collection, warning filters and NumPy's error handling; rounding returns to its state at the import of this module.
+    Environment variables and the module search path stay changed: the engine may need them for later imports."""
     before = [(write, read()) for read, write in _SETTINGS]
     with warnings.catch_warnings(), np.errstate():
         try:
             yield
         finally:
             for write, value in before:
-                with suppress(OSError, ValueError):  # a limit that was lowered for good; the canary or the call tells
+                with suppress(OSError, ValueError):  # a limit lowered for good; the canary or the call shows it
                     write(value)
             _restore_arithmetic()
 
@@ -68,8 +69,8 @@ def _umask() -> int:
     return mask
 
 
-def _set_collection(enabled: bool) -> None:
-    (gc.enable if enabled else gc.disable)()
+def _set_collection(is_enabled: bool) -> None:
+    (gc.enable if is_enabled else gc.disable)()
 
 
 _SETTINGS: tuple[tuple[Callable[[], Any], Callable[[Any], Any]], ...] = (
@@ -87,7 +88,7 @@ _SETTINGS: tuple[tuple[Callable[[], Any], Callable[[Any], Any]], ...] = (
 
 
 def _floating_point() -> tuple[Any, Any] | None:
-    """The C library's maths, and the floating-point environment of this process; None where it has none."""
+    """The C math library and the floating-point environment of this process; None if there is none."""
     try:
         maths = ctypes.CDLL(ctypes.util.find_library("m"))
         environment = ctypes.create_string_buffer(_FENV_BYTES)
@@ -96,7 +97,7 @@ def _floating_point() -> tuple[Any, Any] | None:
         return None
 
 
-# As a process begins: rounded to nearest, with numbers below the least normal one.
+# State at the start of a process: rounding to nearest, subnormal numbers enabled.
 _AT_FIRST = _floating_point()
 
 

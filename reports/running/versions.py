@@ -1,8 +1,8 @@
-"""Versions of an engine beside each other: the solver "pymunk@6.11.1" is pymunk's adapter with that version of it.
+"""Several versions of an engine: the solver "pymunk@6.11.1" is pymunk's adapter with that version of pymunk.
 
-Each has an environment of its own, made once by venv and pip from the user's package index, in the user's own cache
-folder, and kept. It holds the engine's package and borrows everything else from where the suite runs; the workers of
-that version look into it first, and so differ in nothing but the engine. What is installed here already needs none.
+Each version has its own environment, made once by venv and pip from the user's package index and kept in the user's
+cache folder. It contains the engine's package and uses all other packages of the suite's environment; the workers of
+that version search it first, and so differ only in the engine. The installed version needs no environment.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import venv
 from collections.abc import Callable, Iterable
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError
-from importlib.metadata import version as installed
+from importlib.metadata import version as installed_version
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -29,41 +29,41 @@ from .records import REFERENCE, legible
 from .storage import source_code
 
 MARK = "@"
-# Wall seconds in which pip answers: it fetches some megabytes and compiles nothing.
+# Time limit for pip, wall seconds: it downloads some megabytes and compiles nothing.
 _PATIENCE = 300.0
-# An index has a hundred versions of an engine; of those that are nearest so many are named.
-_NAMED = 6
+# Number of nearest versions in a message; an index has a hundred versions of an engine.
+_MOST_NAMES = 6
 
 
 def split_version(name: str) -> tuple[str, str]:
-    """A solver's engine and the version asked for, "" if none is."""
+    """A solver's engine and the version in its name; "" if there is none."""
     engine, _, version = name.partition(MARK)
     return engine, version
 
 
 @lru_cache(maxsize=64)
 def needs(name: str) -> Requirement:
-    """The package of a solver with a version, and that version.
+    """The package of a solver with a version, as a requirement.
 
-    Raises BadValue, in one sentence, if it is no version, or none that its adapter knows.
+    Raises BadValue if the version is not valid or not supported by the adapter.
     """
-    engine, asked = split_version(name)
+    engine, number = split_version(name)
     if engine == REFERENCE:
-        raise BadValue(f"{name}: the reference has one version, this suite's; leave out {MARK}{asked}")
-    known = source_code.literal_of(engine, "KNOWN")
-    if not isinstance(known, str):
-        raise BadValue(f"{name}: the adapter of {engine} tells no versions that it knows; leave out {MARK}{asked}")
+        raise BadValue(f"{name}: the reference has one version, this suite's; leave out {MARK}{number}")
+    requirement = source_code.literal_of(engine, "KNOWN")
+    if not isinstance(requirement, str):
+        raise BadValue(f"{name}: the adapter of {engine} lists no versions; leave out {MARK}{number}")
     try:
-        version = Version(asked)
+        version = Version(number)
     except InvalidVersion:
-        raise BadValue(f"{name}: {asked!r} is no version; the adapter of {engine} knows {known}") from None
-    if not Requirement(known).specifier.contains(version, prereleases=True):
-        raise BadValue(f"{name}: the adapter of {engine} knows {known}; ask for one of these")
-    return Requirement(f"{Requirement(known).name}=={version}")
+        raise BadValue(f"{name}: {number!r} is not a version; the adapter of {engine} supports {requirement}") from None
+    if not Requirement(requirement).specifier.contains(version, prereleases=True):
+        raise BadValue(f"{name}: the adapter of {engine} supports {requirement}; select one of these")
+    return Requirement(f"{Requirement(requirement).name}=={version}")
 
 
 def check(name: str) -> None:
-    """Raise BadValue, in one sentence, if a solver with a version cannot be asked for. Installs nothing."""
+    """Raise BadValue if a solver with a version cannot be used. Installs nothing."""
     package = needs(name)
     if not _is_here(package) and compile_cache.place() is None:
         raise BadValue(
@@ -73,8 +73,9 @@ def check(name: str) -> None:
 
 
 def make(names: Iterable[str], say: Callable[[str], None]) -> None:
-    """Make the environments that solvers need and do not have, and say so; where one cannot be made, its solver says
-    why when it is asked. Raises UnknownName for a version that the package index does not have."""
+    """Make the environments that solvers need, and report it; if one cannot be made, its solver's rows have the reason.
+
+    Raises UnknownName for a version that the package index does not have."""
     for name in names:
         folder = _folder(name)
         if folder is None or _is_here(needs(name)):
@@ -92,35 +93,35 @@ def make(names: Iterable[str], say: Callable[[str], None]) -> None:
 
 
 def paths(name: str) -> list[str]:
-    """Where a process of a solver looks for packages first: its environment, if it has one."""
+    """Folders that a solver's process searches first for packages: its environment, if it has one."""
     folder = _folder(name)
     return [_packages(folder)] if folder is not None and folder.is_dir() else []
 
 
 @lru_cache(maxsize=64)
 def demand(name: str) -> None:
-    """Raise ImportError unless this process finds the version that a solver's name asks for."""
+    """Raise ImportError unless this process finds the version in a solver's name."""
     if split_version(name)[1] and not _is_here(needs(name)):
         folder = _folder(name)
-        told = _failure(folder).read_text(encoding="utf-8") if folder and _failure(folder).is_file() else ""
-        raise ImportError(f"{needs(name)}; {told or 'it has no environment'}")
+        reason = _failure(folder).read_text(encoding="utf-8") if folder and _failure(folder).is_file() else ""
+        raise ImportError(f"{needs(name)}; {reason or 'it has no environment'}")
 
 
 # --- an environment ---------------------------------------------------------------------------------------------------
 
 
 def _is_here(package: Requirement) -> bool:
-    """Whether this process finds the package in the version wanted."""
+    """Whether this process finds the package in the required version."""
     try:
-        return package.specifier.contains(installed(package.name), prereleases=True)
+        return package.specifier.contains(installed_version(package.name), prereleases=True)
     except PackageNotFoundError:
         return False
 
 
 def _folder(name: str) -> Path | None:
-    """The folder of a solver's environment, whether it is there or not; None if it has none to have.
+    """The folder of a solver's environment, existing or not; None if the solver has no version or the cache is off.
 
-    It borrows from the place where the suite runs, so that another place has another.
+    The environment uses packages of the suite's environment, so that another one of the suite has another folder.
     """
     if not split_version(name)[1]:
         return None
@@ -142,24 +143,24 @@ def _packages(folder: Path) -> str:
 
 
 def _make(package: Requirement, folder: Path) -> str:
-    """Make an environment with a package, whole or not at all; why it could not be made, "" if it could."""
+    """Make an environment with a package, atomically; returns why that failed, "" on success."""
     try:
         folder.parent.mkdir(mode=0o700, exist_ok=True)
         owned_folder.remove_leftovers(folder.parent)
-        with owned_folder.TemporaryFolder(folder.parent) as unfinished:
-            made = unfinished / "made"
-            venv.EnvBuilder(symlinks=True, with_pip=True).create(made)
+        with owned_folder.TemporaryFolder(folder.parent) as scratch:
+            environment = scratch / "made"
+            venv.EnvBuilder(symlinks=True, with_pip=True).create(environment)
             lenders = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
-            Path(_packages(made), "borrowed.pth").write_text("\n".join(lenders) + "\n")
+            Path(_packages(environment), "borrowed.pth").write_text("\n".join(lenders) + "\n")
             words = ["install", "--only-binary=:all:", "--retries=1", "--no-input", str(package)]
             pip = subprocess.run(
-                [made / "bin" / "python", "-m", "pip", *words],
+                [environment / "bin" / "python", "-m", "pip", *words],
                 capture_output=True, text=True, errors="replace", timeout=_PATIENCE,
             )  # fmt: skip
             if pip.returncode:
                 return _why(package, pip.stderr)
-            if not folder.is_dir():  # another build may have been quicker
-                made.rename(folder)
+            if not folder.is_dir():  # another build may have made it meanwhile
+                environment.rename(folder)
             return ""
     except subprocess.TimeoutExpired:
         return f"pip had not installed it after {_PATIENCE:g} s"
@@ -167,24 +168,24 @@ def _make(package: Requirement, folder: Path) -> str:
         return f"no environment could be made: {legible(problem)}"
 
 
-def _why(package: Requirement, said: str) -> str:
-    """Why pip failed, from what it said. Raises UnknownName if the index has other versions and not this."""
-    found = re.search(r"\(from versions: ([^)]*)\)", said)
-    others = [text for text in found[1].split(", ") if text not in ("", "none")] if found else []
+def _why(package: Requirement, output: str) -> str:
+    """Why pip failed, from its output. Raises UnknownName if the index has only other versions."""
+    match = re.search(r"\(from versions: ([^)]*)\)", output)
+    others = [text for text in match[1].split(", ") if text not in ("", "none")] if match else []
     if others:
-        (wanted,) = package.specifier
-        near = sorted(others, key=lambda text: _apart(Version(text), Version(wanted.version)))[:_NAMED]
+        (specifier,) = package.specifier
+        near = sorted(others, key=lambda text: _apart(Version(text), Version(specifier.version)))[:_MOST_NAMES]
         raise UnknownName(
             f"the package index has no {package} for this Python; it has {', '.join(sorted(near, key=Version))}, …"
         )
-    if re.search(r"Retrying \(|NewConnection|Connection(Reset|Refused)?Error|Max retries|getaddrinfo", said):
+    if re.search(r"Retrying \(|NewConnection|Connection(Reset|Refused)?Error|Max retries|getaddrinfo", output):
         return "the package index cannot be reached; connect, or set pip's index-url"
-    lines = [line for line in said.splitlines() if line.startswith("ERROR")]
-    return f"pip cannot install it: {legible((lines or said.splitlines() or ['it said nothing'])[-1])}"
+    lines = [line for line in output.splitlines() if line.startswith("ERROR")]
+    return f"pip cannot install it: {legible((lines or output.splitlines() or ['it printed nothing'])[-1])}"
 
 
 def _apart(one: Version, other: Version) -> tuple[int, ...]:
-    """How far versions are apart, part by part."""
+    """The distance of two versions, part by part."""
     longest = max(len(one.release), len(other.release))
     parts = [(*v.release, *(0,) * (longest - len(v.release))) for v in (one, other)]
     return tuple(abs(a - b) for a, b in zip(*parts, strict=True))

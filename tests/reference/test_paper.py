@@ -72,7 +72,7 @@ def test_the_page_has_the_claim_for_each_coefficient():
 
 
 def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
-    for mu in measure.FIGURED:
+    for mu in measure.FIGURE_COEFFICIENTS:
         whole, stop = measure.curves(mu), measure._motion(mu).transitions[0].time
         paper = measure.curves(mu, stop)
         assert paper["t"][-1] == stop < whole["t"][-1]

@@ -336,7 +336,7 @@ FATES = {
     "how=segfault": ("crashed", "SIGSEGV"),
     "how=until killed": ("crashed", "SIGKILL, from outside"),
     "how=hang": ("timed_out", "still running after 6 s"),
-    "how=wait 2": ("timed_out", "not tried: how=hang had run out of time"),
+    "how=wait 2": ("timed_out", "not tried: how=hang had timed out"),
 }
 
 

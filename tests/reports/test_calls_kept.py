@@ -109,7 +109,7 @@ def test_calls_that_ran_out_of_time_before_are_told_to_who_skips(made):
 
 def test_what_ended_from_outside_is_reported(made):
     _, _, asked = made("ended", "dies")
-    assert len(asked.lost) == 1 and asked.lost[0].endswith("reference ended: from outside")
+    assert len(asked.interruptions) == 1 and asked.interruptions[0].endswith("reference ended: from outside")
 
 
 def test_code_function_and_arguments_decide(made, monkeypatch):
@@ -172,7 +172,7 @@ def test_what_is_timed_is_timed_here_one_at_a_time_and_shows_nothing():
 def test_every_step_is_booked_though_all_of_it_was_kept(tmp_path):
     now = iter(PhaseTime(float(i), float(i)) for i in range(100))
     for store in (Store(None), Store(tmp_path), Store(tmp_path)):
-        asked = Calls(1, store=store, versions={"reference": "1"}, spent=PhaseTimes(lambda: next(now)))
+        asked = Calls(1, store=store, versions={"reference": "1"}, times=PhaseTimes(lambda: next(now)))
         asked._pool = Pool({})
         asked.all("work", work, [(LINE, "reference", "a")], keep=StorePolicy())
-        assert list(asked.spent.phases) == ["work"]
+        assert list(asked.times.phases) == ["work"]

@@ -173,7 +173,7 @@ def test_no_interval_is_narrower_than_what_processes_differ_by(repeats):
 
 @pytest.mark.parametrize("repeat", [SLOW_LOOP, BESIDE_OTHERS, WAITED])
 def test_disturbed_repeats_are_seen_and_have_no_part_in_the_median(repeat):
-    assert clock.disturbed(repeat, LOOP) and not clock.disturbed(quiet(1.0), LOOP)
+    assert clock.is_disturbed(repeat, LOOP) and not clock.is_disturbed(quiet(1.0), LOOP)
     timing = clock.timing(repeated(*[repeat] * 5, quiet(1.0), quiet(1.1), quiet(1.2)), LOOP)
     assert (timing.cpu_s, timing.cpu_low_s, timing.cpu_high_s) == (1.1, 1.0, 1.2)
     assert (timing.repeats, timing.disturbed_repeats, timing.disturbed) == (3, 5, False)

@@ -138,7 +138,7 @@ def test_what_is_seen_before_or_after_a_repeat_disturbs_it(watch, monkeypatch, s
     else:
         monkeypatch.setattr(clock, "neighbours", lambda: seen(others))
     clock.take_turns([one], watch.wall + 1.0)
-    assert len(one.repeats) >= 3 and all(clock.disturbed(repeat, LOOP) for repeat in one.repeats)
+    assert len(one.repeats) >= 3 and all(clock.is_disturbed(repeat, LOOP) for repeat in one.repeats)
 
 
 def test_a_disturbed_timing_says_of_how_many_repeats_it_is(watch, monkeypatch):

@@ -33,7 +33,7 @@ WAYS = [(math.sqrt, 2.0), (math.sqrt, -1.0), (os.abort,), (time.sleep, 60.0), (m
 
 def fits(solvers, files):
     """A worker that says it is what was asked for."""
-    cluster_worker._said.set()
+    cluster_worker._ready.set()
     return ()
 
 
@@ -42,12 +42,12 @@ def within(monkeypatch):
     """A cluster within this process."""
     import distributed
 
-    monkeypatch.setattr(cluster_probe, "told", fits)
+    monkeypatch.setattr(cluster_probe, "identify", fits)
     own = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
     yield Cluster(own.scheduler_address, 1, ())
     own.close()
     cluster_worker._own().close()
-    cluster_worker._own.cache_clear(), cluster_worker._said.clear()
+    cluster_worker._own.cache_clear(), cluster_worker._ready.clear()
 
 
 def test_a_call_goes_to_a_worker_and_its_answer_comes_back(within):

@@ -35,7 +35,7 @@ def watch(monkeypatch) -> Watch:
 @pytest.fixture
 def here(watch, monkeypatch) -> Watch:
     """Calls are made in this process."""
-    monkeypatch.setattr(cold_start, "_apart", lambda function, argument: function(argument))
+    monkeypatch.setattr(cold_start, "_in_child", lambda function, argument: function(argument))
     return watch
 
 
@@ -202,8 +202,8 @@ def test_imports_are_no_part_of_a_call(watch, monkeypatch, late_module):
 @pytest.mark.parametrize("late, calls", [(True, 1 + cold_start.LEAST_REPEATS), (False, cold_start.LEAST_REPEATS)])
 def test_a_call_counts_unless_it_imported_something_a_file_holds(watch, monkeypatch, late_module, late, calls):
     """A module that is made in the process is not imported."""
-    made, apart = [], cold_start._apart
-    monkeypatch.setattr(cold_start, "_apart", lambda *given: made.append(given) or apart(*given))
+    made, apart = [], cold_start._in_child
+    monkeypatch.setattr(cold_start, "_in_child", lambda *given: made.append(given) or apart(*given))
     engine(monkeypatch, imports(watch, late_module if late else "math"))
     first_call(*who(1.0))
     assert len(made) == calls
@@ -243,7 +243,7 @@ def test_a_route_that_fails_is_tried_once_and_others_go_on(here, monkeypatch):
             return "no more"
 
     monkeypatch.setattr(cold_start, "solver", solver)
-    monkeypatch.setattr(cold_start, "_apart", apart)
+    monkeypatch.setattr(cold_start, "_in_child", apart)
     found = cold_start.first_calls([*who(1.0, 2.0, name="bad"), *who(1.0)], 1000.0)
     assert list(found.values())[:2] == [(None, "no more")] * 2 and tried == [1.0]
     assert list(found.values())[2][0].run_s == pytest.approx(RUN)
@@ -266,7 +266,7 @@ def children() -> set[str]:
 )
 def test_whatever_happens_in_the_process_split_off_comes_back_as_a_sentence(function, said):
     before = children()
-    found = cold_start._apart(function, None)
+    found = cold_start._in_child(function, None)
     assert found is said or found.startswith(said)
     assert children() <= before
 
@@ -274,5 +274,5 @@ def test_whatever_happens_in_the_process_split_off_comes_back_as_a_sentence(func
 def test_a_call_that_does_not_end_is_ended(monkeypatch):
     monkeypatch.setattr(cold_start, "_LIMIT", 0.3)
     before, began = children(), time.monotonic()
-    assert "took more than 0.3 s" in cold_start._apart(lambda _: time.sleep(600.0), None)
+    assert "took more than 0.3 s" in cold_start._in_child(lambda _: time.sleep(600.0), None)
     assert children() <= before and time.monotonic() - began < 300.0

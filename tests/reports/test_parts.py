@@ -116,8 +116,8 @@ def test_what_python_does_within_an_engine_is_not_the_engine_s(monkeypatch):
 
 
 def test_a_call_from_cold_that_has_nothing_left_to_import_is_a_repeat(monkeypatch):
-    made, apart = [], cold_start._apart
-    monkeypatch.setattr(cold_start, "_apart", lambda *arguments: made.append(arguments) or apart(*arguments))
+    made, apart = [], cold_start._in_child
+    monkeypatch.setattr(cold_start, "_in_child", lambda *arguments: made.append(arguments) or apart(*arguments))
     setting = tasks.survey(CIRCLE, "pymunk")[0].settings[1]
     who = [Contestant(CIRCLE, "pymunk", "native", setting, 0.1)]
     cold_start.first_calls(who, 60.0)

@@ -39,7 +39,7 @@ def test_a_step_that_had_nothing_to_do_is_not_waited_for():
     display = Display({"a": 1000.0, "b": 10.0})
     with display:
         list(display("b", 1, iter([0])))
-        assert display._left("b", 1, 1, 1.0) < 1.0
+        assert display._remaining("b", 1, 1, 1.0) < 1.0
 
 
 def test_a_log_is_left_quiet_and_hears_of_a_long_step(monkeypatch, capsys):

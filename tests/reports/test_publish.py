@@ -143,7 +143,7 @@ def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"made_by": "somebody"}, "holds no report"),
+        ({"made_by": "somebody"}, "contains no report"),
         ({"commit": "0" * 40 + "+"}, "differ from their commit"),
         ({"commit": ""}, "which commit"),
         ({"options": "--quick"}, "--quick"),
@@ -286,7 +286,7 @@ def rebuilt(tmp_path_factory) -> Path:
     place = tmp_path_factory.mktemp("rebuilt")
     every = [case for name in cases.names(hard=False) for case in cases.select(name)]
     # Named cases would have whole ladders.
-    plan = replace(options.plan_by_hand(every, None, place / "none", "default", 2, None, False), named=False)
+    plan = replace(options.plan_by_hand(every, None, place / "none", "default", 2, None, False), is_selection=False)
     with Display([]) as display, Calls(plan.jobs, plan.limit, Store(None), display) as calls:
         ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
     (place / "tables").mkdir()

@@ -171,7 +171,7 @@ def test_parts_are_found_cheapest_first_and_reported_under_each_one_s_name(watch
     assert order == ["cheap", "fails", "dear"]
     assert found["dear"][0].engine == 0.5 and found["cheap"][0].engine == 0.1 and found["dear"][1] == ""
     assert found["fails"] == (None, "RuntimeError: no more")
-    assert found["long"] == (None, "the time budget did not reach it")
+    assert found["long"] == (None, "the time budget was used up before")
 
 
 def test_each_one_s_deadline_is_its_share_of_what_is_left(watch, monkeypatch):

@@ -180,9 +180,9 @@ def test_kinds_are_kept_apart_and_what_is_taken_is_told(tmp_path):
     store = Store(tmp_path)
     assert identical(store.get("truth", KEY, Truth), TRUTH) and identical(store.get("run", KEY, Run), RUN)
     assert store.get("run", {"another": 1}, Run) is not None and store.get("run", {"a third": 1}, Run) is None
-    assert store.told() == {"taken": {"run": 2, "truth": 1}, "oldest_taken": "2020", "kept": {}, "trouble": []}
+    assert store.summary() == {"taken": {"run": 2, "truth": 1}, "oldest_taken": "2020", "kept": {}, "trouble": []}
     assert store.taken_words() == "2 runs and 1 truth taken from the store (since 2020), nothing made now"
-    assert first.told()["kept"] == {"run": 2, "truth": 1}
+    assert first.summary()["kept"] == {"run": 2, "truth": 1}
     assert Store(tmp_path).taken_words() == "nothing was taken from the store"
 
 
@@ -245,7 +245,7 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     assert store.get("run", KEY, Run) is None
     (told,) = store.trouble()
     assert told.startswith("could not be kept: 1")
-    assert "cannot be kept: NotADirectoryError" in store.problem() and Store(tmp_path / "good").problem() == ""
+    assert "cannot be stored: NotADirectoryError" in store.problem() and Store(tmp_path / "good").problem() == ""
     assert store.kept_words() == "nothing was finished that could be kept"
 
 

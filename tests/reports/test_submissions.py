@@ -91,15 +91,15 @@ def test_millimetres_are_told(hand_in, poses, capsys):
 @pytest.mark.parametrize(
     ("head", "said"),
     [
-        ({"who": None}, "does not say who"),
-        ({"engine": "another"}, "call both alike"),
+        ({"who": None}, "has no who"),
+        ({"engine": "another"}, "give both the same name"),
         ({"engine": "=cmd()"}, "give letters"),
-        ({"settings": ["h"]}, "does not say settings"),
-        ({"machine": "a\nb"}, "no single line"),
+        ({"settings": ["h"]}, "has no settings"),
+        ({"machine": "a\nb"}, "not a single line"),
         ({"machine": "a" * 400}, "shorten it"),
         ({"creep": "5e-3"}, "without quotation marks"),
         ({"creep": 10**400}, "give a speed"),
-        ({"colour": "red"}, "means nothing here"),
+        ({"colour": "red"}, "unknown entry"),
     ],
 )
 def test_a_head_out_of_form_is_one_sentence(hand_in, poses, head, said, capsys):
@@ -119,11 +119,11 @@ def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):
     with pytest.raises(CaseError, match="there is no folder"):
         submissions.read(tmp_path / "nowhere")
     (folder / "submission.toml").write_bytes(b"who = \xff")
-    with pytest.raises(CaseError, match="is no TOML"):
+    with pytest.raises(CaseError, match="is not TOML"):
         submissions.read(folder)
     for odd in ("creep = " + "[" * 8000, "creep = " + "9" * 5000):
         (folder / "submission.toml").write_text(odd)
-        with pytest.raises(CaseError, match="is no TOML"):
+        with pytest.raises(CaseError, match="is not TOML"):
             submissions.read(folder)
     (folder / "submission.toml").write_text("#" * 20_000)
     with pytest.raises(CaseError, match="give at most"):

@@ -129,7 +129,7 @@ def test_where_no_scheduler_answers_it_is_said(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cluster, "ANSWERS", 1.0)
     assert sweep.main([*VARY, "--dask", "tcp://127.0.0.1:9"]) == 2
-    assert "nobody answers at --dask tcp://127.0.0.1:9" in capsys.readouterr().err
+    assert "no scheduler answers at --dask tcp://127.0.0.1:9" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

@@ -44,7 +44,7 @@ def engines(monkeypatch) -> Watch:
     for module in (clock, cold_start):
         monkeypatch.setattr(module, "calibrate", lambda: 1e-3)
     monkeypatch.setattr(clock, "neighbours", lambda: False)
-    monkeypatch.setattr(cold_start, "_apart", lambda function, argument: function(argument))
+    monkeypatch.setattr(cold_start, "_in_child", lambda function, argument: function(argument))
     monkeypatch.setattr(timings, "time", watch)
     return watch
 
@@ -160,7 +160,7 @@ def test_a_contestant_that_an_answer_does_not_name_is_reported(engines, monkeypa
     monkeypatch.setattr(clock, "time_all", time_all)
     with calls() as made:
         found, failed = timings.time_together(AB, 5.0, 10.0, made)
-    assert not found and [one for one, _ in failed] == AB and "does not name it" in failed[0][1]
+    assert not found and [one for one, _ in failed] == AB and "missing from the clock's answer" in failed[0][1]
 
 
 def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(engines):
@@ -275,7 +275,7 @@ def test_cold_starts_and_parts_are_measured_of_those_that_are_wanted(engines):
     runs = [run_of(case, cost=cost) for case in LINES for cost in (1.0, 2.0)]
     wanted = {(run.case, run.solver, run.route, run.setting) for run in runs[1:3]}
     with calls() as made:
-        found = timings.beside(experiment(*LINES, runs=runs), wanted, False, made)
+        found = timings.measure_extra(experiment(*LINES, runs=runs), wanted, False, made)
     assert set(found.cold) == set(found.parts) == wanted
     assert all(
         isinstance(value, cold_start.ColdStart) and fit(value, key[3]["cost"]) for key, value in found.cold.items()

@@ -50,12 +50,12 @@ def test_a_solver_is_an_engine_and_perhaps_a_version(cache):
 @pytest.mark.parametrize(
     "name, hint",
     [
-        ("pymunk@", "'' is no version"),
-        ("pymunk@latest", "'latest' is no version"),
-        ("pymunk@5.7", "knows pymunk>=6.11; ask for one of these"),
+        ("pymunk@", "'' is not a version"),
+        ("pymunk@latest", "'latest' is not a version"),
+        ("pymunk@5.7", "supports pymunk>=6.11; select one of these"),
         ("pimunk@7", "there is no solver 'pimunk'"),
         ("reference@1", "the reference has one version"),
-        ("fakes@1", "tells no versions that it knows"),
+        ("fakes@1", "lists no versions"),
     ],
 )
 def test_what_cannot_be_asked_for_is_refused_in_a_sentence(name, hint, cache, tmp_path, monkeypatch, capsys):
@@ -73,7 +73,7 @@ def test_what_cannot_be_asked_for_is_refused_in_a_sentence(name, hint, cache, tm
 def test_without_a_cache_only_what_is_here_can_be_asked_for(monkeypatch):
     monkeypatch.setenv(compile_cache.VARIABLE, compile_cache.OFF)
     options.choose_solvers([f"pymunk@{version('pymunk')}"])
-    with pytest.raises(BadValue, match="nothing is kept"):
+    with pytest.raises(BadValue, match="the cache is off"):
         options.choose_solvers(["pymunk@6.99"])
 
 

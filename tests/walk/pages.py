@@ -126,7 +126,7 @@ WALK = {
                 (r"^my_valley\[mu=0\.3\]$", r"begins: slip_forward", r"reference: runs it", r"picture: my_valley\.png"),
                 ("my_valley.png",),
             ),
-            Step("python -m reports.animate my_valley", (r"s of film.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
+            Step("python -m reports.animate my_valley", (r"s of animation.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
             ACCEPTED,
             Step("python -m reports.build --case-file my_valley.py", (RIGHT, r"trust pymunk assisted", *BUILT), REPORT),
             Step(
@@ -261,7 +261,7 @@ WALK = {
             ),
             Step(
                 "python -m reports.animate disc_in_circle mu=0.2 --out disc.gif",
-                (r"^2\.5 s of film, 1 × real time, \d+ kB: disc\.gif$",),
+                (r"^2\.5 s of animation, 1 × real time, \d+ kB: disc\.gif$",),
                 ("disc.gif",),
             ),
         )

@@ -1,1 +1,1 @@
-"""Processes in which calls run: workers of this machine, and a cluster's."""
+"""Processes that run calls: workers of this machine and of a cluster."""

@@ -1,7 +1,7 @@
-"""Calls on a Dask cluster, through its standard client, for who would else make them in a `Pool` of this machine.
+"""Runs calls on a Dask cluster with its standard client, in place of a `WorkerPool` of this machine.
 
-Workers come and go, and so may the scheduler: a call counts when its answer is here, and is asked for again until then.
-A worker that would give other answers (another version, no heyoka, no such engine) is left out, and the reason is said.
+Workers and the scheduler may leave and return: a call is submitted again until its answer has arrived. A worker whose
+answers would differ (another version, no heyoka, engine not installed) is excluded, and a message gives the reason.
 """
 
 from __future__ import annotations
@@ -25,35 +25,35 @@ from .worker_process import CallResult
 from .workers import read
 
 LOCAL = "local"
-# Calls handed out at a time, for each worker: enough that none waits for the next one.
-AHEAD = 4
-# Seconds between two looks at who is there; how long a scheduler or a worker that fits may be gone.
-LOOK, PATIENCE = 2.0, 600.0
-# A call that ended so many workers is not asked for again.
+# Calls submitted at a time per worker: enough that no worker is idle.
+CALLS_PER_WORKER = 4
+# Seconds between two checks of the workers; longest absence of the scheduler or of all suitable workers, s.
+POLL_SECONDS, PATIENCE = 2.0, 600.0
+# A call that ended so many workers is not submitted again.
 DEADLY = 3
-# Seconds in which a scheduler answers, or is none.
+# Time limit for the connection to a scheduler, s.
 ANSWERS = 5.0
 
 
 class NoWorkers(OSError):
-    """The scheduler, or a worker that fits, stayed away."""
+    """The scheduler or all suitable workers were absent for too long."""
 
 
 def say(text: str) -> None:
-    """A sentence on the terminal."""
+    """Print a message on the terminal."""
     print(f"dask: {text}", file=sys.stderr, flush=True)
 
 
 def check(address: str) -> None:
-    """Raises BadValue, in one sentence, if there is no Dask here, or no scheduler at the address."""
+    """Raises BadValue if Dask is not installed or no scheduler answers at the address."""
     distributed = _dask()
     if address == LOCAL:
         return
     try:
-        distributed.comm.get_address_host_port(address)  # a client that cannot begin has no quiet end
+        distributed.comm.get_address_host_port(address)  # a client that fails to start prints tracebacks
         distributed.Client(address, timeout=ANSWERS, set_as_default=False).close()
     except (OSError, TimeoutError, ValueError) as problem:
-        raise BadValue(f"nobody answers at --dask {address} ({problem}); start a scheduler there") from None
+        raise BadValue(f"no scheduler answers at --dask {address} ({problem}); start one there") from None
 
 
 def _dask():
@@ -67,10 +67,11 @@ def _dask():
 
 
 class Cluster:
-    """The workers of the scheduler at an address (LOCAL: `jobs` workers of this machine) that are what `identity` says,
-    used as a `workers.Pool` is. `solvers` and `files` are what they are asked about.
+    """The workers of a scheduler that have the same `identity` as this machine; the interface of `workers.WorkerPool`.
 
-    A scheduler or workers that stay away for `patience` seconds raise Nobody.
+    `address`: the scheduler's, or LOCAL for `jobs` workers of this machine. `solvers` and `files`: the solvers and case
+    files that are part of the identity. Raises NoWorkers if the scheduler or all suitable workers are absent for
+    `patience` seconds.
     """
 
     def __init__(
@@ -84,17 +85,17 @@ class Cluster:
     ):
         self.dask, self.address, self.patience = _dask(), address, patience
         self.identity, self.question = identity, (tuple(solvers), tuple(files))
-        self.told: set[str] = set()  # of workers that are left out
+        self.warnings: set[str] = set()  # workers whose exclusion was reported
         self._own = None
         if address == LOCAL:
             import dask
 
-            dask.config.set({"distributed.worker.profile.enabled": False})  # it looks at each worker every 10 ms
+            dask.config.set({"distributed.worker.profile.enabled": False})  # it samples each worker every 10 ms
             self._own = self.dask.LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
             self.address = self._own.scheduler_address
 
     def close(self) -> None:
-        """End the workers, where they are of this machine alone."""
+        """End the workers of a local cluster; other clusters keep theirs."""
         if self._own is not None:
             self._own.close()
 
@@ -107,8 +108,8 @@ class Cluster:
         groups: Sequence[str] = (),
         brief: bool = False,
     ) -> Generator[tuple[int, CallResult]]:
-        """As `Pool.run`; its workers are there already, whether calls are brief or not. A call that ended DEADLY
-        workers has "died", from outside."""
+        """As `WorkerPool.run`; `brief` has no effect, because the workers run already. A call that ended DEADLY workers
+        has the outcome "died", not lasting."""
         run = _ClusterRun(self, function, arguments, limit, skip, groups or groups_of(arguments))
         try:
             yield from run.answers()
@@ -117,165 +118,169 @@ class Cluster:
 
 
 class _ClusterRun:
-    """What is left to do, and what is under way."""
+    """The state of one `Cluster.run`: waiting calls and calls in flight."""
 
     def __init__(self, cluster: Cluster, function: Callable, arguments: Sequence[tuple], limit: float, skip, groups):
         self.cluster, self.function, self.arguments = cluster, function, arguments
         self.limit, self.skip, self.groups = limit, skip, groups
         self.waiting = list(range(len(arguments)))[::-1]
-        self.flying: dict[Any, tuple[int, tuple[str, ...]]] = {}  # futures, and who may make them
+        self.in_flight: dict[Any, tuple[int, tuple[str, ...]]] = {}  # call and allowed workers
         self.deaths: Counter[int] = Counter()
-        self.asked: dict[str, Any] = {}  # workers that have not said yet what they are
+        self.pending: dict[str, Any] = {}  # workers whose identity is not known yet
         self.fit: list[str] = []
         self.unfit: dict[str, str] = {}
         self.client: Any = None
-        self.lost = False  # whether the scheduler was gone
+        self.reconnecting = False  # whether the connection to the scheduler was lost before
 
     def answers(self) -> Iterator[tuple[int, CallResult]]:
-        """Answer after answer; from the beginning with another client where the scheduler was gone."""
-        while self.waiting or self.flying:
+        """Yield the answers; connects again if the scheduler was gone."""
+        while self.waiting or self.in_flight:
             try:
                 self._connect()
-                while self.waiting or self.flying:
-                    self._look()
+                while self.waiting or self.in_flight:
+                    self._update_workers()
                     yield from self._hand_out()
                     yield from self._collect()
             except NoWorkers:
                 raise
-            except (OSError, TimeoutError, CancelledError) as problem:  # what Dask raises when nobody answers
-                self.lost = True
+            except (
+                OSError,
+                TimeoutError,
+                CancelledError,
+            ) as problem:  # Dask: no answer
+                self.reconnecting = True
                 say(f"the scheduler at {self.cluster.address} is gone ({type(problem).__name__}); waiting for it")
                 self.give_up()
 
     def _connect(self) -> None:
-        """A client of the scheduler, as soon as there is one."""
+        """Connect to the scheduler; waits until it answers."""
         until = time.monotonic() + self.cluster.patience
         while True:
             try:
                 self.client = self.cluster.dask.Client(self.cluster.address, timeout=10)
-                if self.lost:
-                    say(f"the scheduler is there again; {len(self.waiting)} calls are left")
+                if self.reconnecting:
+                    say(f"the scheduler is back; {len(self.waiting)} calls remain")
                 return
             except (OSError, TimeoutError):
                 if time.monotonic() > until:
                     away = f"no scheduler at {self.cluster.address} for {self.cluster.patience:g} s"
                     raise NoWorkers(away) from None
-            time.sleep(LOOK)
+            time.sleep(POLL_SECONDS)
 
     def give_up(self) -> None:
-        """What is under way is left; the client goes."""
-        self.waiting += [index for index, _ in self.flying.values()]
-        self.flying.clear()
-        self.asked.clear()
+        """Return calls in flight to the waiting ones, and close the client."""
+        self.waiting += [index for index, _ in self.in_flight.values()]
+        self.in_flight.clear()
+        self.pending.clear()
         self.fit, self.unfit = [], {}
         if self.client is not None:
             self.client.close(timeout=2)
             self.client = None
 
-    def _look(self) -> None:
-        """Who is there, and whether they fit; waits for one that does."""
+    def _update_workers(self) -> None:
+        """Update the lists of suitable and excluded workers; waits until one is suitable."""
         until = time.monotonic() + self.cluster.patience
         while True:
             there = self.client.scheduler_info(n_workers=-1).get("workers", {})
             if self.client.status != "running":
                 raise OSError("the connection is lost")
             for worker in there:
-                if worker not in (*self.fit, *self.unfit, *self.asked):
+                if worker not in (*self.fit, *self.unfit, *self.pending):
                     question = self.cluster.question
-                    self.asked[worker] = self.client.submit(
+                    self.pending[worker] = self.client.submit(
                         cluster_probe.identify, *question, workers=[worker], pure=False
                     )
-            self.asked = {worker: future for worker, future in self.asked.items() if worker in there}
-            self._hear()
+            self.pending = {worker: future for worker, future in self.pending.items() if worker in there}
+            self._collect_identities()
             self.fit = [worker for worker in self.fit if worker in there]
-            stranded = [future for future, (_, tied) in self.flying.items() if not {*tied} & {*there}]
-            self.waiting += [self.flying.pop(future)[0] for future in stranded]
+            orphans = [future for future, (_, workers) in self.in_flight.items() if not {*workers} & {*there}]
+            self.waiting += [self.in_flight.pop(future)[0] for future in orphans]
             if self.fit:
                 return
             if time.monotonic() > until:
-                reasons = "; ".join(dict.fromkeys(self.unfit.values())) or "there is none"
-                raise NoWorkers(f"no worker at {self.cluster.address} fits: {reasons}")
-            time.sleep(0.1 * LOOK)
+                reasons = "; ".join(dict.fromkeys(self.unfit.values())) or "there are no workers"
+                raise NoWorkers(f"no worker at {self.cluster.address} is suitable: {reasons}")
+            time.sleep(0.1 * POLL_SECONDS)
 
-    def _hear(self) -> None:
-        """What the workers that were asked say of themselves."""
-        for worker, future in list(self.asked.items()):
+    def _collect_identities(self) -> None:
+        """Compare the identities that workers have sent with the required one."""
+        for worker, future in list(self.pending.items()):
             if future.status == "pending":
                 continue
-            del self.asked[worker]
+            del self.pending[worker]
             if future.status != "finished":
-                continue  # it is gone, or is asked again
-            told = future.result()
-            other = told if isinstance(told, str) else cluster_worker.difference(told, self.cluster.identity)
+                continue  # the worker is gone, or is asked again
+            reply = future.result()
+            other = reply if isinstance(reply, str) else cluster_worker.difference(reply, self.cluster.identity)
             if not other:
                 self.fit.append(worker)
                 continue
             self.unfit[worker] = other
-            if worker not in self.cluster.told:
-                self.cluster.told.add(worker)
-                say(f"worker {worker} is left out: {other}")
+            if worker not in self.cluster.warnings:
+                self.cluster.warnings.add(worker)
+                say(f"worker {worker} is excluded: {other}")
 
     def _hand_out(self) -> Iterator[tuple[int, CallResult]]:
-        while self.waiting and len(self.flying) < AHEAD * len(self.fit):
+        while self.waiting and len(self.in_flight) < CALLS_PER_WORKER * len(self.fit):
             index = self.waiting.pop()
-            given = self.skip(index)
-            if given is not None:
-                yield index, given
+            substitute = self.skip(index)
+            if substitute is not None:
+                yield index, substitute
                 continue
             try:
                 call = pickle.dumps((self.function, self.arguments[index]))
             except (pickle.PicklingError, TypeError, AttributeError) as problem:
-                yield index, CallResult("raised", reason=legible(f"what it is given cannot travel: {problem}"))
+                yield index, CallResult("raised", reason=legible(f"its arguments cannot be pickled: {problem}"))
                 continue
             future = self.client.submit(
                 cluster_worker.make, call, self.limit, self.groups[index], workers=self.fit, pure=False, retries=0
             )
-            self.flying[future] = index, tuple(self.fit)
+            self.in_flight[future] = index, tuple(self.fit)
 
     def _collect(self) -> Iterator[tuple[int, CallResult]]:
-        """What has ended within a little while."""
-        if not self.flying:
+        """Yield the answers that arrive within POLL_SECONDS."""
+        if not self.in_flight:
             return
         try:
-            self.cluster.dask.wait(list(self.flying), timeout=LOOK, return_when="FIRST_COMPLETED")
+            self.cluster.dask.wait(list(self.in_flight), timeout=POLL_SECONDS, return_when="FIRST_COMPLETED")
         except TimeoutError:
             return
-        ended = [future for future in self.flying if future.status != "pending"]
-        good = [future for future in ended if future.status == "finished"]
+        ready = [future for future in self.in_flight if future.status != "pending"]
+        good = [future for future in ready if future.status == "finished"]
         answers = self.client.gather(good, errors="skip") if good else []
-        if len(answers) != len(good):  # the worker that held an answer is gone: it is asked for again
+        if len(answers) != len(good):  # the worker with an answer is gone: the call is made again
             answers, good = [], []
         for future, answer in zip(good, answers, strict=True):
-            index, _ = self.flying.pop(future)
-            yield index, _open(answer)
-        for future in ended:
-            if future in self.flying:
-                yield from self._without(self.flying.pop(future)[0], future)
+            index, _ = self.in_flight.pop(future)
+            yield index, _unpickle_value(answer)
+        for future in ready:
+            if future in self.in_flight:
+                yield from self._retry_or_fail(self.in_flight.pop(future)[0], future)
 
-    def _without(self, index: int, future) -> Iterator[tuple[int, CallResult]]:
-        """Ask for a call again that has ended without an answer, unless it is the call's own fault."""
+    def _retry_or_fail(self, index: int, future) -> Iterator[tuple[int, CallResult]]:
+        """Submit a call without an answer again, or yield its failure if the call itself is the cause."""
         problem = future.exception() if future.status == "error" else None
-        killed = isinstance(problem, self.cluster.dask.scheduler.KilledWorker)
-        self.deaths[index] += killed
+        is_killed = isinstance(problem, self.cluster.dask.scheduler.KilledWorker)
+        self.deaths[index] += is_killed
         if isinstance(problem, cluster_worker.UnknownWorker):
-            self.fit = []  # all are asked again
+            self.fit = []  # all identities are requested again
         if (
             problem is None
             or isinstance(problem, cluster_worker.UnknownWorker)
-            or (killed and self.deaths[index] < DEADLY)
+            or (is_killed and self.deaths[index] < DEADLY)
         ):
             self.waiting.append(index)
-        elif killed:
+        elif is_killed:
             yield index, CallResult("died", reason=f"it ended {DEADLY} workers of the cluster", lasting=False)
         else:
             yield index, CallResult("raised", reason=legible(f"{type(problem).__name__}: {problem}"))
 
 
-def _open(answer: CallResult) -> CallResult:
-    """An answer with its value as it was before it travelled."""
+def _unpickle_value(answer: CallResult) -> CallResult:
+    """The answer with its value unpickled."""
     if answer.outcome != "done":
         return answer
     try:
         return replace(answer, value=read(answer.value))
-    except Exception as problem:  # whatever stands in an answer's place
+    except Exception as problem:  # the bytes of a broken answer can raise anything
         return CallResult("raised", reason=legible(f"its answer cannot be read: {problem}"))

@@ -1,6 +1,7 @@
-"""A cluster's worker: what it says of itself, and the calls it makes, in processes of its own as on any machine.
+"""A cluster's worker: its identity, and its calls, which run in separate processes as on this machine.
 
-So a call that crashes, hangs or floods is the same row here and there, and ends no worker of the cluster.
+A call that crashes, hangs or floods its output gives the same row as on this machine and does not end the cluster's
+worker.
 """
 
 from __future__ import annotations
@@ -19,41 +20,40 @@ from ..storage import fingerprint, source_code
 from .worker_process import CallResult
 from .workers import WorkerPool
 
-# What a machine says of itself: names and values.
+# Names and values that decide the answers of a machine.
 Identity = tuple[tuple[str, str], ...]
 PROCESSOR = "processor"
 
-# A worker is one core: what of it has several threads takes turns.
+# A worker is one core: its threads run one at a time.
 _ONE = threading.Lock()
-# Set once this process has said what it is.
-_said = threading.Event()
+# Set when this process has sent its identity.
+_ready = threading.Event()
 
 
 class UnknownWorker(Exception):
-    """A worker that has not said what it is: it came in the place of one that had."""
+    """The worker has not sent its identity: it replaced one that had."""
 
 
 def identity(versions: Mapping[str, str], files: Sequence[str] = ()) -> Identity:
-    """What decides the answers of a machine: its packages, processor and code, the versions of solvers as it has told
-    them, and case files."""
-    import reference  # not by a worker itself, which would hold what its process holds
+    """The identity of this machine: its packages, processor and code, the versions of the solvers, and case files."""
+    import reference  # here, so that the worker process itself stays small
 
     around = fingerprint.surroundings()
-    told = {"python": around["python"], PROCESSOR: fingerprint.processor(), **around["packages"]}
-    told |= {"method of the reference": reference.METHODS[0], "code of the suite": _suite(), **versions}
-    return tuple(sorted((told | {f"the file {file}": _digest(Path(file)) for file in files}).items()))
+    facts = {"python": around["python"], PROCESSOR: fingerprint.processor(), **around["packages"]}
+    facts |= {"method of the reference": reference.METHODS[0], "code of the suite": _suite(), **versions}
+    return tuple(sorted((facts | {f"the file {file}": _digest(Path(file)) for file in files}).items()))
 
 
-def difference(mine: Identity, ask_identity: Identity) -> str:
-    """What of a machine is not what was asked for, in a phrase; "" if it is the same."""
+def difference(mine: Identity, theirs: Identity) -> str:
+    """How an identity differs from the required one (`theirs`), as a phrase; "" if they are equal."""
     here = dict(mine)
-    others = [(name, here.get(name, "unknown"), value) for name, value in ask_identity if here.get(name) != value]
+    others = [(name, here.get(name, "unknown"), value) for name, value in theirs if here.get(name) != value]
     return "; ".join(f"{name} is {own}, not {value}" for name, own, value in others)
 
 
 @lru_cache(maxsize=1)
 def _suite() -> str:
-    """The code of the suite, in a few letters."""
+    """A short digest of the suite's code and of the stored truths."""
     rooms = [Path(place) for room in source_code.SUITE for place in import_module(room).__path__]
     files = [(str(file.relative_to(room.parent)), file) for room in rooms for file in sorted(room.rglob("*.py"))]
     return fingerprint.digest([fingerprint.truth_key(), *((name, _digest(file)) for name, file in files)])[:16]
@@ -70,31 +70,31 @@ def _digest(file: Path) -> str:
 
 
 def ask_identity(solvers: tuple[str, ...], files: tuple[str, ...]) -> Identity | str:
-    """The identity of this machine, or in a phrase why it has none."""
+    """The identity of this machine, or the reason why it has none."""
     with _ONE:
-        said = dict(_own().run(version, [(name,) for name in solvers]))
-        for i, answer in said.items():
+        answers = dict(_own().run(version, [(name,) for name in solvers]))
+        for i, answer in answers.items():
             if answer.outcome != "done":
-                return f"{solvers[i]} does not say its version ({answer.reason})"
-        versions = {solvers[i]: answer.value for i, answer in said.items()}
+                return f"{solvers[i]} does not report its version ({answer.reason})"
+        versions = {solvers[i]: answer.value for i, answer in answers.items()}
         ((_, whole),) = _own().run(identity, [(versions, files)])
     if whole.outcome != "done":
-        return f"it has not all of the suite ({whole.reason})"
-    _said.set()
+        return f"the suite is incomplete ({whole.reason})"
+    _ready.set()
     return whole.value
 
 
 def make(call: bytes, limit: float, group: str) -> CallResult:
-    """The answer to a pickled function and its arguments; its value is pickled. Raises Unasked."""
+    """Make a pickled call; the answer's value is pickled. Raises UnknownWorker if the identity was not requested."""
     with _ONE:
-        if not _said.is_set():
+        if not _ready.is_set():
             raise UnknownWorker
-        ((_, answer),) = _own().run(call_pickled, [(_PickledCall(call),)], limit, groups=[group])
+        ((_, answer),) = _own().run(run_pickle, [(_PickledCall(call),)], limit, groups=[group])
     return answer
 
 
 class _PickledCall:
-    """A pickled call on its way: it arrives as what it holds, so that nobody before loads what it names."""
+    """A pickled call as an argument: it is unpickled only in the process that makes the call."""
 
     def __init__(self, call: bytes):
         self.call = call
@@ -103,14 +103,14 @@ class _PickledCall:
         return pickle.loads, (self.call,)
 
 
-def call_pickled(call: tuple[Callable, tuple]) -> bytes:
-    """The pickled value of a function and its arguments, in the process that makes the call."""
+def run_pickle(call: tuple[Callable, tuple]) -> bytes:
+    """Make the call in this process; returns the pickled value."""
     function, arguments = call
     return pickle.dumps(function(*arguments))
 
 
 @lru_cache(maxsize=1)
 def _own() -> WorkerPool:
-    # A worker that has a nanny is a daemon, which may start no processes lest they outlive it: these end with it.
+    # A worker with a nanny is a daemon, which may not start processes that might outlive it. These end with it.
     multiprocessing.current_process().daemon = False
     return WorkerPool(1)

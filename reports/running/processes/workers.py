@@ -1,8 +1,8 @@
-"""Calls in processes of their own: a crash, a hang or a flood of output ends a worker and nothing else.
+"""Runs calls in separate processes: a crash, a hang or a flood of output ends one worker and nothing else.
 
-Every call gets an empty scratch directory to work in, has its output captured, and is killed with everything it
-started when its time is over; the next call finds a fresh worker. Every answer has its call's number, and no other is
-taken. A call whose worker was ended from outside is made once more. POSIX only.
+Every call works in an empty scratch directory and has its output captured. At its time limit it is killed with all its
+child processes, and the next call gets a new worker. Every answer has its call's number; other messages are ignored. A
+call whose worker was ended from outside is made once more. POSIX only.
 """
 
 from __future__ import annotations
@@ -30,33 +30,35 @@ from .. import versions
 from ..records import legible
 from ..solvers import groups_of
 from ..storage.source_code import is_adapters
-from .worker_process import BEGUN, MEMORY_BYTES, CallResult, serve
+from .worker_process import MEMORY_BYTES, START_MESSAGE, CallResult, serve
 
-# A fresh process may take this long, on a busy machine, to come to its first call; that is not the call's fault.
+# Time limit for the start of a process (s), for a busy machine; it does not count towards the call's limit.
 _STARTUP_SECONDS = 60.0
-# A worker's supervisor ends it and what it started within so long.
+# Seconds in which a worker's supervisor ends the worker and its child processes.
 _ENDING_SECONDS = 8.0
-# Signals a process brings on itself, by a fault or its own timer; any other came from outside (a user, the system when
-# memory ran out).
+# Signals that a process causes itself, by a fault or its own timer; all others come from outside (a user, or the system
+# when memory runs out).
 _OWN_FAULTS = {
     signal.SIGSEGV, signal.SIGABRT, signal.SIGFPE, signal.SIGILL, signal.SIGBUS, signal.SIGSYS, signal.SIGALRM,
     signal.SIGVTALRM, signal.SIGPROF, signal.SIGXCPU,
 }  # fmt: skip
-# One thread to a worker: runs beside each other must not fight for cores, and CPU time must mean one core's time.
+# One thread per worker: concurrent runs must not compete for cores, and CPU time must be one core's time.
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-# Workers beyond those at work: one for the reference and for each of a few engines. Each holds some 150 MB.
+# Most idle workers: one for the reference and one for each of a few engines. Each holds about 150 MB.
 _MOST_IDLE = 6
-# So few brief calls are over before another process has begun.
+# So few brief calls are finished before another process has started.
 _FEW = 40
-# The largest answer is a case's figures, some megabytes. What is no answer at all looks like a longer one.
+# Size limit of an answer in bytes. The largest, a case's figures, has some megabytes; random bytes look longer.
 _ANSWER_BYTES = 2**28
 _NUMBERS = itertools.count(1)
 
 
 class WorkerPool:
-    """Workers that make calls, `jobs` at a time. Closed, they are killed and their scratch directories gone; what is
-    left of a process that was killed itself is removed by the next. `known_run`: whether a worker makes a known run
-    after each call of an engine; not where that would change what is measured."""
+    """Worker processes that make calls, `jobs` at a time.
+
+    `close` kills them and removes their scratch directories; leftovers of a killed main process are removed by the next
+    pool. `known_run`: whether a worker makes a known run after each call of an engine; off if that would change
+    timings."""
 
     def __init__(self, jobs: int, known_run: bool = True):
         self._jobs, self._known_run = jobs, known_run
@@ -65,9 +67,9 @@ class WorkerPool:
         self._workers: list[_Worker] = []
 
     def begin(self, groups: Sequence[str]) -> None:
-        """Start a worker of each group, which imports what a report's calls need while nobody waits for it."""
-        ahead = "reports.running.tasks"
-        self._workers += [_Worker(self._scratch.path, group, self._known_run, ahead) for group in groups]
+        """Start a worker for each group; it imports the modules of a report's calls in the background."""
+        preload = "reports.running.tasks"
+        self._workers += [_Worker(self._scratch.path, group, self._known_run, preload) for group in groups]
 
     def close(self) -> None:
         """End the workers."""
@@ -86,13 +88,12 @@ class WorkerPool:
     ) -> Generator[tuple[int, CallResult]]:
         """Call `function(*arguments[i])` for every i, each for at most `limit` seconds of wall time.
 
-        Calls with the same first argument begin in order, by one worker where that leaves nobody idle: what it
-        compiled for a case serves all of the case's runs. Calls of unlike `groups` (by default: `groups_of` them) never
-        share a worker; one that is called as a solver with a version is run with that version. Yields
-        (i, answer) as they end; `skip(i)`, called just before call i would begin, may give an answer in its place. The
-        function and its arguments travel by pickle, so the function lives at the top of a module. Calls that are still
-        running when the iterator ends are killed. `brief`: each takes milliseconds, and no more workers are started
-        than calls of so few need.
+        Calls with the same first argument start in order, in one worker if no other worker would be idle: code compiled
+        for a case serves all runs of the case. Calls of different `groups` (default: `groups_of` the calls) never share
+        a worker; a group named as a solver with a version runs with that version. Yields (i, answer) as calls end;
+        `skip(i)`, called just before call i would start, may return an answer instead. The function and its arguments
+        are pickled, so the function must be at the top level of a module. Calls still running when the iterator is
+        closed are killed. `brief`: each call takes milliseconds, so that few calls start no additional workers.
         """
         groups = groups or groups_of(arguments)
         waiting = dict(enumerate(arguments))
@@ -100,19 +101,19 @@ class WorkerPool:
         try:
             while waiting or self._busy():
                 while waiting and len(self._busy()) < self._jobs:
-                    found = self._next(waiting, groups, brief)
-                    if found is None:
+                    choice = self._next(waiting, groups, brief)
+                    if choice is None:
                         break
-                    worker, index = found
+                    worker, index = choice
                     args = waiting.pop(index)
-                    given = skip(index)
-                    if given is not None:
-                        yield index, given
+                    substitute = skip(index)
+                    if substitute is not None:
+                        yield index, substitute
                         continue
                     try:
                         worker.start(index, function, args, limit)
                     except (pickle.PicklingError, TypeError, AttributeError) as problem:
-                        yield index, CallResult("raised", reason=legible(f"what it is given cannot travel: {problem}"))
+                        yield index, CallResult("raised", reason=legible(f"its arguments cannot be pickled: {problem}"))
                 busy = self._busy()
                 if not busy:
                     break
@@ -136,70 +137,69 @@ class WorkerPool:
         return [worker for worker in self._workers if worker.busy]
 
     def _next(self, waiting: Mapping[int, tuple], groups: Sequence[str], brief: bool) -> tuple[_Worker, int] | None:
-        """A worker that has nothing to do, an idle one of a group that waits or a new one, and its next call; None
-        where those at work will soon have made the few that wait."""
+        """An idle or new worker and its next call; None if the busy workers will soon finish the few waiting calls."""
         busy = self._busy()
-        taken = [worker.subject for worker in busy]
+        subjects = [worker.subject for worker in busy]
         for worker in self._workers:
             if not worker.busy:
                 own = {i: args for i, args in waiting.items() if groups[i] == worker.group}
                 if own:
-                    return worker, worker.next_of(own, taken)
+                    return worker, worker.next_of(own, subjects)
         at_work = {worker.group for worker in busy}
         if brief and len(waiting) <= _FEW and all(groups[i] in at_work for i in waiting):
             return None
         group = groups[next((i for i in waiting if groups[i] not in at_work), next(iter(waiting)))]
         self._make_room({groups[i] for i in waiting})
         self._workers.append(worker := _Worker(self._scratch.path, group, self._known_run))
-        return worker, worker.next_of({i: args for i, args in waiting.items() if groups[i] == group}, taken)
+        return worker, worker.next_of({i: args for i, args in waiting.items() if groups[i] == group}, subjects)
 
-    def _make_room(self, wanted: set[str]) -> None:
-        """End idle workers beyond the number that is kept, first those of groups that no call waits for."""
+    def _make_room(self, groups: set[str]) -> None:
+        """End idle workers beyond the limit, first those outside `groups`, the groups of waiting calls."""
         idle = [worker for worker in self._workers if not worker.busy]
         excess = len(self._workers) - self._jobs - _MOST_IDLE + 1
-        for worker in sorted(idle, key=lambda worker: worker.group in wanted)[: max(0, excess)]:
+        for worker in sorted(idle, key=lambda worker: worker.group in groups)[: max(0, excess)]:
             worker.kill()
         self._workers = [worker for worker in self._workers if worker.alive]
 
 
 class _Worker:
-    """One process and the pipe to it."""
+    """A worker process and the pipe to it."""
 
-    def __init__(self, folder: Path, group: str, known_run: bool, ahead: str = ""):
+    def __init__(self, folder: Path, group: str, known_run: bool, preload: str = ""):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self.pipe, far_end = context.Pipe()
-        given = far_end, str(folder), os.getpid(), group, known_run, ahead
-        self.process = context.Process(target=serve, args=given, daemon=True)
+        process_args = far_end, str(folder), os.getpid(), group, known_run, preload
+        self.process = context.Process(target=serve, args=process_args, daemon=True)
         with _start_environment(versions.paths(group)):
             self.process.start()
         far_end.close()
         self.group = group
-        self.busy, self.begun, self.alive, self.index, self.deadline = False, False, True, -1, 0.0
+        self.busy, self.has_begun, self.alive, self.index, self.deadline = False, False, True, -1, 0.0
         self.subject: tuple = ()  # the first argument of its last call
 
-    def next_of(self, waiting: Mapping[int, tuple], taken: Sequence[tuple]) -> int:
-        """The first call on what it worked on last, else on what nobody works on, else the first."""
+    def next_of(self, waiting: Mapping[int, tuple], subjects: Sequence[tuple]) -> int:
+        """The first waiting call with the worker's last subject, else with one that is not in work, else the first."""
         own = (i for i, args in waiting.items() if args[:1] == self.subject)
-        free = (i for i, args in waiting.items() if args[:1] not in taken)
+        free = (i for i, args in waiting.items() if args[:1] not in subjects)
         return next(itertools.chain(own, free, waiting))
 
     def start(self, index: int, function: Callable, args: tuple, limit: float) -> None:
-        """Hand the process a call; raises PicklingError, TypeError or AttributeError for what cannot travel."""
+        """Send the process a call; raises PicklingError, TypeError or AttributeError if it cannot be pickled."""
         self.number = next(_NUMBERS)
         message = pickle.dumps((self.number, function, args, limit))
-        self.index, self.busy, self.begun, self.limit, self.subject = index, True, False, limit, args[:1]
+        self.index, self.busy, self.has_begun, self.limit, self.subject = index, True, False, limit, args[:1]
         self.deadline = time.monotonic() + _STARTUP_SECONDS
         with suppress(BrokenPipeError, ConnectionResetError):
-            # Where it died while idle the closed pipe says so when the answer is asked for.
+            # If it died while idle, `answer` sees the closed pipe.
             self.pipe.send_bytes(message)
 
     def answer(self) -> CallResult | None:
-        """The call's answer, or None while it is running within its time."""
+        """The call's answer, or None while it runs within its time limit."""
         if self.pipe.poll():
-            result = self._told()
+            result = self._receive()
         elif time.monotonic() >= self.deadline:
-            # A process that it left behind may hold the pipe open after its end.
-            result = self._ended(0.0) or self._late()
+            # A child process of the worker may hold the pipe open after the worker's end.
+            result = self._wait_for_end(0.0) or self._late()
             self.kill()
         else:
             return None
@@ -207,52 +207,52 @@ class _Worker:
         return result
 
     def _late(self) -> CallResult:
-        if self.begun:
+        if self.has_begun:
             return CallResult("timed_out", reason=f"it was still running after {self.limit:g} s")
         return CallResult("died", reason=f"its process had not begun after {_STARTUP_SECONDS:g} s", lasting=False)
 
-    def _told(self) -> CallResult | None:
-        """What stands in the pipe, if it is the call's answer; None for another message."""
+    def _receive(self) -> CallResult | None:
+        """Read a message; returns the call's answer, or None for another message."""
         try:
             message = self.pipe.recv_bytes(_ANSWER_BYTES)
         except (EOFError, OSError):
-            gone = self._ended(5.0) or CallResult(
+            death = self._wait_for_end(5.0) or CallResult(
                 "died", reason="its process closed its pipe, or wrote no answer into it"
             )
             self.kill()
-            return gone
+            return death
         try:
             number, result, *more = read(message)
             if number != self.number:
-                return None  # a process that an earlier call left behind has spoken
-            if result == BEGUN:
-                self.begun, self.deadline = True, time.monotonic() + self.limit
+                return None  # sent by a child process of an earlier call
+            if result == START_MESSAGE:
+                self.has_begun, self.deadline = True, time.monotonic() + self.limit
                 return None
-            spent, (taken, made) = more
-            compile_cache.hits.update(taken)
-            compile_cache.misses.update(made)
-        except Exception as problem:  # whatever was written in an answer's place
-            result, spent = CallResult("raised", reason=legible(f"its answer cannot be read: {problem}")), True
-        if spent:
+            retire, (hits, misses) = more
+            compile_cache.hits.update(hits)
+            compile_cache.misses.update(misses)
+        except Exception as problem:  # the bytes of a broken answer can raise anything
+            result, retire = CallResult("raised", reason=legible(f"its answer cannot be read: {problem}")), True
+        if retire:
             self.kill()
         return result
 
     def kill(self) -> None:
-        """End the process and what it started."""
+        """End the process and its child processes."""
         self.alive = False
         if self.process.pid is not None and self.process.exitcode is None:
-            self.process.terminate()  # its supervisor ends all that is below it
-            self._ended(_ENDING_SECONDS)
+            self.process.terminate()  # its supervisor ends its child processes
+            self._wait_for_end(_ENDING_SECONDS)
             if self.process.exitcode is None:
                 self._end_group()
                 self.process.kill()
         self.process.join(5.0)
         self.pipe.close()
 
-    def _ended(self, patience: float) -> CallResult | None:
-        """What its end says, once it has come within so many seconds; what it started ends with it."""
+    def _wait_for_end(self, patience: float) -> CallResult | None:
+        """Wait for the process's end, at most `patience` seconds, and end its group; None if it still runs."""
         until = time.monotonic() + patience
-        ways = os.WEXITED | os.WNOHANG | os.WNOWAIT  # its number stays its own as long as nobody has asked for its end
+        ways = os.WEXITED | os.WNOHANG | os.WNOWAIT  # WNOWAIT keeps the process id reserved
         with suppress(ChildProcessError):
             while os.waitid(os.P_PID, self.process.pid or 0, ways) is None:
                 if time.monotonic() >= until:
@@ -269,36 +269,38 @@ class _Worker:
 
 @contextmanager
 def _start_environment(first: list[str]) -> Iterator[None]:
-    """What a process that is started in the block inherits: one thread for each library, no program to run again, and
-    no Ctrl-C, which is for the process that asks. It looks for packages in the folders `first`."""
-    resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
+    """Sets what processes started in the block inherit.
+
+    One thread per library, an empty main module, Ctrl-C blocked (the main process handles it), and the folders `first`
+    at the head of the module search path."""
+    resource_tracker.ensure_running()  # started here, because it unblocks Ctrl-C at its start
     before, main, path = dict(os.environ), sys.modules["__main__"], sys.path
     os.environ.update(_ONE_THREAD)
-    sys.path = [*first, *path]  # multiprocessing hands it on
-    # A fresh process would run the program's file again, to know what is defined there: a script that makes a
-    # report would begin to make another one. Nothing that is called lives there.
+    sys.path = [*first, *path]  # multiprocessing passes it on
+    # A new process would run the program's file again for its definitions: a script that makes a report would start
+    # another report. No function that is called is defined there.
     sys.modules["__main__"] = ModuleType("__main__")
-    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         sys.modules["__main__"], sys.path = main, path
         os.environ.clear()
         os.environ.update(before)
-        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        signal.pthread_sigmask(signal.SIG_SETMASK, old_mask)
 
 
 class _Reader(pickle.Unpickler):
-    """Reads an answer without importing an adapter: to load one is to run it in this process."""
+    """Unpickles an answer without importing an adapter, whose code would then run in this process."""
 
     def find_class(self, module: str, name: str) -> Any:
         if module not in sys.modules and is_adapters(module):
-            raise pickle.UnpicklingError(f"it holds a {module}.{name}, which only its adapter knows")
+            raise pickle.UnpicklingError(f"it holds a {module}.{name}, which only its adapter defines")
         return super().find_class(module, name)
 
 
 def read(message: bytes) -> Any:
-    """What came from a worker; raises whatever may be wrong with it."""
+    """Unpickle a worker's message; a broken message can raise anything."""
     return _Reader(io.BytesIO(message)).load()
 
 
@@ -308,6 +310,6 @@ def _death(exitcode: int | None) -> CallResult:
     if exitcode is None or exitcode >= 0:
         return CallResult("died", reason=f"the process ended with exit code {exitcode}")
     own = -exitcode in _OWN_FAULTS
-    named = -exitcode in set(signal.Signals)
-    reason = f"the process was ended by signal {signal.Signals(-exitcode).name if named else -exitcode}"
+    has_name = -exitcode in set(signal.Signals)
+    reason = f"the process was ended by signal {signal.Signals(-exitcode).name if has_name else -exitcode}"
     return CallResult("died", reason=reason + ("" if own else ", from outside"), lasting=own)

@@ -1,1 +1,1 @@
-"""What is kept between builds: results, the keys they are kept under, and what those depend on."""
+"""Stored results of earlier builds: the store, its keys, and the code and versions in the keys."""

@@ -1,7 +1,7 @@
-"""What decides a result, in a form that can be compared: code, versions, machine, the content of a case.
+"""Keys of results: everything that determines a result, in comparable form (code, versions, machine, case).
 
-A key says all of it; two results of one key are the same result. What an engine reads from files of its own or from
-the environment is not looked at.
+Two results with the same key are the same result. Files and environment variables that an engine reads itself are not
+part of a key.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from . import source_code
 
 Key = dict[str, Any]
 
-# Whose versions can change a digit of any result: arithmetic, code generation, compilers of expressions.
+# Packages whose version can change a digit of any result: arithmetic, code generation, compilers of expressions.
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "heyoka")
-# Characters of an argument that a key spells out, for whoever looks into a file of the store.
+# Longest argument (characters) that a key contains as text; longer ones are digests.
 _LONGEST_ARGUMENT = 1000
 
 
 def environment_key(versions: Mapping[str, str], solvers: Iterable[str]) -> Key | None:
-    """Solvers, their versions and adapters, packages, machine; None if one of the solvers did not tell its version."""
+    """Solvers, their versions and adapters, packages, machine; None if the version of a solver is unknown."""
     engines = {name: versions.get(name) for name in solvers}
     if not all(engines.values()):
         return None
@@ -47,14 +47,14 @@ def environment_key(versions: Mapping[str, str], solvers: Iterable[str]) -> Key 
 
 @lru_cache(maxsize=1)
 def surroundings() -> Key:
-    """What decides every result: Python, packages, machine."""
+    """The part of every key: Python, packages, machine."""
     packages = {name: installed_packages(name) for name in _PACKAGES}
     python = f"{platform.python_implementation()} {sys.version.split()[0]}"
     return {"python": python, "packages": packages, "machine": machine()}
 
 
 def machine() -> str:
-    """Processor, cores and system: what times, and the last digits of some functions, depend on."""
+    """Processor, cores and system, on which times and the last digits of some functions depend."""
     return f"{processor()}, {os.cpu_count()} cores, {platform.machine()}, {platform.system()}"
 
 
@@ -77,9 +77,9 @@ def installed_packages(package: str) -> str:
         return "not installed"
 
 
-def digest(told: Any) -> str:
-    """A short name for anything JSON can hold."""
-    text = json.dumps(told, sort_keys=True, ensure_ascii=False)
+def digest(data: Any) -> str:
+    """The digest of any data that JSON can represent."""
+    text = json.dumps(data, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
 
 
@@ -87,23 +87,23 @@ def digest(told: Any) -> str:
 
 
 def of_argument(value: Any) -> Any:
-    """What a call's argument says, in a form that JSON can hold: a digest of what is long.
+    """A call's argument in a form that JSON can represent; a digest if it is long.
 
-    None if it has something that cannot be compared, such as a function."""
+    None if it contains something that cannot be compared, such as a function."""
     if isinstance(value, Case):
         return content(value)
     try:
-        said = plain(value)
+        form = plain(value)
     except TypeError:
         return None
-    return said if len(json.dumps(said)) <= _LONGEST_ARGUMENT else digest(said)
+    return form if len(json.dumps(form)) <= _LONGEST_ARGUMENT else digest(form)
 
 
 @lru_cache(maxsize=256)
 def content(case: Case) -> str | None:
-    """Digest of all that a case says: curves as expressions, plate, effects, start, duration, parameters.
+    """Digest of a case: curves as expressions, plate, effects, start, duration, parameters.
 
-    None if it has something that cannot be compared, such as a function for a parameter."""
+    None if it contains something that cannot be compared, such as a function as a parameter."""
     try:
         return digest(plain(case))
     except TypeError:
@@ -111,8 +111,8 @@ def content(case: Case) -> str | None:
 
 
 def plain(value: Any) -> Any:
-    """Numbers, texts, formulas and digests of arrays of a record, whatever its kind; TypeError for what has no content
-    to compare."""
+    """A value of any kind as numbers, texts, formulas and digests of arrays; raises TypeError if it cannot be
+    compared."""
     if isinstance(value, Curve):
         return ["Curve", [sp.srepr(part) for part in value.expression], plain(value.domain)]
     if isinstance(value, sp.Basic):
@@ -135,18 +135,18 @@ def plain(value: Any) -> Any:
 
 @lru_cache(maxsize=64)
 def sources(module: ModuleType, apart: tuple[ModuleType, ...] = ()) -> str:
-    """Digest of a module's code and of what it imports from the suite or its own package, but for modules `apart`.
+    """Digest of the code of a module and its imports from the suite or its own package, except modules in `apart`.
 
-    Layout and comments do not count. Imports are read, not made.
+    Layout and comments do not count. Imports are read from the source, not executed.
     """
     return _digest_of(module.__name__, tuple(m.__name__ for m in apart))
 
 
 @lru_cache(maxsize=64)
 def adapter_sources(solver: str) -> str:
-    """The same of the adapter of a solver, found without loading it: an engine is not woken by asking.
+    """Digest of the code of a solver's adapter, without loading it or its engine.
 
-    Raises LookupError for a solver without one.
+    Raises LookupError for a solver without an adapter.
     """
     if solver == REFERENCE:
         return sources(reference_adapter)
@@ -155,7 +155,7 @@ def adapter_sources(solver: str) -> str:
 
 @lru_cache(maxsize=1)
 def truth_key() -> str:
-    """Digest of the truths kept with the suite. Raises DamagedTruth, before anything is judged by them."""
+    """Digest of the truths stored with the suite. Raises DamagedTruth before anything is judged by them."""
     certification.read()
     return hashlib.sha256(certification.TRUTH.read_bytes()).hexdigest()
 

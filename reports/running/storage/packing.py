@@ -1,11 +1,11 @@
-"""Plain records (dataclasses, named tuples, enums, tuples, mappings, arrays) <-> what JSON and raw bytes can hold.
+"""Conversion of records (dataclasses, named tuples, enums, tuples, mappings, arrays) to JSON data and bytes, and back.
 
-The type's own annotations say how to read a record back, so nothing in a file decides what code runs. `pack` reads what
-it has written: a value that is not of its type is refused when it is kept, not found out when it is needed.
+The type annotations define how a record is read, so no content of a file decides which code runs. `pack` also reads
+what it has written: a value of a wrong type raises an error when it is stored, not when it is read.
 
-Two libraries were measured on the 16 types that are kept, with random values. cattrs 26.2 reads 6 of them back: where a
-module has `from __future__ import annotations` it leaves those of named tuples unresolved. msgspec 0.22 reads 15 and
-would save some 60 lines for one more compiled dependency; a build that finds 1,000 runs in the store would gain 0.05 s.
+Two libraries were measured on the 16 stored types with random values. cattrs 26.2 reads 6 of them: in a module with
+`from __future__ import annotations` it does not resolve the annotations of named tuples. msgspec 0.22 reads 15 of them
+and saves about 60 lines for one more compiled dependency; a build with 1,000 stored runs would be 0.05 s faster.
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ import numpy as np
 
 import cases
 
-# What an array's elements may be: truth values, integers with and without a sign, floats.
+# Allowed kinds of an array's elements: booleans, signed and unsigned integers, floats.
 _ELEMENTS = "biuf"
 
 
 def pack(kind: Any, value: Any) -> tuple[Any, list[bytes]]:
-    """What JSON can hold of a value of type `kind`, and the bytes of its arrays.
+    """Convert a value of type `kind` to JSON data and the bytes of its arrays.
 
-    Raises ValueError for a value that is not of this type, or a type that cannot be kept.
+    Raises ValueError for a value of another type, or a type that cannot be stored.
     """
     arrays: list[bytes] = []
     try:
         plain = _pack(value, arrays)
         unpack(kind, plain, arrays)
-    except Exception as problem:  # what is not of its type can raise anything
+    except Exception as problem:  # a value of another type can raise anything
         raise ValueError(f"it cannot be kept as {getattr(kind, '__name__', kind)}: {problem}") from problem
     return plain, arrays
 
 
 def unpack(kind: Any, data: Any, arrays: Sequence[bytes]) -> Any:
-    """The value of type `kind` that `pack` wrote. Raises whatever data of another form may raise."""
+    """The value of type `kind` that `pack` converted. Data of another form can raise anything."""
     origin, arguments = get_origin(kind), get_args(kind)
     if kind is np.ndarray:
         return _array(data, arrays)
@@ -63,7 +63,7 @@ def unpack(kind: Any, data: Any, arrays: Sequence[bytes]) -> Any:
         return kind(**{name: unpack(hints[name], d, arrays) for name, d in data.items()})
     if kind is float and type(data) is int:
         return float(data)
-    # A count that came as 100.0 is a count.
+    # A count written as 100.0 is a count.
     if kind is int and type(data) is float and data.is_integer():
         return int(data)
     if type(data) is not kind:
@@ -84,7 +84,7 @@ def _array(data: Any, arrays: Sequence[bytes]) -> np.ndarray:
     place, elements, shape = data
     if (dtype := np.dtype(elements)).kind not in _ELEMENTS:
         raise ValueError(f"an array of {dtype} is never kept")
-    # ValueError where content and shape do not agree. A copy: what a buffer of bytes holds cannot be changed.
+    # Raises ValueError if content and shape do not agree. A copy, because an array on a bytes object is read-only.
     return np.frombuffer(arrays[place], dtype).reshape(shape).copy()
 
 
@@ -115,7 +115,7 @@ def _is_record(kind: Any) -> bool:
 @cache
 def _hints(kind: Any) -> dict[str, Any]:
     """The names and types of a record's fields."""
-    # What a module imports for type checkers alone are names of `cases`.
+    # Names that a module imports only for type checkers are names of `cases`.
     hints = get_type_hints(kind, {**vars(cases), **vars(sys.modules[kind.__module__])})
     names = [f.name for f in dataclasses.fields(kind)] if dataclasses.is_dataclass(kind) else kind._fields
     return {name: hints[name] for name in names}

@@ -1,9 +1,8 @@
-"""Finished results on disk, one file each, so that a stopped build goes on where it was.
+"""The store of finished results on disk, one file each, from which a stopped build continues.
 
-A file is a zip archive with `record.json` (key, time, the record) and the bytes of the record's arrays: no pickle, a
-checksum on every part. It is whole or absent whenever a process ends, and two builds may use one store. (It is not
-flushed to the disk: a loss of power may cut it short, and its checksums then show that.) A file that cannot be read
-counts as absent.
+A file is a zip archive with `record.json` (key, time, record) and the bytes of the record's arrays: no pickle, a
+checksum for every part. Files are written atomically, and two builds may use one store. (They are not flushed to the
+disk: a power failure may truncate a file, which its checksums then show.) A file that cannot be read counts as absent.
 """
 
 from __future__ import annotations
@@ -28,64 +27,64 @@ from .packing import pack, unpack
 
 T = TypeVar("T")
 
-# A dozen default reports; beyond it the results longest unused are removed.
+# Size limit: a dozen default reports. Beyond it the least recently used results are removed.
 BOUND_BYTES = 2 * 2**30
 _FILE = re.compile(r"[a-z]+-[0-9a-f]{64}\.npz")
 _FOREIGN = re.compile(rf"(?!({_FILE.pattern}|\.gitignore|\.slip-to-roll-.*)$).*")
 _RECORD = "record.json"
-# The largest record is a case's figures, some megabytes; a few kilobytes that unfold to gigabytes are none.
+# Size limit of an unpacked file in bytes. The largest record, a case's figures, has some megabytes.
 _MOST_BYTES = 2**28
 
 
 class Store:
-    """Results by kind ("run", "truth", "timing") and key in a folder. Never raises for what it finds there.
+    """Results by kind ("run", "truth", "timing") and key in a folder. The folder's content never raises an error.
 
-    `fresh`: nothing is taken from it. `folder=None`: nothing is kept.
+    `fresh`: nothing is read from it. `folder=None`: nothing is stored.
     """
 
     def __init__(self, folder: Path | None, fresh: bool = False):
         self.folder, self.fresh = folder, fresh
-        self._taken: Counter[str] = Counter()
-        self._put: Counter[str] = Counter()
+        self._reuse_counts: Counter[str] = Counter()
+        self._write_counts: Counter[str] = Counter()
         self._oldest = ""
-        self._unreadable: list[str] = []
-        self._unwritten: list[str] = []
+        self._read_errors: list[str] = []
+        self._write_errors: list[str] = []
         self._used: set[Path] = set()
 
     def problem(self) -> str:
-        """Why nothing can be kept here, in a sentence; "" if all is well. Makes the folder."""
+        """Why nothing can be stored here, as a sentence; "" if it can. Creates the folder."""
         try:
             self._open()
             if self.folder is not None:
                 owned_folder.TemporaryFolder(self.folder).remove()
         except OSError as problem:
-            return f"what is finished cannot be kept: {_sentence(problem)}; give --store with another folder"
+            return f"finished results cannot be stored: {_sentence(problem)}; give --store with another folder"
         return ""
 
     def get(self, kind: str, key: Key | None, record: type[T]) -> T | None:
-        """The record of type `record` kept under a key; None if there is none to be had."""
+        """The stored record of type `record` with that key; None if there is none."""
         if self.folder is None or key is None or self.fresh:
             return None
         path = self._path(kind, key)
         try:
-            told, arrays = _read(path)
-            if told["key"] != key:
-                raise ValueError("it is another's")
-            found, when = unpack(record, told["record"], arrays), str(told["when"])
+            data, arrays = _read(path)
+            if data["key"] != key:
+                raise ValueError("it has another key")
+            value, when = unpack(record, data["record"], arrays), str(data["when"])
             with suppress(OSError):
-                os.utime(path)  # what is used is not what is removed first
+                os.utime(path)  # marks the file as used recently
         except (FileNotFoundError, NotADirectoryError):
             return None
-        except Exception as problem:  # damage can raise anything; it is counted and told, and the result made again
-            self._unreadable.append(f"{path.name} ({_sentence(problem)})")
+        except Exception as problem:  # damage can raise anything; it is reported
+            self._read_errors.append(f"{path.name} ({_sentence(problem)})")
             return None
-        self._taken[kind] += 1
+        self._reuse_counts[kind] += 1
         self._used.add(path)
         self._oldest = min(filter(None, (self._oldest, when)))
-        return found
+        return value
 
     def put(self, kind: str, key: Key | None, value: T, record: type[T]) -> None:
-        """Keep a value of type `record`; where that fails, `trouble` says so."""
+        """Store a value of type `record`; `trouble` reports a failure."""
         if self.folder is None or key is None:
             return
         try:
@@ -93,60 +92,61 @@ class Store:
             content = _archive({"key": key, "when": now(), "record": plain}, arrays)
             self._open()
             owned_folder.write(self._path(kind, key), content, durable=False)
-            self._put[kind] += 1
+            self._write_counts[kind] += 1
             self._used.add(self._path(kind, key))
-        except (OSError, ValueError) as problem:  # also what an adapter gave that no file can hold
-            self._unwritten.append(_sentence(problem))
+        except (OSError, ValueError) as problem:  # also an adapter's value that no file can contain
+            self._write_errors.append(_sentence(problem))
 
     def trim(self, bound: int = BOUND_BYTES) -> None:
-        """Remove the results longest unused, but none of this build's, until the others fit in `bound` bytes."""
+        """Remove the least recently used results, except this build's, until the others fit into `bound` bytes."""
         if self.folder is not None:
             owned_folder.remove_longest_unused(self.folder, _FILE, bound, inf, self._used)
 
-    def told(self) -> dict[str, Any]:
-        """What a manifest says of it."""
+    def summary(self) -> dict[str, Any]:
+        """The counts and problems for the manifest."""
         return {
-            "taken": dict(self._taken),
+            "taken": dict(self._reuse_counts),
             "oldest_taken": self._oldest,
-            "kept": dict(self._put),
+            "kept": dict(self._write_counts),
             "trouble": self.trouble(),
         }
 
     def taken_words(self) -> str:
-        """How much of the build was taken from here."""
-        if not self._taken:
+        """How many results of the build were reused, as a sentence."""
+        if not self._reuse_counts:
             return "nothing was taken from the store"
-        return f"{_count(self._taken)} taken from the store (since {self._oldest}), {_count(self._put)} made now"
+        reused, new = _count(self._reuse_counts), _count(self._write_counts)
+        return f"{reused} taken from the store (since {self._oldest}), {new} made now"
 
     def kept_words(self) -> str:
-        """What a build that stops now leaves."""
-        kept = self._taken + self._put
-        if not kept:
+        """What is stored if the build stops now, as a sentence."""
+        counts = self._reuse_counts + self._write_counts
+        if not counts:
             return "nothing was finished that could be kept"
         command = "the same command" + (" without --fresh" if self.fresh else "")
-        return f"{_count(kept)} kept in {self.folder}; {command} goes on from there"
+        return f"{_count(counts)} kept in {self.folder}; {command} goes on from there"
 
     def size_words(self) -> str:
-        """What it takes, and how to be rid of it."""
-        size = sum(about.st_size for _, about in self._listed(_FILE))
+        """The size of the store and how to delete it, as a sentence."""
+        size = sum(about.st_size for _, about in self._files(_FILE))
         return f"{self.folder} holds {size / 1e6:.0f} MB and may be deleted; --fresh runs all anew"
 
     def trouble(self) -> list[str]:
-        """A line for each kind of thing that went wrong, or lies in the folder and is none of the store's."""
-        foreign = [path.name for path, _ in self._listed(_FOREIGN)]
-        told = {
-            "could not be read, and made again": self._unreadable,
-            "could not be kept": self._unwritten,
+        """A line for each kind of problem, and for foreign files in the folder."""
+        foreign = [path.name for path, _ in self._files(_FOREIGN)]
+        data = {
+            "could not be read, and made again": self._read_errors,
+            "could not be kept": self._write_errors,
             "not its own, and left alone": foreign,
         }
-        return [f"{fate}: {len(what)}, such as {what[0]}" for fate, what in told.items() if what]
+        return [f"{fate}: {len(what)}, such as {what[0]}" for fate, what in data.items() if what]
 
     def _open(self) -> None:
         if self.folder is not None and not self.folder.is_dir():
             self.folder.mkdir(parents=True, exist_ok=True)
-            owned_folder.write(self.folder / ".gitignore", "*\n")  # not into a folder of the user's
+            owned_folder.write(self.folder / ".gitignore", "*\n")  # not in a folder of the user's
 
-    def _listed(self, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
+    def _files(self, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
         return owned_folder.files_in(self.folder, name) if self.folder is not None else []
 
     def _path(self, kind: str, key: Key) -> Path:
@@ -158,23 +158,23 @@ def _count(kinds: Counter[str]) -> str:
     return " and ".join(f"{n} {kind}{'s' * (n != 1)}" for kind, n in sorted(kinds.items())) or "nothing"
 
 
-def _archive(told: Mapping[str, Any], arrays: Sequence[bytes]) -> bytes:
+def _archive(data: Mapping[str, Any], arrays: Sequence[bytes]) -> bytes:
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        archive.writestr(_RECORD, json.dumps(told, ensure_ascii=False, indent=1))
+        archive.writestr(_RECORD, json.dumps(data, ensure_ascii=False, indent=1))
         for place, array in enumerate(arrays):
-            # As it is: to compress a run's numbers to two thirds takes twenty times as long.
+            # Not compressed: to compress a run's numbers to two thirds takes twenty times as long.
             archive.writestr(zipfile.ZipInfo(str(place)), array)
     return content.getvalue()
 
 
 def _read(path: Path) -> tuple[dict[str, Any], list[bytes]]:
-    """What `_archive` was given; raises whatever a damaged file may raise."""
+    """Read the content of an archive; a damaged file can raise anything."""
     with zipfile.ZipFile(path) as archive:
-        # A member is read to the size that it claims, and no further.
+        # A member is read up to its declared size only.
         if sum(member.file_size for member in archive.infolist()) > _MOST_BYTES:
             raise ValueError(f"it claims to hold more than {_MOST_BYTES / 1e6:.0f} MB")
-        # Each is read as a whole, so that its checksum is looked at.
+        # Each member is read completely, so that its checksum is verified.
         return json.loads(archive.read(_RECORD)), [archive.read(str(i)) for i in range(len(archive.namelist()) - 1)]
 
 

@@ -1,6 +1,6 @@
-"""Python code that is read and not run: which modules one reaches, what its syntax says, which routes it names.
+"""Analysis of Python source without running it: imported modules, digests of the syntax, routes of adapters.
 
-To import an adapter is to wake its engine, which takes seconds and may end the process.
+Importing an adapter loads its engine, which takes seconds and may end the process.
 """
 
 from __future__ import annotations
@@ -20,25 +20,26 @@ from typing import Any, NamedTuple
 from adapters.lookup import GROUP, NO_ADAPTERS, executables
 from cases import compile_cache
 
-# The suite's rooms: their modules and those of a module's own package are followed, no others.
+# The suite's packages. Only imports from these and from a module's own package are followed.
 SUITE = ("adapters", "cases", "reference", "reports")
 
 
 def of_adapter(engine: str) -> str:
-    """The name of an engine's adapter module. An executable's version is a digest of its file."""
+    """The name of an engine's adapter module; `adapters.by_process` for executables, whose version is a digest."""
     if engine in executables():
         return "adapters.by_process"
     foreign = [_module(point) for point in entry_points(group=GROUP, name=engine)]
     return foreign[-1] if foreign else f"adapters.{engine}"
 
 
-def is_adapters(module: str, installed: Container[str] | None = None) -> bool:
-    """Whether a module is an engine's adapter, or of the package of one: to import it is to run the engine.
-    `installed`: the result of `adapter_packages`, if it is known."""
+def is_adapters(module: str, packages: Container[str] | None = None) -> bool:
+    """Whether a module belongs to an engine's adapter, so that importing it runs the engine.
+
+    `packages`: the result of `adapter_packages`, if it is known."""
     here, _, rest = module.partition(".")
     if here == "adapters":
         return bool(rest) and rest.partition(".")[0] not in NO_ADAPTERS
-    return here in (adapter_packages() if installed is None else installed)
+    return here in (adapter_packages() if packages is None else packages)
 
 
 def adapter_packages() -> frozenset[str]:
@@ -47,14 +48,14 @@ def adapter_packages() -> frozenset[str]:
 
 
 def _module(point: EntryPoint) -> str:
-    """The module an entry point names, whatever else stands there."""
+    """The module of an entry point, without the object after the colon."""
     return point.value.partition(":")[0].strip()
 
 
 def routes_of(engine: str) -> tuple[str, ...]:
-    """The routes that an engine's adapter names in its code; () if it does not say them in plain words.
+    """The routes in the source of an engine's adapter; () if they are not a literal.
 
-    Raises ImportError if a package that the adapter imports first of all is not installed.
+    Raises ImportError if a package that the adapter imports at the top level is not installed.
     """
     for line in _lines(engine):
         for package in _packages(line):
@@ -67,26 +68,26 @@ def routes_of(engine: str) -> tuple[str, ...]:
 
 
 def literal_of(engine: str, name: str) -> Any:
-    """What an engine's adapter gives a name at the top of its code, in plain words; None if it does not.
+    """The literal that the source of an engine's adapter assigns to a top-level name; None if there is none.
 
-    Raises LookupError if the adapter has no code to read.
+    Raises LookupError if the adapter has no source file.
     """
-    named = [line.value for line in _lines(engine) if isinstance(line, ast.Assign) and _name(line) == name]
+    values = [line.value for line in _lines(engine) if isinstance(line, ast.Assign) and _name(line) == name]
     try:
-        return ast.literal_eval(named[0]) if named else None
+        return ast.literal_eval(values[0]) if values else None
     except (ValueError, TypeError):
         return None
 
 
 def _lines(engine: str) -> list[ast.stmt]:
-    """What stands at the top of an adapter's modules."""
+    """The top-level statements of an adapter's modules."""
     module = of_adapter(engine)
     own = [path for name, path in dependency_files(module, SUITE[1:]).items() if f"{name}.".startswith(f"{module}.")]
     return [line for path in own if (tree := tree_of(path)) for line in tree.body]
 
 
 def _packages(line: ast.stmt) -> list[str]:
-    """The packages that a line imports."""
+    """The packages that a statement imports."""
     if isinstance(line, ast.Import):
         return [alias.name.partition(".")[0] for alias in line.names]
     if isinstance(line, ast.ImportFrom) and line.module and not line.level:
@@ -99,26 +100,26 @@ def _name(line: ast.Assign) -> str:
 
 
 def dependency_files(module: str, apart: tuple[str, ...]) -> dict[str, Path]:
-    """The files of a module and of what it imports from the suite or its own package, by name, but for those `apart`.
+    """Files of a module and its imports from the suite or its own package, by module name, except those in `apart`.
 
     Raises LookupError if the module has no file.
     """
     if file_of(module) is None:
-        raise LookupError(f"there is no file of the module {module}, so that nothing can be said of its code")
+        raise LookupError(f"the module {module} has no file, so its code cannot be read")
     own = {*SUITE, module.partition(".")[0]}
-    found: dict[str, Path] = {}
+    result: dict[str, Path] = {}
     waiting = [module]
     while waiting:
         name = waiting.pop()
-        if name in found or name.partition(".")[0] not in own or any(f"{name}.".startswith(f"{a}.") for a in apart):
+        if name in result or name.partition(".")[0] not in own or any(f"{name}.".startswith(f"{a}.") for a in apart):
             continue
         path = file_of(name)
         if path is not None:
-            found[name] = path
+            result[name] = path
             waiting += [other for other in imports_of(name, path) if not _picture(other) or not _answer(name)]
         parent = name.rpartition(".")[0]
         waiting += [parent] if parent else []
-    return found
+    return result
 
 
 def _picture(name: str) -> bool:
@@ -126,31 +127,31 @@ def _picture(name: str) -> bool:
 
 
 def _answer(name: str) -> bool:
-    """Whether it is the suite's question or answer: a motion can draw itself, and how it does so decides nothing."""
+    """Whether a module of `cases` affects results; its imports of pictures do not."""
     return name.startswith("cases.") and not _picture(name)
 
 
 @lru_cache(maxsize=512)
 def imports_of(name: str, path: Path) -> tuple[str, ...]:
-    """Every module a module may import, and names that may be one."""
+    """Every module that a module may import, and imported names that may be modules."""
     package = name if path.stem == "__init__" else name.rpartition(".")[0]
-    found: list[str] = []
+    result: list[str] = []
     for level, base, names in _source_facts(path).imports:
         parts = package.split(".")
         above = ".".join(parts[: len(parts) - level + 1]) if level else ""
         whole = ".".join(filter(None, (above, base)))
-        found += [whole, *(f"{whole}.{one}" for one in names)]
-    return tuple(found)
+        result += [whole, *(f"{whole}.{one}" for one in names)]
+    return tuple(result)
 
 
 @lru_cache(maxsize=512)
 def of(path: Path) -> str:
-    """Digest of a file's code; layout and comments do not count."""
+    """Digest of a file's syntax; layout and comments do not count."""
     return _source_facts(path).digest
 
 
 class _SourceFacts(NamedTuple):
-    """What a file's code says: a digest of its syntax; of each import the dots, the module and the names from it."""
+    """Digest of a file's syntax, and its imports: number of dots, module and names."""
 
     digest: str
     imports: tuple[tuple[int, str, tuple[str, ...]], ...] = ()
@@ -165,7 +166,7 @@ def _source_facts(path: Path) -> _SourceFacts:
 
 @lru_cache(maxsize=1)
 def _of_suite() -> dict[str, _SourceFacts]:
-    """What the suite's files say, by their contents' digests: kept, since to parse them takes longer than a small
+    """Facts of the suite's files by the digests of their contents; cached, because parsing takes longer than a small
     report's other work."""
     if compile_cache.place() is None:
         return {}
@@ -174,24 +175,24 @@ def _of_suite() -> dict[str, _SourceFacts]:
     digests = [hashlib.sha256(content).hexdigest() for content in contents]
 
     def make() -> dict[str, _SourceFacts]:
-        found = {}
+        result = {}
         for digest, content in zip(digests, contents, strict=True):
-            with suppress(SyntaxError, ValueError):  # who asks for such a file is told when it is read for him
-                found[digest] = _read(content)
-        return found
+            with suppress(SyntaxError, ValueError):  # the error is raised when the file is requested
+                result[digest] = _read(content)
+        return result
 
     return compile_cache.cached("code", tuple(digests), Path(__file__).parent, make)
 
 
 def _read(content: bytes) -> _SourceFacts:
     tree = ast.parse(content)
-    found: list[tuple[int, str, tuple[str, ...]]] = []
+    result: list[tuple[int, str, tuple[str, ...]]] = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            found += [(0, alias.name, ()) for alias in node.names]
+            result += [(0, alias.name, ()) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            found.append((node.level, node.module or "", tuple(alias.name for alias in node.names)))
-    return _SourceFacts(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(found))
+            result.append((node.level, node.module or "", tuple(alias.name for alias in node.names)))
+    return _SourceFacts(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(result))
 
 
 @lru_cache(maxsize=512)
@@ -201,7 +202,7 @@ def tree_of(path: Path) -> ast.Module | None:
 
 
 def file_of(name: str) -> Path | None:
-    """The file of a module, found without importing it; None if there is no such module."""
+    """The file of a module, without importing it; None if there is no such module."""
     top, _, rest = name.partition(".")
     spec = importlib.util.find_spec(top)
     if spec is None:
@@ -216,5 +217,5 @@ def file_of(name: str) -> Path | None:
     return None
 
 
-# Of a package and of a module. Thousands of names are looked for, and most are none: texts, for paths are slow.
+# File endings of a package and of a module, as strings: thousands of names are checked, and `Path` is slow.
 _ENDINGS = [end for suffix in importlib.machinery.all_suffixes() for end in (f"{os.sep}__init__{suffix}", suffix)]

@@ -1,1 +1,1 @@
-"""The clock: CPU times of runs, cold starts, and how a run's time divides."""
+"""Timing: CPU times of runs, cold starts, and the breakdown of a run's time."""

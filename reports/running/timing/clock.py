@@ -1,12 +1,12 @@
-"""How long `run` of each solver takes: one process, nothing beside it, contestants in turn, again and again.
+"""Measures the CPU time of `run` of each solver: in one process, without other load, contestants in turn.
 
-CPU time of `run` alone (time.process_time). The model is built anew for each run, off the clock. Contestants take
-turns, so that a slower clock or a neighbour's load hits all alike; the cheap ones take theirs again before each dear
-one, which costs next to nothing and has them seen beside all of it. A long run soon has its code and data in the
-processor's caches; a short one would only pay for what the others left there, so that it is run once off the clock and
-then several times in a row. Around each repeat stands a loop of known work; a repeat beside a slow loop, beside other
-running processes, or that had to wait for its processor is a disturbed one. Medians are of the undisturbed repeats; a
-contestant with too few of them is marked, and ranks nowhere.
+Only `run` is measured (time.process_time). Each run has a new model, whose build is not timed. Contestants take turns,
+so that a slower processor clock or other load affects all of them equally; cheap ones repeat before each expensive one,
+which costs almost nothing and spreads their repeats over the whole time. A long run soon has its code and data in the
+processor's caches. A short one would mainly measure cold caches, so it is run once untimed and then several times in a
+row. A calibration loop of fixed work runs before and after each repeat. A repeat is disturbed if its loop was slow, if
+other processes were running, or if it waited for the processor. Medians are of the undisturbed repeats; a contestant
+with too few of them is marked and not ranked.
 """
 
 from __future__ import annotations
@@ -30,38 +30,38 @@ from ..records import legible
 from ..solvers import solver
 from ..third_party import third_party
 
-# The median is known well enough when its standard error, as a part of it, is below this.
+# The median is precise enough if its relative standard error is below this.
 BOUND = 0.02
-# No spread is told of fewer repeats; with more than so many the machine, not the count, is the limit.
+# Fewest repeats for an interval; beyond the largest count the machine limits the precision.
 LEAST_REPEATS, MOST_REPEATS = 3, 60
-# Of fewer repeats than these quantiles are no better known than the extremes, which are told in their place: the
-# extremes of six hold the median with a chance of 97 %, those of five with 94 %.
+# With fewer repeats, quantiles are no better than the extremes, which are reported instead: the extremes of six repeats
+# contain the median with a probability of 97 %, those of five with 94 %.
 _QUANTILES_FROM = 6
-# Two processes that do the same work take unlike times, each always its own: their code and data lie elsewhere. Medians
-# of thirty repeats deviate by 1.3 to 2.9 % from process to process (24 settings of three solvers, ten processes; one of
-# them by 12 %). With intervals no narrower than this, 99.9 % of the ratios of two processes agree; without, 98 %.
+# Two processes with the same work take systematically different times, because their memory layouts differ. Medians of
+# thirty repeats deviate by 1.3 to 2.9 % between processes (24 settings of three solvers, ten processes; one of them by
+# 12 %). With this least half-width of intervals, 99.9 % of the ratios of two processes agree; without it 98 %.
 _PROCESS = 0.03
-# Reading ranks nobody by itself: the least repeats tell it well enough, where it takes longer than the run.
+# The time of reading is not ranked by itself, so the fewest repeats suffice.
 _MOST_READS = LEAST_REPEATS
-# The first run of a contestant is thrown away if it is shorter than this: lazy imports weigh in it.
+# A first run shorter than this is discarded: it may contain late imports.
 _FIRST_SECONDS = 0.03
-# Cold caches cost some 0.2 ms: shorter runs than this feel it, and are warmed up in place.
+# Runs shorter than this get a warm-up run, because cold caches cost about 0.2 ms.
 _SHORT_SECONDS = 1e-2
-# So long do short runs take in a row, and so many they are at most: each needs a model of its own.
+# Duration (s) and largest number of short runs in a row; each run needs its own model.
 _ROW_SECONDS, _ROW_RUNS = 1e-3, 16
-# Two timings of the same work on a quiet machine differ by a few per cent; a fifth is another load or another clock.
-_DISTURBED = 1.2
-# A switch to the kernel and back between two readings of the clocks; a shorter wait is none.
+# Two timings of the same work on a quiet machine differ by a few per cent, not by a fifth.
+_DISTURBANCE_RATIO = 1.2
+# Shortest wait that counts: a switch to the kernel and back between two readings of the clocks takes less.
 _SWITCH_SECONDS = 5e-4
 # Additions in the calibration loop: about a millisecond, long against the clock's resolution, short against a run.
 _CALIBRATION = 30_000
-# The undisturbed loop is the one that only a tenth of all loops beat: the very fastest may be a clock's short boost.
-_UNDISTURBED = 0.1
-# A repeat that takes no more than this, set-up included, is cheap: the turns of twenty such take half a second.
+# The undisturbed loop time is this quantile of all loops: the fastest may be a short boost of the clock rate.
+_QUIET_SHARE = 0.1
+# Repeats up to this duration, including set-up, are cheap: twenty of them take half a second.
 _CHEAP_SECONDS = 0.025
 
 
-# Names a contestant: the case's label, the solver, the route, the setting.
+# Key of a contestant: the case's label, the solver, the route, the setting.
 Key = tuple[str, str, str, Setting]
 
 
@@ -76,20 +76,20 @@ class Contestant(NamedTuple):
 
     @property
     def key(self) -> Key:
-        """The contestant's name in every result: results are never matched by their order."""
+        """The contestant's key in every result; results are never matched by their order."""
         return self.case.label, self.solver, self.route, self.setting
 
 
 @dataclass(frozen=True)
 class Timing:
-    """What a setting took, in seconds.
+    """The timing of a setting, in seconds.
 
-    Medians over the undisturbed repeats (over all if there are fewer than `LEAST_REPEATS`: then `disturbed`) of `run`:
-    CPU and wall; [cpu_low_s, cpu_high_s] runs from the first to the last decile of the CPU time, of few repeats from
-    the least to the greatest, and at least 3 % to either side, by which processes differ (NaN of fewer than three
-    repeats). CPU seconds apart from those: `setup_s` of `build`, the median; `compile_s`
-    what the first `build` took beyond that (imports, derivation, compilation; what settings share is paid by the first
-    of them); `read_s` of `read`. `repeats` counts what the medians are of, `disturbed_repeats` what was thrown away.
+    `cpu_s`, `wall_s`: medians of `run` over the undisturbed repeats (over all repeats if fewer than `LEAST_REPEATS` are
+    undisturbed; `disturbed` is then set). [cpu_low_s, cpu_high_s]: first to last decile of the CPU time (for few
+    repeats, least to greatest), at least 3 % to each side, by which processes differ; NaN for fewer than three repeats.
+    Further CPU times: `setup_s`, median of `build`; `compile_s`, additional time of the first `build` (imports,
+    derivation, compilation; what several settings share is counted for the first of them); `read_s` of `read`.
+    `repeats`: number of repeats in the medians; `disturbed_repeats`: number of discarded ones.
     """
 
     cpu_s: float
@@ -109,9 +109,8 @@ UNTIMED = Timing(*8 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
 
 
 class Repeat(NamedTuple):
-    """One repeat: CPU and wall seconds of a `run` (the mean of those in a row); the slower of the calibration loops
-    before and after it, s; whether other processes were seen to run; CPU seconds of reading back, NaN where that was
-    known already."""
+    """One repeat: CPU and wall time of a `run` (mean of the runs in a row), the slower of the calibration loops before
+    and after it, whether other processes were running, and the CPU time of reading (NaN if not measured). Seconds."""
 
     cpu: float
     wall: float
@@ -122,7 +121,7 @@ class Repeat(NamedTuple):
 
 @dataclass
 class ClockEntry:
-    """A contestant at the clock: how it builds, runs and reads back, and what that took so far."""
+    """A contestant with its functions and its measurements so far."""
 
     contestant: Contestant
     build: Callable[[], Any]
@@ -130,57 +129,57 @@ class ClockEntry:
     read: Callable[[Any], Any] = lambda model: None
     repeats: list[Repeat] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
-    run_s: float = 0.0  # wall seconds of a build and a run, the last time
+    run_s: float = 0.0  # wall time of the last build and run
     failure: str = ""
 
     @property
     def repeat_s(self) -> float:
-        """Wall seconds that one more repeat is expected to take."""
+        """Expected wall time of one more repeat, s."""
         if not self.repeats:
             return self.contestant.expected_s
         return (self.warm_ups + self.row) * self.run_s
 
     @property
     def warm_ups(self) -> int:
-        """Runs off the clock before a repeat."""
+        """Number of untimed runs before a repeat."""
         return int(bool(self.repeats) and self.repeats[-1].cpu < _SHORT_SECONDS)
 
     @property
     def row(self) -> int:
-        """Runs in a row of a repeat."""
+        """Number of runs in a row in a repeat."""
         if not self.repeats:
             return 1
         return max(1, min(_ROW_RUNS, ceil(_ROW_SECONDS / max(self.repeats[-1].cpu, 1e-9))))
 
-    def built(self) -> Any:
-        """A new model; what that took is noted, compiled anew the first time."""
+    def new_model(self) -> Any:
+        """Build a model and record the CPU time; nothing is read from the compile cache."""
         with compile_cache.off():
-            spent = time.process_time()
+            start = time.process_time()
             model = self.build()
-            self.setup.append(time.process_time() - spent)
+            self.setup.append(time.process_time() - start)
         return model
 
-    def undisturbed(self, loop: float) -> list[Repeat]:
-        """The repeats of a quiet machine, whose calibration loop takes `loop` seconds."""
-        return [r for r in self.repeats if not disturbed(r, loop)]
+    def quiet_repeats(self, loop: float) -> list[Repeat]:
+        """The undisturbed repeats; `loop`: undisturbed time of the calibration loop, s."""
+        return [r for r in self.repeats if not is_disturbed(r, loop)]
 
 
-def disturbed(repeat: Repeat, loop: float) -> bool:
-    """Whether something else had a part in a repeat; an undisturbed calibration loop takes `loop` seconds."""
-    waited = repeat.wall > _DISTURBED * repeat.cpu + _SWITCH_SECONDS
-    return waited or repeat.beside_others or disturbed_by(repeat.loop, loop)
+def is_disturbed(repeat: Repeat, loop: float) -> bool:
+    """Whether other load disturbed a repeat; `loop`: undisturbed time of the calibration loop, s."""
+    has_waited = repeat.wall > _DISTURBANCE_RATIO * repeat.cpu + _SWITCH_SECONDS
+    return has_waited or repeat.beside_others or is_slow_loop(repeat.loop, loop)
 
 
-def disturbed_by(seen: float, loop: float) -> bool:
-    """Whether a calibration loop of `seen` seconds was disturbed, if it takes `loop` seconds undisturbed."""
-    return seen > _DISTURBED * loop
+def is_slow_loop(seconds: float, loop: float) -> bool:
+    """Whether a calibration loop of `seconds` was disturbed; `loop`: its undisturbed time, s."""
+    return seconds > _DISTURBANCE_RATIO * loop
 
 
 def time_all(contestants: Sequence[Contestant], budget: float) -> dict[Key, tuple[Timing | None, str]]:
-    """The timing of each contestant, or None and why it failed, in a sentence.
+    """Time all contestants; returns each one's timing, or None and the reason of its failure.
 
-    All take their turns together, the cheapest first, within about `budget` wall seconds beyond imports: who does not
-    fit in it even once has neither.
+    They take turns, the cheapest first, within about `budget` wall seconds after the imports. A contestant that does
+    not fit into the budget once has neither a timing nor a reason.
     """
     entries = [_entry(one) for one in contestants]
     in_turn = sorted(entries, key=lambda entry: entry.contestant.expected_s)
@@ -197,16 +196,17 @@ def _entry(one: Contestant) -> ClockEntry:
 
 @third_party()
 def _import(entry: ClockEntry) -> None:
-    """Build once, before the budget runs: importing an engine takes seconds where the disk is cold."""
+    """Build once before the budget starts: importing an engine takes seconds with a cold disk cache."""
     try:
-        entry.built()
+        entry.new_model()
     except (Exception, SystemExit) as problem:
         entry.failure = legible(f"{type(problem).__name__}: {problem}")
 
 
 def take_turns(entries: Sequence[ClockEntry], deadline: float) -> float:
-    """Repeat all entries in turn until each median is known or `deadline` (of time.perf_counter) is near; returns how
-    long the calibration loop takes undisturbed, s."""
+    """Repeat all entries in turn until each median is precise or `deadline` (of time.perf_counter) is near.
+
+    Returns the undisturbed time of the calibration loop, s."""
     loops = [calibrate()]
 
     def fits(entry: ClockEntry) -> bool:
@@ -222,28 +222,28 @@ def take_turns(entries: Sequence[ClockEntry], deadline: float) -> float:
             if not entry.failure:
                 del entry.repeats[0]
 
-    def left() -> list[ClockEntry]:
+    def remaining() -> list[ClockEntry]:
         loop = _without_disturbance(loops)
         return [e for e in entries if fits(e) and not _enough(e, loop)]
 
-    waiting = left()
+    waiting = remaining()
     while waiting:
         for entry in waiting:
             if entry.repeat_s > _CHEAP_SECONDS:
-                for cheap in left():
+                for cheap in remaining():
                     if cheap.repeats and cheap.repeat_s <= _CHEAP_SECONDS:
                         turn(cheap)
             turn(entry)
-        waiting = left()
+        waiting = remaining()
     return _without_disturbance(loops)
 
 
 def _enough(entry: ClockEntry, loop: float) -> bool:
-    return len(entry.repeats) >= MOST_REPEATS or is_precise([r.cpu for r in entry.undisturbed(loop)])
+    return len(entry.repeats) >= MOST_REPEATS or is_precise([r.cpu for r in entry.quiet_repeats(loop)])
 
 
 def is_precise(seconds: Sequence[float]) -> bool:
-    """Whether the median of these repeats is known to `BOUND`, or no more of them would help."""
+    """Whether the median of these repeats is known to `BOUND`, or their number is at its limit."""
     if len(seconds) < LEAST_REPEATS:
         return False
     low, high = _middle(seconds, 4)
@@ -253,7 +253,7 @@ def is_precise(seconds: Sequence[float]) -> bool:
 
 
 def interval(seconds: Sequence[float]) -> tuple[float, float]:
-    """Where the median of another process is expected; NaN of fewer than `LEAST_REPEATS`."""
+    """Interval expected for the median of another process; NaN for fewer than `LEAST_REPEATS`."""
     if len(seconds) < LEAST_REPEATS:
         return nan, nan
     low, high = _middle(seconds, 10)
@@ -262,7 +262,7 @@ def interval(seconds: Sequence[float]) -> tuple[float, float]:
 
 
 def _middle(seconds: Sequence[float], parts: int) -> tuple[float, float]:
-    """What lies between the first and the last of so many equal parts; of few, between the extremes."""
+    """First and last of the quantiles that divide the values into `parts`; the extremes if there are few values."""
     if len(seconds) < _QUANTILES_FROM:
         return min(seconds), max(seconds)
     cuts = statistics.quantiles(seconds, n=parts, method="inclusive")
@@ -270,12 +270,12 @@ def _middle(seconds: Sequence[float], parts: int) -> tuple[float, float]:
 
 
 def timing(entry: ClockEntry, loop: float) -> Timing:
-    """What the entry's repeats say; an undisturbed calibration loop takes `loop` seconds."""
-    quiet = entry.undisturbed(loop)
+    """The timing from an entry's repeats; `loop`: undisturbed time of the calibration loop, s."""
+    quiet = entry.quiet_repeats(loop)
     few = len(quiet) < LEAST_REPEATS
     used = entry.repeats if few else quiet
     setup = statistics.median(entry.setup[1:] or entry.setup)
-    # Beside what runs, reading is disturbed like running: the same repeats count, if it was read in one of them.
+    # Other load disturbs reading like running, so the same repeats count, if reading was measured in one of them.
     reads = [r.read for r in used if not isnan(r.read)] or [r.read for r in entry.repeats if not isnan(r.read)]
     cpu, read = statistics.median(r.cpu for r in used), statistics.median(reads) if reads else nan
     low, high = interval([r.cpu for r in used])
@@ -296,15 +296,15 @@ def timing(entry: ClockEntry, loop: float) -> Timing:
 
 @third_party()
 def _repeat(entry: ClockEntry, loops: list[float]) -> None:
-    """Build, run and (until it is known) read back; the calibration loops' times go into `loops`."""
+    """Build, run and (until its time is precise) read; appends the calibration loops' times to `loops`."""
     try:
         began, warm_ups = time.perf_counter(), entry.warm_ups
-        models = [entry.built() for _ in range(warm_ups + entry.row)]
+        models = [entry.new_model() for _ in range(warm_ups + entry.row)]
         before, others = calibrate(), neighbours()
         for model in models[:warm_ups]:
             entry.run(model)
         row = models[warm_ups:]
-        gc.disable()  # as the standard library's timeit does: whose garbage is collected when is chance
+        gc.disable()  # as the standard library's timeit does, because the time of a collection is arbitrary
         try:
             cpu, wall = time.process_time(), time.perf_counter()
             for model in row:
@@ -316,7 +316,7 @@ def _repeat(entry: ClockEntry, loops: list[float]) -> None:
         others, after = others or neighbours(), calibrate()
         entry.run_s = (time.perf_counter() - began) / len(models)
         read = _read(entry, row[-1])
-    except (Exception, SystemExit) as problem:  # an engine that fails now and then loses its row, not everyone's
+    except (Exception, SystemExit) as problem:  # the failure of one engine must not affect the others
         entry.failure = legible(f"{type(problem).__name__}: {problem}")
         return
     loops += [before, after]
@@ -324,18 +324,18 @@ def _repeat(entry: ClockEntry, loops: list[float]) -> None:
 
 
 def _read(entry: ClockEntry, model: Any) -> float:
-    """CPU seconds of reading a model back; NaN once that is known well enough."""
+    """CPU seconds of reading a model; NaN if the earlier measurements are precise enough."""
     reads = [r.read for r in entry.repeats if not isnan(r.read)]
     if is_precise(reads) or len(reads) >= _MOST_READS:
         return nan
-    spent = time.process_time()
-    # The samples are asked for: the reference makes them when they are.
+    start = time.process_time()
+    # Access to the samples is timed too: the reference computes them on access.
     getattr(entry.read(model), "t", None)
-    return time.process_time() - spent
+    return time.process_time() - start
 
 
 def calibrate() -> float:
-    """Wall seconds of a loop that is always the same work."""
+    """Wall seconds of the calibration loop, whose work is fixed."""
     began, total = time.perf_counter(), 0
     for i in range(_CALIBRATION):
         total += i
@@ -343,11 +343,11 @@ def calibrate() -> float:
 
 
 def _without_disturbance(loops: Sequence[float]) -> float:
-    return sorted(loops)[int(_UNDISTURBED * len(loops))]
+    return sorted(loops)[int(_QUIET_SHARE * len(loops))]
 
 
 def neighbours() -> bool:
-    """Whether all cores but this process's are taken, now (Linux; elsewhere the calibration loop alone is asked)."""
+    """Whether other processes now occupy all other cores (Linux; on other systems only the calibration loop counts)."""
     try:
         running = int(Path("/proc/loadavg").read_text().split()[3].partition("/")[0])
     except (OSError, ValueError, IndexError):

@@ -1,8 +1,8 @@
-"""One call from cold: building, running and reading a case for the first time in a process, imports apart.
+"""Measures cold starts: the first building, running and reading of a case in a process, without imports.
 
-Each repeat is a process of its own, split off one that has imported all that the call needs and has compiled nothing. A
-first call of each route says what that is: engines import late, and what they import is no part of a simulation. That
-call is thrown away, unless it had nothing to import. Nothing compiled is taken from disk.
+Each repeat is a child process, forked from one that has imported all modules of the call and has compiled nothing. A
+first call of each route shows which modules these are: engines import late, and imports are not part of a simulation.
+That call is discarded unless it imported nothing. Nothing compiled is read from disk.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from typing import Any, NamedTuple
 from cases import compile_cache
 
 from ..solvers import solver
-from .clock import LEAST_REPEATS, Contestant, Key, calibrate, disturbed_by
+from .clock import LEAST_REPEATS, Contestant, Key, calibrate, is_slow_loop
 
-# A call from cold derives and compiles; the worst of the catalogue, a measured outline, takes some thirty seconds.
+# Time limit of a cold start, s. It derives and compiles; the slowest of the catalogue, a measured outline, takes 30 s.
 _LIMIT = 60.0
 
 
 class ColdStart(NamedTuple):
-    """CPU seconds of a first call: building, running, reading; medians of so many repeats, and whether each of them was
+    """CPU seconds of a cold start: building, running and reading; medians of `repeats`, and whether all of them were
     disturbed."""
 
     build_s: float
@@ -41,12 +41,12 @@ class ColdStart(NamedTuple):
 
     @property
     def call_s(self) -> float:
-        """The whole call."""
+        """CPU seconds of the whole call."""
         return self.build_s + self.run_s + self.read_s
 
 
 class _ColdRepeat(NamedTuple):
-    """CPU seconds of a first build, run and read, the slower calibration loop beside them, what modules it imported."""
+    """CPU seconds of a first build, run and read, time of the slower calibration loop, and the modules it imported."""
 
     build: float
     run: float
@@ -57,34 +57,36 @@ class _ColdRepeat(NamedTuple):
 
 @dataclass
 class _ColdEntry:
-    """A contestant and its calls so far: `spent` (wall s) is what the next one is expected to take; `importing` the
-    first call of its route, if that imported modules, which makes it no repeat."""
+    """A contestant and its calls so far.
+
+    `next_call_s`: expected wall time of the next call; `importing`: the first call of its route if that imported
+    modules, in which case it is not a repeat."""
 
     contestant: Contestant
-    spent: float
+    next_call_s: float
     repeats: list[_ColdRepeat] = field(default_factory=list)
     importing: _ColdRepeat | None = None
     failure: str = ""
 
 
-def first_calls(who: Sequence[Contestant], budget: float) -> dict[Key, tuple[ColdStart | None, str]]:
-    """The first call of each contestant, or None and why there is none, in a sentence.
+def first_calls(contestants: Sequence[Contestant], budget: float) -> dict[Key, tuple[ColdStart | None, str]]:
+    """Measure the cold start of each contestant; returns it, or None and the reason of its failure.
 
-    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds beyond the calls
-    that are made for imports. Where such a call had nothing to import, which another case's had brought before, it is a
-    repeat like others. Of those that do not fit in the budget even once the first setting of a route has that call in
-    any case: imports weigh nothing beside what takes so long; the others have neither.
+    All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds in addition to
+    the calls made for imports. If such a call imported nothing, because an earlier call had, it counts as a repeat. If
+    no repeat fits into the budget, the first setting of a route uses its importing call, because imports are negligible
+    in so long a call; the other settings have neither a result nor a reason.
     """
-    entries = _import_all(who)
+    entries = _import_all(contestants)
     deadline = time.perf_counter() + budget
     for turn in range(1, LEAST_REPEATS + 1):
-        for entry in sorted(entries, key=lambda entry: entry.spent):
-            done = len(entry.repeats) >= turn
-            if done or entry.failure or time.perf_counter() + entry.spent > deadline:
+        for entry in sorted(entries, key=lambda entry: entry.next_call_s):
+            is_done = len(entry.repeats) >= turn
+            if is_done or entry.failure or time.perf_counter() + entry.next_call_s > deadline:
                 continue
             began = time.perf_counter()
-            answer = _apart(_call, entry.contestant)
-            entry.spent = time.perf_counter() - began
+            answer = _in_child(_call, entry.contestant)
+            entry.next_call_s = time.perf_counter() - began
             if isinstance(answer, str):
                 entry.failure = answer
             else:
@@ -97,7 +99,7 @@ def first_calls(who: Sequence[Contestant], budget: float) -> dict[Key, tuple[Col
 
 
 def _median(repeats: Sequence[_ColdRepeat], loop: float) -> ColdStart | None:
-    calm = [r for r in repeats if not disturbed_by(r.loop, loop)]
+    calm = [r for r in repeats if not is_slow_loop(r.loop, loop)]
     used = calm or repeats
     if not used:
         return None
@@ -105,31 +107,30 @@ def _median(repeats: Sequence[_ColdRepeat], loop: float) -> ColdStart | None:
     return ColdStart(build, run, statistics.median(r.read for r in used), len(used), not calm)
 
 
-def _import_all(who: Sequence[Contestant]) -> list[_ColdEntry]:
-    """Import, in this process, what the calls import, by making one call of each route; the contestants with what that
-    call says of each."""
+def _import_all(contestants: Sequence[Contestant]) -> list[_ColdEntry]:
+    """Import the modules of the calls into this process, by one call of each route; returns an entry per contestant."""
     entries: list[_ColdEntry] = []
     of_route: dict[tuple[str, str], _ColdEntry] = {}
-    for one in who:
+    for one in contestants:
         if first := of_route.get(one[1:3]):
-            entries.append(_ColdEntry(one, max(first.spent, one.expected_s), failure=first.failure))
+            entries.append(_ColdEntry(one, max(first.next_call_s, one.expected_s), failure=first.failure))
             continue
         began = time.perf_counter()
-        answer = _apart(_call, one)
+        answer = _in_child(_call, one)
         entry = of_route[one[1:3]] = _ColdEntry(one, time.perf_counter() - began)
         entries.append(entry)
         if isinstance(answer, str):
             entry.failure = answer
             continue
         for name in answer.modules:
-            with suppress(ImportError):  # some compiled modules have a name that only their package knows
+            with suppress(ImportError):  # some compiled modules can be imported only by their package
                 importlib.import_module(name)
         if answer.modules:
             entry.importing = answer
         else:
             entry.repeats.append(answer)
     for entry in of_route.values():
-        entry.spent = max(entry.spent, entry.contestant.expected_s)
+        entry.next_call_s = max(entry.next_call_s, entry.contestant.expected_s)
     return entries
 
 
@@ -141,35 +142,37 @@ def _call(one: Contestant) -> _ColdRepeat:
         marks.append(time.process_time())
         module.run(model)
         marks.append(time.process_time())
-        # The samples are asked for: the reference makes them when they are.
+        # Access to the samples is timed too: the reference computes them on access.
         _ = module.read(model).t
         marks.append(time.process_time())
     build, run, read = (after - before for before, after in zip(marks, marks[1:], strict=False))
-    # What cannot be found by its name in another process was made, not imported.
-    imported = (m for m in sorted(set(sys.modules) - before) if getattr(sys.modules[m], "__spec__", None))
-    return _ColdRepeat(build, run, read, max(loop, calibrate()), tuple(imported))
+    # A module without a spec was created at run time, not imported.
+    new_modules = (m for m in sorted(set(sys.modules) - before) if getattr(sys.modules[m], "__spec__", None))
+    return _ColdRepeat(build, run, read, max(loop, calibrate()), tuple(new_modules))
 
 
-def _apart(function: Callable[[Any], Any], argument: Any) -> Any:
-    """What the function returns in a process split off this one; a sentence if it fails there."""
+def _in_child(function: Callable[[Any], Any], argument: Any) -> Any:
+    """Call the function in a forked child process; returns its result, or a sentence if it fails there."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(reading)
         try:
             signal.alarm(int(_LIMIT) + 1)
-            told = pickle.dumps(function(argument))
-        except BaseException as problem:  # whatever it is, this process ends here and says so
-            told = pickle.dumps(f"{type(problem).__name__}: {problem}")
+            message = pickle.dumps(function(argument))
+        except BaseException as problem:  # the child must end here and report any failure
+            message = pickle.dumps(f"{type(problem).__name__}: {problem}")
         with os.fdopen(writing, "wb") as pipe:
-            pipe.write(told)
+            pipe.write(message)
         os._exit(0)
     os.close(writing)
     with os.fdopen(reading, "rb") as pipe:
-        told = pipe.read() if select.select([pipe], [], [], _LIMIT)[0] else b""
-    if not told:
+        message = pipe.read() if select.select([pipe], [], [], _LIMIT)[0] else b""
+    if not message:
         os.kill(child, signal.SIGKILL)
     _, status = os.waitpid(child, 0)
     return (
-        pickle.loads(told) if told else f"its first call ended its process, or took more than {_LIMIT:g} s ({status})"
+        pickle.loads(message)
+        if message
+        else f"its first call ended its process, or took more than {_LIMIT:g} s ({status})"
     )

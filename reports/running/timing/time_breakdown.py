@@ -1,8 +1,8 @@
-"""Whose time a run takes: the engine's, its binding's, that of our callback in it, or that of our taking notes.
+"""How a run's time splits between engine, binding, callback and recording.
 
-By difference, where an adapter can leave its parts out one after the other (`bare_run`); else by profile: the time in
-the engine's own compiled functions, without the Python that they call back, is the engine's and its binding's together,
-and the rest is ours. Both are measured beside whole runs, in turn, and told as shares of one.
+By differences if the adapter can omit its parts one after another (`bare_run`). Otherwise by a profile: the time in the
+engine's compiled functions, without the Python code that they call back, belongs to engine and binding together, the
+rest to the adapter. Both alternate with whole runs and are reported as shares of a whole run.
 """
 
 from __future__ import annotations
@@ -23,19 +23,20 @@ from adapters.interface import returns_once
 from ..solvers import solver
 from .clock import Contestant, Key
 
-# What a bare run leaves out, each in addition to those before it.
+# Layers that a bare run omits, each in addition to the earlier ones.
 LAYERS = ("notes", "callback", "binding")
 _LEAST_TURNS, _MOST_TURNS = 3, 15
-# Many short runs tell as much as one long: no more than this (CPU s) is spent on a contestant's turns after the third.
+# Limit (CPU s) of a contestant's turns after the third: many short runs are as precise as one long run.
 _SECONDS = 0.25
-# Passages from an engine into Python and back by which the profiler's own time is measured.
+# Number of transitions from an engine into Python and back for the measurement of the profiler's own time.
 _PASSAGES = 20_000
 
 
 class TimeBreakdown(NamedTuple):
-    """Shares of the CPU time of `run`, NaN where a part cannot be told from the one before it: the engine's compiled
-    code; its binding (Python and conversions of the engine's package); our callback, with what it asks of the binding;
-    our loop and its notes."""
+    """Shares of the CPU time of `run`; NaN if a part cannot be separated from the one before it.
+
+    `engine`: the engine's compiled code; `binding`: Python code and conversions of the engine's package; `callback`:
+    the adapter's callback with its calls of the binding; `notes`: the adapter's loop and recording."""
 
     engine: float
     binding: float
@@ -43,26 +44,27 @@ class TimeBreakdown(NamedTuple):
     notes: float
 
 
-def parts_of_all(who: Sequence[Contestant], budget: float) -> dict[Key, tuple[TimeBreakdown | None, str]]:
-    """The parts of each contestant's run, or None and why they are not known; within about `budget` wall s."""
+def parts_of_all(contestants: Sequence[Contestant], budget: float) -> dict[Key, tuple[TimeBreakdown | None, str]]:
+    """The time breakdown of each contestant, or None and the reason; within about `budget` wall seconds."""
     deadline = time.perf_counter() + budget
-    found: dict[Key, tuple[TimeBreakdown | None, str]] = {}
-    for number, one in enumerate(sorted(who, key=lambda one: one.expected_s)):
-        left = deadline - time.perf_counter()
-        if (1 + len(LAYERS)) * one.expected_s > left:
-            found[one.key] = None, "the time budget did not reach it"
+    results: dict[Key, tuple[TimeBreakdown | None, str]] = {}
+    for number, one in enumerate(sorted(contestants, key=lambda one: one.expected_s)):
+        remaining = deadline - time.perf_counter()
+        if (1 + len(LAYERS)) * one.expected_s > remaining:
+            results[one.key] = None, "the time budget was used up before"
             continue
         try:
-            # A contestant that needs more than its share of the remaining time ends after the least turns.
-            found[one.key] = parts(one, time.perf_counter() + left / (len(who) - number)), ""
-        except (Exception, SystemExit) as problem:  # an engine that fails now and then loses its parts, not everyone's
-            found[one.key] = None, f"{type(problem).__name__}: {problem}"
-    return found
+            # A contestant that needs more than its share of the remaining time ends after the least number of turns.
+            results[one.key] = parts(one, time.perf_counter() + remaining / (len(contestants) - number)), ""
+        except (Exception, SystemExit) as problem:  # the failure of one engine must not affect the others
+            results[one.key] = None, f"{type(problem).__name__}: {problem}"
+    return results
 
 
 def parts(one: Contestant, deadline: float) -> TimeBreakdown | None:
-    """The parts of a contestant's run, by the deadline or after the least turns; None where no compiled engine has a
-    part in it."""
+    """The time breakdown of a contestant's run, by the deadline or after the least number of turns.
+
+    None if the run contains no compiled engine."""
     module = solver(one.solver)
     if hasattr(module, "bare_run"):
         return by_difference(module, one, deadline)
@@ -70,7 +72,7 @@ def parts(one: Contestant, deadline: float) -> TimeBreakdown | None:
 
 
 def by_difference(module: ModuleType, one: Contestant, deadline: float) -> TimeBreakdown:
-    """Whole runs in turn with bare ones: what each is cheaper by is the share of what it is without."""
+    """Alternate whole and bare runs: the share of an omitted layer is the difference of their times."""
 
     def ready(without: str) -> Callable[[], None]:
         if without:
@@ -79,35 +81,35 @@ def by_difference(module: ModuleType, one: Contestant, deadline: float) -> TimeB
         return lambda: module.run(model)
 
     seconds = _in_turns([lambda w=w: _cpu(ready(w)) for w in ("", *LAYERS)], deadline)  # type: ignore[misc]
-    whole, unnoted, hollow, bare = (statistics.median(taken) for taken in seconds)
-    # Differences of nearly equal times may come out below nothing.
-    told = (bare, hollow - bare, unnoted - hollow, whole - unnoted)
-    return TimeBreakdown(*(max(0.0, part) / whole for part in told))
+    whole, without_notes, without_callback, bare = (statistics.median(duration) for duration in seconds)
+    # Differences of nearly equal times can be negative.
+    differences = (bare, without_callback - bare, without_notes - without_callback, whole - without_notes)
+    return TimeBreakdown(*(max(0.0, part) / whole for part in differences))
 
 
 def by_profile(module: ModuleType, one: Contestant, deadline: float) -> TimeBreakdown | None:
-    """Whole runs in turn with profiled ones. Python's profiler slows down our part alone, so that ours is the rest."""
+    """Alternate whole and profiled runs. The profiler slows down the adapter's part only, so that part is the rest."""
     package = str(getattr(module, "ENGINE", module.NAME))
 
     def whole() -> float:
         model = module.build(one.case, one.route, one.setting)
         return _cpu(lambda: module.run(model))
 
-    def profiled() -> float:
+    def profile() -> float:
         model = module.build(one.case, one.route, one.setting)
         return engine_seconds(package, lambda: module.run(model))
 
-    if isnan(profiled()):
+    if isnan(profile()):
         return None
-    taken, engine = (statistics.median(s) for s in _in_turns([whole, profiled], deadline))
+    duration, engine = (statistics.median(s) for s in _in_turns([whole, profile], deadline))
     if engine == 0.0:
         return None
-    share = min(engine / taken, 1.0)
+    share = min(engine / duration, 1.0)
     return TimeBreakdown(share, nan, 1.0 - share, nan)
 
 
 def _in_turns(measures: Sequence[Callable[[], float]], deadline: float) -> list[list[float]]:
-    """What each measures, turn by turn; the first turn, in which things are imported, does not count."""
+    """The measurements of each function, turn by turn; the first turn, which imports modules, does not count."""
     turns: list[list[float]] = []
     while len(turns) <= _LEAST_TURNS or (
         len(turns) < _MOST_TURNS and sum(map(sum, turns)) < _SECONDS and time.perf_counter() < deadline
@@ -127,7 +129,7 @@ def _cpu(run: Callable[[], None]) -> float:
 
 
 def engine_seconds(package: str, run: Callable[[], None]) -> float:
-    """Seconds of a run in compiled functions of a package, without the Python they call back; NaN if it calls none."""
+    """Seconds of a run in compiled functions of a package, without Python code they call back; NaN if it calls none."""
     stays = _BorderProfiler(package)
     sys.setprofile(stays)
     try:
@@ -138,14 +140,14 @@ def engine_seconds(package: str, run: Callable[[], None]) -> float:
 
 
 class _BorderProfiler:
-    """A profiler that notes when a compiled function of a package is entered and left, and when it calls Python."""
+    """A profiler that records entry and exit of a package's compiled functions, and their calls of Python."""
 
     def __init__(self, package: str):
         self.package = package
-        self.stays: list[float] = []  # seconds between two passages of the engine's border, within the engine
-        self.outer: Any = None  # the engine's function that runs
-        self.depth = 0  # of Python functions within it
-        self.since = 0.0  # CPU time: a neighbour's share of the processor is no part of it
+        self.stays: list[float] = []  # durations of the stays inside the engine, s
+        self.outer: Any = None  # the engine's running function
+        self.depth = 0  # of Python functions called by it
+        self.since = 0.0  # CPU time, so that other processes do not count
 
     def __call__(self, frame: Any, event: str, function: Any) -> None:
         now = time.thread_time()
@@ -172,12 +174,12 @@ class _BorderProfiler:
         return any(str(m or "").lower().startswith(self.package) for m in modules)
 
     def seconds(self) -> float:
-        """The stays together, without the profiler's own time in each; NaN if there is none."""
+        """The sum of the stays, without the profiler's own time in each; NaN if there are none."""
         return max(0.0, sum(self.stays) - len(self.stays) * _own_seconds()) if self.stays else nan
 
 
 def _own_seconds() -> float:
-    """What two passages of the profiler add to a stay: that of an engine which takes no time."""
+    """The profiler's own time per stay, measured on an engine that takes no time."""
     stays = _BorderProfiler("")
     nothing = abs
     for _ in range(_PASSAGES // 10):

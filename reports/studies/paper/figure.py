@@ -13,7 +13,7 @@ from reference.paper.application import slip_end
 
 from ...drawing.figure_files import FigureEntry, save
 from ...drawing.style import FAINT, STYLE, logarithmic, ordinal
-from .measure import COEFFICIENTS, FIGURED, QUANTITIES, Paper
+from .measure import COEFFICIENTS, FIGURE_COEFFICIENTS, QUANTITIES, Paper
 
 # Figures 3 and 4 show the slip velocity for the two coefficients; the other quantities follow in pairs up to 11 and 12.
 _FIRST_FIGURE = 3
@@ -23,10 +23,10 @@ def diagrams(findings: Paper) -> Figure:
     """Figures 3 to 12, each up to v = 0 as in the paper, and next to it the continued motion."""
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
-            len(QUANTITIES), 2 * len(FIGURED), figsize=(10.4, 9.6), layout="constrained", sharex="col"
+            len(QUANTITIES), 2 * len(FIGURE_COEFFICIENTS), figsize=(10.4, 9.6), layout="constrained", sharex="col"
         )
-        shades = ordinal(len(FIGURED))
-        for i, mu in enumerate(FIGURED):
+        shades = ordinal(len(FIGURE_COEFFICIENTS))
+        for i, mu in enumerate(FIGURE_COEFFICIENTS):
             paper, ours, stop, after = findings.curves[mu]
             for row, (name, label) in enumerate(QUANTITIES.items()):
                 left, right = axes[row, 2 * i], axes[row, 2 * i + 1]

@@ -19,7 +19,7 @@ from reference.paper.equation_list import LINES
 from ...running.records import Row
 
 # The paper's coefficients, and those of its figures.
-COEFFICIENTS, FIGURED = (0.01, 0.1, 0.2), (0.01, 0.1)
+COEFFICIENTS, FIGURE_COEFFICIENTS = (0.01, 0.1, 0.2), (0.01, 0.1)
 # The quantities of its figures, in its order.
 QUANTITIES = {
     "v": "v / (m/s)",
@@ -45,7 +45,7 @@ class Paper(NamedTuple):
 def measure() -> Paper:
     """All findings of the study."""
     by_coefficient = {}
-    for mu in FIGURED:
+    for mu in FIGURE_COEFFICIENTS:
         stop = _motion(mu).transitions[0]
         by_coefficient[mu] = curves(mu, stop.time), curves(mu), stop.time, str(stop.after).replace("_", " ")
     return Paper(equation_rows(), claim_rows(), remark_rows(), by_coefficient)

@@ -62,11 +62,11 @@ def library() -> ctypes.CDLL | None:
         command = [compiler, "-O3", "-march=native", "-shared", "-fPIC", str(source), "-o", str(shared_object), "-lm"]
         if subprocess.run(command, capture_output=True).returncode:
             return None
-        loaded = ctypes.CDLL(str(shared_object))
-    loaded.first_slip.restype = ctypes.c_double
+        library = ctypes.CDLL(str(shared_object))
+    library.first_slip.restype = ctypes.c_double
     pointer = ctypes.POINTER(ctypes.c_double)
-    loaded.first_slip.argtypes = [*[ctypes.c_double] * 3, ctypes.c_int, pointer, pointer]
-    return loaded
+    library.first_slip.argtypes = [*[ctypes.c_double] * 3, ctypes.c_int, pointer, pointer]
+    return library
 
 
 def first_slip(mu: float, nodes: int) -> Callable[[], float] | None:
