@@ -1,6 +1,6 @@
-"""All options of all commands: one parser, checked before anything runs. The same word means the same everywhere.
+"""The options of all commands: one parser, with checks before anything runs. An option has one meaning everywhere.
 
-Everything here answers at once; what is slow to import is imported when it is needed.
+All functions here are fast; slow modules are imported when they are needed.
 """
 
 from __future__ import annotations
@@ -30,11 +30,10 @@ if TYPE_CHECKING:
 
     from .running.external_motions import External
 
-# The families every solver runs; they alone make up a quick report.
+# The case families of a quick report, which every solver can run.
 SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
-# Families whose whole ladders stand in a default report, so that they can be timed: beside what engines are made for a
-# lift-off, a plate that is no disc, a track that needs a search for second contacts, a flight with an impact, and an
-# outline that was measured.
+# Families with whole ladders in a default report, so that they can be timed: typical scenes of engines, a lift-off, a
+# plate that is not a disc, a track with a search for second contacts, a flight with an impact, and a measured outline.
 WHOLE = (
     "disc_in_circle",
     "disc_on_line",
@@ -44,19 +43,19 @@ WHOLE = (
     "disc_onto_incline",
     "pebble_on_incline",
 )
-# The reference's route by the paper's own matrix.
+# The reference's route with the paper's matrix.
 LITERAL = "augmented"
-# Finished runs are kept where one works, as test runners and linters do: a fresh folder is a fresh start.
+# The store is in the working folder, like the caches of test runners and linters.
 STORE = ".slip-to-roll"
-# Each is a process that imports every engine: some 200 MB.
+# Largest number of jobs; each is a process that imports every engine, about 200 MB.
 MOST_JOBS = 256
-# Wall seconds a run may take, by effort: a whole default report takes a few minutes on two cores.
+# Time limit of a run by effort, wall seconds; a whole default report takes a few minutes on two cores.
 _LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
 
-# The word of a command that is one case.
+# Help for an argument that is one case.
 A_CASE = 'a case: name, "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION'
 
-# Each option: its flag, and what argparse has to know. Commands choose from these and add none.
+# Options by name, with their arguments for argparse. Commands select from these and add no others.
 _OPTIONS: dict[str, dict[str, Any]] = {
     "out": dict(metavar="DIR", help="folder to write"),
     "case": dict(
@@ -79,56 +78,58 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         nargs="+",
         action="extend",
         default=[],
-        help="executables that are engines (docs/process_protocol.md), beside the solvers",
+        help="executables to run as engines (docs/process_protocol.md), in addition to the solvers",
     ),
     "trajectory": dict(
         metavar="NAME[@CASE]=FILE",
         action="append",
         default=[],
-        help="an exported motion (columns t, x, y, theta, …) as a solver of its own; may be given again",
+        help="an exported motion (columns t, x, y, theta, …) as a separate solver; can be repeated",
     ),
     "submissions": dict(
         metavar="DIR",
-        help="folder of motions that others handed in, as ENGINE/VERSION/CASE.csv, each a solver of its own",
+        help="folder of submitted motions, ENGINE/VERSION/CASE.csv; each version is a separate solver",
     ),
     "creep": dict(
         metavar="SPEED",
         default="0",
-        help="how fast the solver creeps while it sticks, m/s; the file may say so itself, in a column creep or in a "
+        help="creep velocity of the solver while it sticks, m/s; the file may also contain it, in a column creep or a "
         "first line such as '# creep = 5e-3'",
     ),
     "quick": dict(action="store_true", help="three cases, one variant each, fewer settings"),
-    "full": dict(action="store_true", help="every setting of every case, with ten times the patience"),
-    "jobs": dict(metavar="N", default="2", help="runs beside each other (default: 2)"),
+    "full": dict(action="store_true", help="every setting of every case, with ten times the time limit"),
+    "jobs": dict(metavar="N", default="2", help="number of concurrent runs (default: 2)"),
     "store": dict(
         metavar="DIR",
-        help=f"folder where finished runs are kept and taken from (default: {STORE}); delete it to forget them",
+        help=f"folder that stores finished runs for reuse (default: {STORE}); it may be deleted",
     ),
-    "fresh": dict(action="store_true", help="run everything anew, whatever is kept"),
+    "fresh": dict(action="store_true", help="run everything again, without stored results"),
     "paper": dict(action="store_true", help="figures also as PDF, tables also as LaTeX"),
-    "force": dict(action="store_true", help="write over files that are there"),
+    "force": dict(action="store_true", help="replace existing files"),
     "list": dict(action="store_true", help="print cases and solvers, and stop"),
     "vary": dict(
         metavar="PARAMETER=VALUES",
         action="append",
         default=[],
-        help="low:high:count, low:high:count:log, or a,b,c; low:high to draw from; given again they make a grid",
+        help="low:high:count, low:high:count:log, or a,b,c; low:high for random samples; several form a grid",
     ),
     "sample": dict(metavar="HOW", default="grid", help="grid, random or sobol (default: grid)"),
-    "number": dict(metavar="N", help="scenarios to draw, where they are not a grid"),
-    "seed": dict(metavar="N", default="0", help="what random and sobol begin with (default: 0)"),
+    "number": dict(metavar="N", help="number of scenarios, for random and sobol"),
+    "seed": dict(metavar="N", default="0", help="seed of random and sobol (default: 0)"),
     "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
-    "certify": dict(action="store_true", help="error bars by witnesses, for each scenario (seconds each)"),
+    "certify": dict(action="store_true", help="compute certified error bars (seconds per scenario)"),
     "refine": dict(
         metavar="WIDTH",
-        help="find the boundaries between what follows, to this width of the first parameter that varies",
+        help="locate the boundaries between outcomes to this width in the first varied parameter",
     ),
-    "dask": dict(metavar="ADDRESS", help='a Dask scheduler, as tcp://host:port, or "local" for a cluster of its own'),
+    "dask": dict(
+        metavar="ADDRESS", help='a Dask scheduler, as tcp://host:port, or "local" for a cluster on this machine'
+    ),
 }
 
 
 class _NoCache(argparse.Action):
-    """Turns off what is kept between processes, for this one and its workers."""
+    """Turns off the compile cache for this process and its workers."""
 
     def __call__(self, parser, namespace, values, option_string=None):
         os.environ[compile_cache.VARIABLE] = compile_cache.OFF
@@ -142,10 +143,10 @@ def parser(
     example: str = "",
     **defaults: Any,
 ) -> Parser:
-    """The parser of a command with some of the options; `defaults` are the command's own.
+    """The parser of a command with the selected options.
 
-    `words` are what stands there without an option, and what is said of it: beside several of them an option takes one
-    value at a time, and may be given again.
+    `words`: positional arguments with their help; if there are several, an option takes one value at a time and can be
+    repeated. `defaults`: the command's own default values.
     """
     parser = Parser(
         prog=f"python -m {command}",
@@ -164,8 +165,7 @@ def parser(
         "--no-cache",
         action=_NoCache,
         nargs=0,
-        help="derive and compile again what earlier processes cached on disk "
-        f"({compile_cache.VARIABLE}=off does the same)",
+        help=f"do not use derivations and compiled code cached on disk ({compile_cache.VARIABLE}=off does the same)",
     )
     for name, text in (words or {}).items():
         parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
@@ -173,13 +173,13 @@ def parser(
 
 
 def command(module: str, words: Sequence[str]) -> str:
-    """The command as it is typed again."""
+    """The command line that repeats a command."""
     return " ".join([f"python -m {module}", *map(shlex.quote, words)])
 
 
 @dataclass(frozen=True)
 class BuildPlan:
-    """What a report is made of, checked."""
+    """The checked arguments of a report."""
 
     out: Path
     cases: tuple[Case, ...]
@@ -188,23 +188,24 @@ class BuildPlan:
     effort: str
     jobs: int
     argv: tuple[str, ...]
-    is_selection: bool  # whether the cases were named, not taken from the whole catalogue
-    store: Path | None = None  # where finished runs are kept
-    fresh: bool = False  # whether what is kept there is left out of account
+    is_selection: bool  # whether the user selected cases; else the whole catalogue
+    store: Path | None = None  # folder of the store of finished runs
+    fresh: bool = False  # whether stored results are ignored
     trajectories: tuple[External, ...] = ()
     paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
-    dask: str | None = None  # who makes the runs that are not timed, if not this machine
+    dask: str | None = None  # scheduler of the cluster for untimed runs
 
     @property
     def limit(self) -> float:
-        """Wall seconds a run may take."""
+        """Time limit of a run, wall seconds."""
         return _LIMITS[self.effort]
 
     def select_rungs(self, case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
-        """The rungs to run: all, or the defaults and three for a quick report, one in the breadth of the catalogue.
+        """The rungs to run: all; in a quick report the defaults and three others; for most cases of the catalogue the
+        defaults and one.
 
-        There the reference is run at its finest, for which its equations are compiled anyway: the truth's motion; but
-        by the paper's own matrix, which takes fifteen times as long, at its two coarsest."""
+        For these the reference runs at its finest tolerance, because the truth needs the same compiled equations; with
+        the paper's matrix, which takes fifteen times as long, at its two coarsest."""
         if self.effort == "full" or (self.effort == "default" and (self.is_selection or case in WHOLE)):
             return settings
         if self.effort == "default" and (solver, route) == (REFERENCE, LITERAL):
@@ -216,25 +217,25 @@ class BuildPlan:
         return (*(s for s in settings if s.is_default), *(ladder[i] for i in places))
 
     def ladders(self) -> str:
-        """Which settings are run, in a sentence; "" where all are."""
+        """Which settings are run, as a sentence; "" if all are."""
         if self.effort == "full" or (self.effort == "default" and self.is_selection):
             return ""
         if self.effort == "quick":
-            return "Of each ladder three settings and the engine as it comes; --full runs all."
+            return "Three settings of each ladder and the default settings; --full runs all."
         return (
-            f"Whole ladders for {', '.join(WHOLE)}; of other cases the engine as it comes and one fine setting, of the "
-            f"reference its finest, and its route {LITERAL!r}, which takes fifteen times as long, at its two coarsest "
-            "tolerances only; --full runs all."
+            f"Whole ladders for {', '.join(WHOLE)}. Other cases run with default settings and one fine setting, the "
+            f"reference at its finest tolerance, and its route {LITERAL!r}, which takes fifteen times as long, at its "
+            "two coarsest tolerances; --full runs all."
         )
 
 
 def solvers() -> tuple[str, ...]:
-    """Every solver's name: the reference first, then the engines in alphabetical order."""
+    """Names of all solvers: the reference, then the engines in alphabetical order."""
     return (REFERENCE, *adapters.engines())
 
 
 def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
-    """The plan of parsed options; raises CaseError, in one sentence, for what makes no sense."""
+    """Check parsed options and return the plan; raises CaseError for invalid ones."""
     effort = "quick" if options.quick else "full" if options.full else "default"
     try:
         own_engines = tuple(adapters.lookup.register(file) for file in options.engine)
@@ -249,7 +250,7 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     external = _trajectories(options.trajectory, case_list) + _submissions(options.submissions, case_list)
     is_selection = bool(names)
     if options.dask is not None and own_engines:
-        raise BadValue("--engine names files of this machine, which --dask leaves; give one of the two")
+        raise BadValue("--engine files exist on this machine only, and --dask runs on others; give one of the two")
     files = tuple(dict.fromkeys((*files, *more)))
     return BuildPlan(
         out, case_list, files, solver_names, effort, jobs, tuple(argv), is_selection, store, options.fresh, external,
@@ -266,15 +267,21 @@ def plan_by_hand(
     store: Path | None,
     fresh: bool,
 ) -> BuildPlan:
-    """The plan of a report on cases made by hand, checked as one of the command's; raises CaseError."""
+    """The plan of a report on cases made in Python, with the same checks; raises CaseError."""
     case_list = tuple(own_cases)
     for case in case_list:
         if not isinstance(case, Case):
-            raise BadValue(f"{case!r} is no Case; give a list of cases")
+            raise BadValue(f"{case!r} is not a Case; give a list of cases")
     labels = [case.label for case in case_list]
     twice = next((label for label in labels if labels.count(label) > 1), "")
-    if twice or not case_list:
-        raise BadValue(f"two cases are called {twice!r}; give each a name=" if twice else "no case is given; give one")
+    if not case_list:
+        raise BadValue("there is no case; give at least one")
+    if twice:
+        raise BadValue(
+            f"two cases have the name {twice!r}; give each a different name="
+            if twice
+            else "there is no case; give at least one"
+        )
     if effort not in _LIMITS:
         raise unknown_name("effort", effort, _LIMITS)
     solver_names, out = choose_solvers(solvers), check_out(out)
@@ -284,7 +291,7 @@ def plan_by_hand(
 
 
 def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
-    """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be asked for."""
+    """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be used."""
     solver_names = tuple(dict.fromkeys(names or solvers()))
     for name in solver_names:
         engine, mark, _ = name.partition("@")
@@ -298,7 +305,7 @@ def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
 
 
 def load_files(files: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
-    """Bring case files into the catalogue; their paths, and the names of their cases."""
+    """Load case files into the catalogue; returns their paths and the names of their cases."""
     names = [name for file in files for name in lookup.load_file(file)]
     return tuple(str(Path(file).resolve()) for file in files), names
 
@@ -312,7 +319,7 @@ def _trajectories(texts: Sequence[str], case_list: Sequence[Case]) -> tuple[Exte
 
 
 def creep_of(text: str) -> float:
-    """A speed in m/s; raises BadValue unless it is a number of at least 0."""
+    """Parse a speed in m/s; raises BadValue unless it is a number of at least 0."""
     try:
         creep = float(text)
     except ValueError:
@@ -333,7 +340,7 @@ def _submissions(folder: str | None, case_list: Sequence[Case]) -> tuple[Externa
 
 
 def whole_jobs(text: str) -> int:
-    """How many runs beside each other; raises BadValue unless it is a whole number of at least 1."""
+    """Parse the number of concurrent runs; raises BadValue unless it is a whole number from 1 to MOST_JOBS."""
     try:
         jobs = int(text)
     except ValueError:
@@ -344,7 +351,7 @@ def whole_jobs(text: str) -> int:
 
 
 def choose_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], tuple[str, ...]]:
-    """The cases of the texts, each once, and the files that the texts name; a quick report takes only the last variant
+    """The cases that the texts select, each once, and the files in the texts; for a quick report only the last variant
     of each case."""
     case_list: dict[tuple, Case] = {}
     case_names = [lookup.case_name(text) for text in texts]
@@ -356,22 +363,24 @@ def choose_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], t
 
 
 def check_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = folder.of_report) -> Path:
-    """The folder to write, resolved; raises BadValue if it is where the user works, cannot be written to, or is not as
-    `OwnedFolder.check` wants it."""
+    """The output folder, resolved; raises BadValue if it contains the working folder, is not writable, or fails
+    `OwnedFolder.check`."""
     out = place("folder of --out", out).resolve()
     if out == Path.cwd() or out in Path.cwd().parents:
-        raise BadValue(f"--out is {out}, where you are working; give a folder inside it, for example report")
+        raise BadValue(
+            f"--out is {out}, which contains the working folder; give a folder inside it, for example report"
+        )
     folder_of(out).check()
     check_writable("--out", out, out)
     return out
 
 
 def check_store(text: str | Path | None, out: Path) -> Path:
-    """The store's folder, resolved; raises BadValue if what was asked for is no folder of its own or not writable."""
+    """The folder of the store, resolved; raises BadValue if it is not a separate, writable folder."""
     store = place("folder of --store", STORE if text is None else text).resolve()
     if store == out or store in out.parents or out in store.parents:
         raise BadValue(f"--store is {store} and --out is {out}; give folders that are not inside each other")
-    if text is not None:  # the usual place may be unfit: the report is made all the same, and says so
+    if text is not None:  # if the default folder is not writable, the report is made without a store
         if store.exists() and not store.is_dir():
             raise BadValue(f"--store is {store}, which is a file; give a folder")
         check_writable("--store", store, store)
@@ -379,10 +388,10 @@ def check_store(text: str | Path | None, out: Path) -> Path:
 
 
 def check_writable(option: str, path: Path, folder: Path) -> None:
-    """Raises BadValue unless files can be written to the folder, or it can be made."""
+    """Raises BadValue unless the folder is writable or can be created."""
     above = next(some for some in (folder, *folder.parents) if some.exists())
     try:
-        TemporaryFolder(above).remove()  # the permissions do not say what every file system does
+        TemporaryFolder(above).remove()  # permissions alone do not show whether a file system is writable
     except OSError as problem:
         raise BadValue(
             f"{option} is {path}, and {above} cannot be written to ({problem.strerror}); give another folder"

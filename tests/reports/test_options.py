@@ -48,7 +48,7 @@ def show_main(words) -> int:
 def test_an_option_means_the_same_in_every_command():
     assert all(set(how) <= {"metavar", "nargs", "action", "default", "help"} for how in options._OPTIONS.values())
     many = options.parser("x", "", "solver", "jobs").parse_args(["--solver", "a", "b", "--solver", "c"])
-    assert (many.solver, many.jobs) == (["a", "b", "c"], "2")
+    assert (many.solver, many.jobs) == (["a", "b", "c"], options._OPTIONS["jobs"]["default"])
 
 
 # --- cases made by hand -----------------------------------------------------------------------------------------------
@@ -64,9 +64,9 @@ def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
 @pytest.mark.parametrize(
     "given, more, hint",
     [
-        ([], {}, "no case is given"),
+        ([], {}, "there is no case"),
         ([by_hand(), by_hand()], {}, "give each a name="),
-        (["disc_on_line"], {}, "is no Case"),
+        (["disc_on_line"], {}, "is not a Case"),
         ([by_hand()], dict(solvers=["pymonk"]), "pymunk"),
         ([by_hand()], dict(effort="some"), "quick"),
         ([by_hand()], dict(jobs=0), "from 1 to"),

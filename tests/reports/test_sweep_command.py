@@ -106,7 +106,7 @@ def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypat
             "--seed is 0.5",
         ),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--dask", "nonsense"], "missing port number in address 'nonsense'"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "."], "where you are working"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--out", "."], "contains the working folder"),
         (
             ["disc_in_circle", "--vary", "mu=0:1:3", "--out", "mine"],
             "holds letter.txt and is no sweep; give another folder",

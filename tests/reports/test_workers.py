@@ -139,8 +139,8 @@ def test_what_cannot_travel_is_told_in_both_directions():
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a worker ends with its own time")
 def test_a_worker_ends_with_the_process_that_asked_it(tmp_path):
-    asked = f"list(Pool(1).run(linger, [(Path({str(tmp_path)!r}),)]))"
-    asking = f"from reports.running.processes.workers import Pool; from tests.reports.called import *; {asked}"
+    asked = f"list(WorkerPool(1).run(linger, [(Path({str(tmp_path)!r}),)]))"
+    asking = f"from reports.running.processes.workers import WorkerPool; from tests.reports.called import *; {asked}"
     parent = subprocess.Popen([sys.executable, "-c", asking], cwd=Path(__file__).parents[2])
     wait_until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
     worker = Path("/proc") / (tmp_path / "pid").read_text()
