@@ -277,11 +277,7 @@ def plan_by_hand(
     if not case_list:
         raise BadValue("there is no case; give at least one")
     if twice:
-        raise BadValue(
-            f"two cases have the name {twice!r}; give each a different name="
-            if twice
-            else "there is no case; give at least one"
-        )
+        raise BadValue(f"two cases have the name {twice!r}; give each a different name=")
     if effort not in _LIMITS:
         raise unknown_name("effort", effort, _LIMITS)
     solver_names, out = choose_solvers(solvers), check_out(out)

@@ -65,7 +65,7 @@ def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
     "given, more, hint",
     [
         ([], {}, "there is no case"),
-        ([by_hand(), by_hand()], {}, "give each a name="),
+        ([by_hand(), by_hand()], {}, "give each a different name="),
         (["disc_on_line"], {}, "is not a Case"),
         ([by_hand()], dict(solvers=["pymonk"]), "pymunk"),
         ([by_hand()], dict(effort="some"), "quick"),
