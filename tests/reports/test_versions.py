@@ -100,7 +100,8 @@ def test_a_version_that_the_index_does_not_have_is_told_with_the_nearest():
 
 
 @pytest.mark.parametrize(
-    "said, hint", [(OFFLINE, "cannot be reached"), ("ERROR: no space left", "no space left"), ("", "it printed nothing")]
+    "said, hint",
+    [(OFFLINE, "cannot be reached"), ("ERROR: no space left", "no space left"), ("", "it printed nothing")],
 )
 def test_another_failure_of_pip_is_a_sentence(said, hint):
     told = versions._why(Requirement("pymunk==7.2.9"), said)
