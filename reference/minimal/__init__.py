@@ -1,5 +1,5 @@
 """The first formulation: the paper's equations in minimal coordinates (ξ₁, ξ₂), event-driven.
 
-frames, eliminated, effects, system, modes say what a mode's equations are; decision, impact, landing, bouncing, overlap
-what follows an event; hybrid goes from phase to phase, with an integrator of `integrators`.
+frames, elimination, effects, system and modes define the equations of a mode; decision, impact, landing, bouncing and
+overlap determine what follows an event; hybrid runs phase after phase, with an integrator of `integrators`.
 """

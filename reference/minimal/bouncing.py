@@ -1,11 +1,11 @@
-"""Bouncing that comes to rest: infinitely many impacts in a finite time, whose limit is found, not stepped through.
+"""Bouncing that comes to rest: infinitely many impacts in a finite time, whose limit is extrapolated.
 
-From impact to impact the rebound's speed u shrinks by a factor that tends to a constant ρ < 1, and what else the state
-holds (place, slip, spin) changes by as little as u. The states of all sequences with one limit lie on a curve through
-it that the map from impact to impact carries into itself, with multiplier ρ, and which is as smooth as the map (a
+From impact to impact the rebound's speed u shrinks by a factor that tends to a constant ρ < 1, and the rest of the
+state (place, slip, spin) changes by amounts of the order of u. The states of all sequences with one limit lie on a
+curve through it that is invariant under the map from impact to impact, with multiplier ρ, and as smooth as the map (a
 stable fibre; Hirsch, Pugh & Shub, Invariant Manifolds, 1977: known to us, not looked up). So everything is a smooth
-function of u, and a polynomial through a few impacts with u well apart, taken at u = 0 (Neville), is the limit,
-whatever ρ is.
+function of u, and the polynomial through a few impacts with well separated u, evaluated at u = 0 (Neville), is the
+limit, whatever ρ is.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from .integrators.segment import Event, Segment
 from .landing import Landing
 from .modes import Phase, in_flight
 
-# At most so many impacts make a limit, each with at most half the speed of the one before: a polynomial through points
-# closer together would blow up their rounding.
+# At most this many impacts are used for a limit, each with at most half the speed of the one before: a polynomial
+# through points that are closer together would amplify their rounding.
 MOST, APART = 6, 0.5
-# The limit is known when one more impact moves it by no more than this part of the natural time (and of what is covered
-# and gained in it), or must be by as much.
+# The limit is accepted when one more impact changes it by no more than this part of the natural time (and of the
+# distances and speeds reached in it), or when the theoretical error is as small.
 NEGLIGIBLE = 1e-13
-# Bounces count from where the time that is left is this part of the natural time, and while the ratio of two rebounds
-# does not change by more than as much: there u is small.
+# Bounces count when the remaining time is below this part of the natural time, and while the ratio of two rebounds does
+# not change by more than as much: u is small there.
 SMALL = 2e-2
 # An impact after which the plate flies is listed among the transitions if it closes with at least this part of the
 # greatest closing speed since the plate last lay on its track: so the list of bouncing that comes to rest is finite.
@@ -41,7 +41,7 @@ LISTING_PART = 7e-4
 
 
 class Accumulation(NamedTuple):
-    """Where bouncing comes to rest: when, the contact parameters and θ, slip and spin (without lift)."""
+    """The end of bouncing: time, contact parameters and θ, slip and spin (without lift)."""
 
     time: float
     xi1: float
@@ -53,7 +53,7 @@ class Accumulation(NamedTuple):
 class _Bounce(NamedTuple):
     landing: Landing
     after: ContactVelocity
-    pull: float  # what brings it back, m/s²
+    pull: float  # acceleration towards the track, m/s²
     natural: float  # s
     remaining: float  # estimated time until the limit, s
 
@@ -66,12 +66,12 @@ class Bounces:
         self.size = case.plate.gyration
         self.last: _Bounce | None = None
         self.ratio = inf
-        self.some: list[_Bounce] = []  # of those that count, with speeds well apart
+        self.some: list[_Bounce] = []  # bounces that count, with well separated speeds
         self.struck = -inf  # time of the last impact, s
-        self.greatest = 0.0  # closing speed of the spell, m/s
+        self.greatest = 0.0  # greatest closing speed since the plate last lay on its track, m/s
 
     def strike(self, since: float, landing: Landing) -> bool:
-        """An impact that ends a flight begun at `since`; whether it is listed if the plate flies on."""
+        """Record an impact that ends a flight begun at `since`; returns whether it is listed if the plate flies on."""
         closing = -landing.touch.lift
         if since > self.struck:  # the plate has lain on its track meanwhile
             self.last, self.some, self.ratio, self.greatest = None, [], inf, 0.0
@@ -79,8 +79,8 @@ class Bounces:
         return closing >= LISTING_PART * self.greatest
 
     def rebound(self, landing: Landing, after: ContactVelocity, pull: float) -> None:
-        """The velocities after the last impact, with lift > 0, and how fast gravity and load bring the plate back, m/s²
-        (not if it is not positive)."""
+        """Record the velocities after the last impact, with lift > 0, and the acceleration of the plate towards its
+        track by gravity and load, m/s² (away from it if not positive)."""
         closing = -landing.touch.lift
         ratio = after.lift / closing if closing > 0.0 else inf
         natural = self._natural(landing, after, pull)
@@ -93,7 +93,7 @@ class Bounces:
         self.ratio = ratio
 
     def no_rebound(self) -> None:
-        """The last impact left no lift: what follows it belongs to no sequence of rebounds before it."""
+        """Record an impact without lift: later rebounds do not continue the present sequence."""
         self.last, self.some, self.ratio = None, [], inf
 
     def _natural(self, landing: Landing, after: ContactVelocity, pull: float) -> float:
@@ -108,9 +108,9 @@ class Bounces:
         return min(times)
 
     def limit(self, is_unresolved: bool = False) -> Accumulation | None:
-        """The limit, once enough impacts are known to find it to rounding.
+        """The limit, if there are enough impacts to compute it to rounding; else None.
 
-        `is_unresolved`: the last rebound is no higher than rounding, so no further impact will show the limit better.
+        `is_unresolved`: the last rebound is no higher than rounding, so further impacts would not improve the limit.
         """
         if self.last is None or not self.some:
             return None
@@ -133,12 +133,12 @@ class Bounces:
         )
         if not (agree or is_unresolved) and np.prod([b.remaining / b.natural for b in some]) > NEGLIGIBLE:
             return None
-        # A slip or a rotation that the impacts themselves end is none at the limit either.
+        # A slip or rotation that ended in the impacts is also zero at the limit.
         touch = ContactVelocity(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)
         return Accumulation(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
 
     def settling(self, flight: Phase, limit: Accumulation) -> Segment:
-        """The time between the last impact that was stepped through and the limit: too short for a flight to show."""
+        """The segment between the last simulated impact and the limit: too short to show a flight."""
         assert self.last is not None
         landing, after = self.last.landing, self.last.after
         first, last = (
@@ -151,7 +151,7 @@ class Bounces:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Straight:
-    """States that change evenly from one time (s) to another: times (n,) ↦ states (variables, n)."""
+    """States that change linearly from one time (s) to another: times (n,) ↦ states (variables, n)."""
 
     start: float
     end: float
@@ -164,8 +164,8 @@ class _Straight:
 
 
 def extrapolate(at: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
-    """The value at 0 of the polynomials through the last one, two, … of the values (Neville), and how far apart the two
-    are that agree best: with more of them the polynomial is nearer, until it blows up their rounding."""
+    """The value at 0 of the polynomials through the last one, two, … values (Neville), and the difference of the two
+    that agree best: higher orders are closer to the limit until they amplify rounding."""
     column, (best, spread) = list(values), (values[-1], inf)
     for k in range(1, len(values)):
         before = column[-1]

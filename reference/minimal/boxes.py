@@ -1,8 +1,8 @@
-"""Boxes of time, track and outline, and what excludes that the plate meets its track in one.
+"""Boxes of time, track and outline, and bounds that exclude a meeting of plate and track in a box.
 
 At a meeting the two points coincide, their tangents are parallel, the outline bends more than the track and the gap
-closes. Over a box each of these is bounded by its value in the middle and by how far it can change, to second order in
-the lengths of the pieces. Of a disc its centre is looked at and not its outline.
+closes. Over a box each of these is bounded by its value in the middle and its possible change, to second order in the
+lengths of the pieces. For a disc the centre is used instead of the outline.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from .pieces import (
 )
 from .windows import EPS, Windows
 
-# Of the gap, which is worked out in some tens of operations from places.
+# Roundings in the gap, which is computed from places in some tens of operations.
 ROUNDINGS = 32
-# The tangents of a box that holds one meeting at most turn by less than this, rad.
+# In a box with at most one meeting the tangents turn by less than this, rad.
 STRAIGHT = 0.5
 
 
@@ -57,16 +57,16 @@ class Boxes(NamedTuple):
 
 
 class Cores(NamedTuple):
-    """For each of n windows the stretches of track and outline, (2, n) each, around a pair of points that is known: no
-    other pair in them meets."""
+    """For each of n windows the stretches of track and outline, (2, n) each, around a known pair of points: no other
+    pair in them meets."""
 
     track: np.ndarray
     outline: np.ndarray
 
 
 class Bounds(NamedTuple):
-    """What is known of n boxes: which may hold a meeting, and when; by how much time, track and outline blur the gap, m
-    (3, n); which hold one meeting at most; and the gap's rounding, m."""
+    """Bounds for n boxes: which may contain a meeting, and its time range; the contributions of time, track and outline
+    to the uncertainty of the gap, m (3, n); which contain at most one meeting; and the gap's rounding, m."""
 
     possible: np.ndarray
     start: np.ndarray
@@ -77,11 +77,12 @@ class Bounds(NamedTuple):
 
 
 class _PieceView(NamedTuple):
-    """The outline's pieces as the middles of the track's see them.
+    """The outline's pieces relative to the middles of the track's pieces.
 
-    Their middles' offset along the tangent and the normal, and its rate; how far they reach from there along both; how
-    far their points are from their middle, and that from the centre of mass; bounds on their curvature; by how much the
-    tangents of both pieces turn; whether they may be parallel; by how much time, track and outline blur the gap.
+    The offset of their middles along the tangent and the normal, and its rate; their extent from there along both; the
+    distance of their points from their middle, and of that from the centre of mass; bounds on their curvature; the
+    angle by which the tangents of both pieces turn; whether they may be parallel; the contributions of time, track and
+    outline to the uncertainty of the gap.
     """
 
     off: np.ndarray
@@ -111,7 +112,7 @@ class Geometry:
         self.farthest = float((np.hypot(whole[X], whole[Y]) + whole[REACH]).max())  # point of the outline, m
 
     def bounds(self, motion: Windows, boxes: Boxes) -> Bounds:
-        """What excludes a meeting, box by box. A bound that is infinite excludes nothing."""
+        """Bounds that may exclude a meeting, for each box. An infinite bound excludes nothing."""
         with np.errstate(all="ignore"):
             return self._bounds(motion, boxes)
 
@@ -130,7 +131,8 @@ class Geometry:
         start, end = -half, half
         for offset, speed in ((closest, o.lift), (aside, o.slip)):
             start, end = _while_across(*offset, speed, start, end)
-        # The gap's rate is the middles' but for the normal's turn, the spin of the outline's piece, and the time.
+        # The gap's rate is that of the middles, changed by the normal's turn, the spin of the outline's piece, and
+        # time.
         tilt = np.abs(o.slip) * _sine(t[TURN]) + spin * o.loose + pull * half
         level = o.lift * np.cos(np.minimum(t[TURN], pi))
         opens, closes = np.minimum(o.lift, level) > tilt, np.maximum(o.lift, level) < -tilt
@@ -143,7 +145,7 @@ class Geometry:
         return Bounds(possible, middle + start, middle + end, blur, single, rounding)
 
     def _disc(self, t: np.ndarray, place: np.ndarray, rate: np.ndarray) -> _PieceView:
-        """A disc's point with the track's tangent is a radius off its centre along the track's normal."""
+        """The view of a disc: its point with the track's tangent is one radius from its centre along the normal."""
         dx, dy, r, none = place[0] - t[X], place[1] - t[Y], float(self.radius or 0.0), np.zeros(t.shape[1])
         level, side = r * np.cos(np.minimum(t[TURN], pi)), r * _sine(t[TURN])
         return _PieceView(
@@ -181,8 +183,8 @@ class Geometry:
         )  # fmt: skip
 
     def against(self, boxes: Boxes, cores: Cores) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Which boxes lie in their window's core; which are neither in it nor apart from it; and by how much the pieces
-        of these blur the gap that a plate has next to its contact, m (3, n)."""
+        """Which boxes lie in their window's core; which overlap it partly; and the contributions of the latter's pieces
+        to the uncertainty of the gap next to the contact, m (3, n)."""
         w = boxes.window
         places = [(self.case.track, self.track.table(boxes.track), cores.track)]
         if self.radius is None:
@@ -197,7 +199,8 @@ class Geometry:
         return inside, meets & ~inside, blur
 
     def divide(self, boxes: Boxes, blur: np.ndarray) -> Boxes:
-        """The boxes with the stretch halved that blurs the gap most. Raises `pieces.TooFine`."""
+        """The boxes, halved in the direction that contributes most to the gap's uncertainty. Raises
+        `pieces.TooMuch`."""
         widest = np.argmax(blur, axis=0)
         time, track, outline = (np.flatnonzero(widest == which) for which in range(3))
         lots = []
@@ -217,7 +220,7 @@ class Geometry:
 
 
 def _sine(turn: np.ndarray) -> np.ndarray:
-    """The greatest sine of an angle up to that."""
+    """The greatest sine of an angle up to `turn`."""
     return np.where(turn < 0.5 * pi, np.sin(turn), 1.0)
 
 
@@ -241,7 +244,7 @@ def _sum(one: Range, other: Range) -> Range:
 def _while_across(
     lowest: np.ndarray, highest: np.ndarray, speed: np.ndarray, start: np.ndarray, end: np.ndarray
 ) -> Range:
-    """The part of (start, end) in which zero lies between two offsets that both change with that speed."""
+    """The part of (start, end) in which zero lies between two offsets that both change with the same speed."""
     first, last = -highest / speed, -lowest / speed
     first, last = np.where(speed > 0.0, first, last), np.where(speed > 0.0, last, first)
     still = ~(np.abs(speed) > 0.0)
@@ -253,7 +256,7 @@ def _while_across(
 
 
 def _core_membership(curve: Curve, low: np.ndarray, high: np.ndarray, core: np.ndarray) -> Range:
-    """Which stretches of the parameter lie in a core, and which apart from it, whole turns aside."""
+    """Which parameter ranges lie in a core, and which are disjoint from it, modulo the period."""
     if curve.period:
         turns = np.round((core.mean(axis=0) - 0.5 * (low + high)) / curve.period)
         low, high = low + turns * curve.period, high + turns * curve.period

@@ -13,16 +13,16 @@ from cases import Case, Curve
 from .boxes import STRAIGHT, Cores
 from .pieces import BEND_HIGH, BEND_LOW, TURN, piece_bounds
 
-# Stretches on each side of a pair are tried from half of the plate's reach downwards, each half as long as the last.
+# Number of tried stretches on each side of a pair: from half of the plate's reach, each half as long as the last.
 MOST_TRIES = 20
-# Where no such stretch is known, as next to where the plate no longer fits, points closer to the pair than this part of
-# the reach are the pair.
+# If no such stretch is found, as near a place where the plate no longer fits, points closer to the pair than this part
+# of the reach count as the pair.
 SAME = 1e-6
 
 
 def cores(case: Case, xi1: np.ndarray, xi2: np.ndarray, gap: np.ndarray) -> tuple[Cores, np.ndarray]:
     """The cores around n pairs whose parameters stay within `xi1` and `xi2`, (2, n), and whose gap (m) is at most that,
-    (n,); and which of them are proven. The others are no more than the pair."""
+    (n,); and which of them are proven. The others contain only the pair itself."""
     n, reach = len(gap), case.plate.reach
     lengths = np.append(reach * 0.5 ** np.arange(1, MOST_TRIES + 1), SAME * reach)
     track, outline = (_widen(curve, ends, lengths) for curve, ends in ((case.track, xi1), (case.plate.outline, xi2)))

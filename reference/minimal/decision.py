@@ -1,8 +1,8 @@
-"""What follows: the one rule that decides every change of mode.
+"""Mode decisions: one rule determines the regime that follows every event.
 
-A regime follows if, along its own motion, its own conditions hold just after. "Just after" is the sign of the first
+A regime follows if its conditions hold just after the event along its own motion. "Just after" is the sign of the first
 derivative that does not vanish, from Taylor series whose coefficients carry bounds on their rounding. The same rule
-serves the start, slip that vanishes and a normal force that vanishes in a bilateral guide.
+applies to the start, to a slip that vanishes and to a normal force that vanishes in a bilateral guide.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from . import series, series_code
 from .modes import Phase, Regime, candidates, phase, state_in
 from .series import Series
 
-# Derivatives looked at before a condition counts as identically zero. The start of `disc_in_circle` needs the second of
-# the normal force; a start at rest on a symmetric place needs the fourth.
-# Most are decided by two, which is what is compiled.
+# Derivatives evaluated before a condition counts as identically zero. The start of `disc_in_circle` needs the second of
+# the normal force; a start at rest on a symmetric place needs the fourth. Two decide most cases, so two are compiled.
 QUICK, ORDER = 2, 8
 
 
 class Undecidable(ArithmeticError):
-    """The numbers of a state or of its series in time are too large, too small or none at all."""
+    """The numbers of a state or of its series in time are too large, too small or not finite."""
 
 
 def decide(
@@ -31,8 +30,8 @@ def decide(
 ) -> Regime | None:
     """The regime that follows from the state (ξ₁, ξ₂, ξ̇₁, ξ̇₂) at time t, or None if none is consistent.
 
-    `error` is the relative error of the state (rounding at a start, the location's at an event): what is
-    smaller counts as zero and the next derivative decides. Raises Undecidable where no finite numbers tell.
+    `error` is the relative error of the state (rounding at a start, the location's at an event): smaller values count
+    as zero and the next derivative decides. Raises Undecidable if numbers are not finite.
     """
     for regime in candidates(case) if among is None else among:
         if follows(case, phase(case, regime), t, y, error):
@@ -47,12 +46,12 @@ def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: f
 
 
 def _by_value(candidate: Phase, t, y, error) -> bool | None:
-    """The answer from values alone where they are far from zero; None where a derivative must be asked."""
+    """The decision from values alone if they are far from zero; None if a derivative must decide."""
     system = candidate.system
     y = state_in(candidate, y)
     values = dict(zip(system.conditions, system.conditions_of_numbers(t, y, candidate.parameters), strict=True))
     if system.condition_rates:
-        # A velocity that has just vanished: its rate says which way it goes on. (All other conditions are forces per
+        # For a velocity that has just vanished, the sign of its rate decides. (All other conditions are forces per
         # mass, and so is this rate.)
         rates = system.condition_rates_of_numbers(t, y, candidate.parameters)
         fastest = max(abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False))
@@ -74,8 +73,8 @@ def vanishes(error: float) -> float:
 
 
 def close(error: float) -> float:
-    """The part of the largest condition below which a value does not tell: a million times the state's error. Anything
-    closer to zero is left to the series, which know their own bounds."""
+    """The part of the largest condition below which a value does not decide: a million times the state's error. Values
+    closer to zero are decided by series, which carry their own error bounds."""
     return 1e6 * max(error, series.EPS)
 
 
@@ -85,14 +84,14 @@ def _by_series(candidate: Phase, t, y, error) -> bool:
         has_zero = any(sign == 0 for sign in signs.values())
         if not has_zero or any(sign < 0 for sign in signs.values()):
             break
-    # A velocity that stays zero is none; any other condition may stay at its bound (weightless, level, at rest).
+    # A velocity must become positive; any other condition may stay at its bound (weightless, level, at rest).
     velocities = candidate.system.condition_rates
     return all(sign > 0 if name in velocities else sign >= 0 for name, sign in signs.items())
 
 
 def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
     y = state_in(candidate, y)
-    # Velocities are known to `error` of the largest of them, so that a small one is not taken for exact.
+    # Velocities have an error of `error` times the largest of them, so that a small one does not count as exact.
     positions = candidate.system.positions
     fastest = max((abs(v) for v in y[positions:]), default=0.0)
     bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
@@ -101,7 +100,7 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
 
 
 def _values(candidate: Phase, t, y, bounds, order: int) -> Sequence[Series | float]:
-    """The conditions' series in numbers, compiled or not; Undecidable where there are none."""
+    """The conditions' series in numbers, by compiled code if available; raises Undecidable if they are not finite."""
     series_function = series_code.compile_series(candidate.system, order) if order == QUICK else None
     if series_function:
         series_list = series_function(t, y, bounds, candidate.parameters)

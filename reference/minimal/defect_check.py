@@ -1,9 +1,9 @@
-"""What lies ahead of a step: how far it may go before something changes that its start knows nothing of.
+"""Checks of a finished step: the part of it that may be accepted.
 
-An integrator takes its step from derivatives at its start, and a bump ahead (of a curve, or of a load) has none there.
+An integrator computes a step from derivatives at its start, and these do not show a bump ahead (of a curve or a load).
 The features of curves, and of loads in time, are known (`cases.features`): a step ends where a finer piece begins. A
-load in place or velocity is sampled along the step itself (`load_check`). And a step is halved where its dense output,
-in which events are searched, does not satisfy the equations.
+load in place or velocity is sampled along the step itself (`load_check`). A step is also halved if its dense output, in
+which events are searched, does not satisfy the equations.
 """
 
 from __future__ import annotations
@@ -18,20 +18,19 @@ from cases.features import Features
 from .load_check import Course, resolved_part
 from .modes import Phase
 
-# Where in a step its course is looked at: it turns round at most once between two of these.
+# Places in a step at which its states are sampled: between two of them they have at most one extremum.
 PARTS = np.linspace(0.0, 1.0, 9)
-# How far a step may go beyond its bound, in strides of what begins there: the part up to it is interpolated.
+# A step may go this far beyond its bound, in strides of the piece that begins there: interpolation covers that part.
 BEYOND = 0.1
-# Where in a step its defect is looked at.
+# Places in a step at which its defect is computed.
 INSIDE = np.array([0.3, 0.6, 0.9])
-# A step that is taken again has at most this part of its length, so that the number of retries is bounded: a bound that
-# the step passes by a rounding alone would give the same step again. From any length down to a rounding of the time in
-# 350 retries.
+# A repeated step has at most this part of its length, so that the number of retries is bounded: a bound that the step
+# passes by only a rounding would give the same step again. Any length shrinks to a rounding of the time in 350 retries.
 SHORTER = 0.9
 
 
 class Expansion(NamedTuple):
-    """A step by its Taylor polynomial: when it begins, how long it lasts (s), coefficients (variables, order + 1)."""
+    """A step by its Taylor polynomial: start, length (s), coefficients (variables, order + 1)."""
 
     start: float
     length: float
@@ -47,7 +46,8 @@ class Expansion(NamedTuple):
 
 
 def good_part(phase: Phase, course: Course, tolerance: float, most: float) -> float:
-    """The part of a step that may stand at that tolerance, with a defect of at most `most`: 1, or at most SHORTER."""
+    """The part of a step that may be accepted at that tolerance, with a defect of at most `most`: 1, or at most
+    SHORTER."""
     part = clear_part(phase, course, tolerance)
     if part < 1.0:
         return part
@@ -57,8 +57,8 @@ def good_part(phase: Phase, course: Course, tolerance: float, most: float) -> fl
 
 
 def clear_part(phase: Phase, course: Course, tolerance: float) -> float:
-    """The part of a step that passes over nothing: 1, or at most SHORTER if a finer piece of a curve begins on the way
-    or the load is not resolved."""
+    """The part of a step that passes over no feature: 1, or at most SHORTER if a finer piece of a curve begins in it or
+    the load is not resolved."""
     part = 1.0
     if phase.features:
         states, times = course.states(PARTS), course.start + course.length * PARTS
@@ -82,15 +82,15 @@ def _part(features: Features, way: np.ndarray) -> float:
 
 
 def _slack(features: Features, start: float, bound: float) -> float:
-    """How far beyond its bound a step is still within what begins there."""
+    """The distance beyond its bound that a step may reach into the next piece."""
     about = 1e-6 * abs(bound - start)  # the bound may lie a rounding before the piece that it is the end of
     stride = features.finest(bound - about, bound + about)
     return BEYOND * stride if stride < np.inf else 0.0
 
 
 def defect(phase: Phase, times: np.ndarray, states: np.ndarray, slopes: np.ndarray, length: float) -> float:
-    """By how much a step's dense output misses the equations: the largest y' - f(t, y), times the step's length, in
-    parts of the state's natural sizes.
+    """The defect of a step's dense output: the largest y' - f(t, y), times the step's length, in parts of the state's
+    natural sizes.
 
     `states` and `slopes` (variables, n): the dense output and its derivative at `times`; `length` of the step in s.
     """
@@ -99,7 +99,7 @@ def defect(phase: Phase, times: np.ndarray, states: np.ndarray, slopes: np.ndarr
     for t, y, slope in zip(times.tolist(), states.T.tolist(), slopes.T.tolist(), strict=True):
         rates = phase.system.rates_of_numbers(t, y, phase.parameters)
         for i, (rate, own) in enumerate(zip(rates, slope, strict=True)):
-            # A speed is of the size that covers the plate's in the step, or what it is.
+            # The size of a speed: the plate's size over the step's length, plus its own value.
             size = phase.lengths[i] if i < p else phase.lengths[i - p] / length + abs(y[i])
             worst = max(worst, length * abs(own - rate) / size)
     return worst

@@ -1,7 +1,7 @@
-"""What each effect brings to the equations: its force, its columns and rows, its conditions, its numbers.
+"""The contribution of each effect to the equations: its force, its columns and rows, its conditions, its numbers.
 
-The equations are assembled from what is present. An absent effect stands here as the thing that brings nothing (no
-symbol, no condition), so that no equation asks which effects there are, and none costs a case that does not name it.
+The equations are assembled from the effects of the case. An absent effect is represented by an object without symbols
+and conditions, so that no equation tests which effects there are, and an effect costs nothing in cases without it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MASS = sp.Symbol("m", positive=True)
 # Friction force per normal force (the paper's μ of (30) with its sign), sign of the slip, sign of the normal force,
 # and the coefficient that bounds friction without slip.
 RATIO, SIGMA, SIDE, STICK = sp.symbols("k sigma nu mu_stick", real=True)
-# The same of the resistance to rotation: couple per normal force, sign of the rotation, lever arm.
+# The same for the resistance to rotation: couple per normal force, sign of the rotation, lever arm.
 RESISTANCE, TURN, ARM = sp.symbols("rho tau arm", real=True)
 
 SLIP_SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
@@ -79,7 +79,7 @@ class AppliedLoad:
 
 @dataclass(frozen=True)
 class Frictionless:
-    """One mode, no force, nothing to bound."""
+    """No friction: one mode, no force, no condition."""
 
     modes: ClassVar[tuple[Mode, ...]] = (Mode.SLIDE,)
     ratio = ZERO
@@ -94,14 +94,15 @@ class Frictionless:
 
 @dataclass(frozen=True)
 class Rough(Frictionless):
-    """The rolling row, and a tangential multiplier without bound."""
+    """Perfectly rough contact: the rolling row, and a tangential multiplier without bound."""
 
     modes: ClassVar[tuple[Mode, ...]] = (Mode.ROLL,)
 
 
 @dataclass(frozen=True)
 class Coulomb(Frictionless):
-    """The rolling row within the cone; outside, a force per normal force against the slip: (28), (30)."""
+    """Coulomb friction: the rolling row within the cone; outside, a force per normal force against the slip: (28),
+    (30)."""
 
     modes: ClassVar[tuple[Mode, ...]] = (Mode.ROLL, Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
     ratio = RATIO
@@ -125,7 +126,7 @@ class Coulomb(Frictionless):
 
 @dataclass(frozen=True)
 class NoResistance:
-    """Nothing resists the rotation, and nothing asks for its sign."""
+    """No resistance to rotation."""
 
     turns: ClassVar[tuple[int | None, ...]] = (None,)
     couple = ZERO
@@ -140,7 +141,7 @@ class NoResistance:
 
 @dataclass(frozen=True)
 class LeverArm(NoResistance):
-    """The row ω̇ = 0 while the couple it takes is within its bound; beyond, a couple per normal force against ω.
+    """Rolling resistance: the row ω̇ = 0 while the couple it needs is within its bound, else a couple against ω.
 
     Conditions in units of a force per mass, by the radius of gyration.
     """
@@ -154,7 +155,7 @@ class LeverArm(NoResistance):
         if not holds:
             return {"turn": TURN * motion.omega * size}
         bound = side * ARM * motion.normal
-        # Forward is the way the plate begins to turn when the couple that holds it, against that, is not enough.
+        # Forward is the direction in which the plate begins to turn when the holding couple reaches its bound.
         return {"couple_forward": (bound + motion.couple) / size, "couple_backward": (bound - motion.couple) / size}
 
     def values(self, case: Case, turn: int | None, side: int) -> dict[str, float]:
@@ -164,7 +165,7 @@ class LeverArm(NoResistance):
 
 
 class Laws(NamedTuple):
-    """All that a case's effects bring; hashable, the same for cases that differ in numbers alone."""
+    """All contributions of a case's effects; hashable, the same for cases that differ only in numbers."""
 
     loads: tuple[Weight | AppliedLoad, ...]
     friction: Frictionless
@@ -173,7 +174,7 @@ class Laws(NamedTuple):
 
     @property
     def depends_on_side(self) -> bool:
-        """Whether the law of the contact depends on which side of the track presses."""
+        """Whether the contact law depends on which side of the track presses."""
         return not self.unilateral and (self.friction.by_magnitude or self.resistance.by_magnitude)
 
     @property
@@ -194,13 +195,13 @@ class Laws(NamedTuple):
 
     @property
     def needs_angle(self) -> bool:
-        """Whether θ itself occurs, which is then integrated along: (6) gives it only up to whole turns."""
+        """Whether θ itself occurs in the equations and must be integrated: (6) gives it only up to whole turns."""
         return _needs_angle(self)
 
 
 @lru_cache(maxsize=1024)
 def laws(case: Case) -> Laws:
-    """What the case's effects bring."""
+    """The contributions of the case's effects to the equations."""
     load = case.effect(Load)
     return _laws(frozenset(type(effect) for effect in case.effects), load.expression if load else None)
 

@@ -1,12 +1,12 @@
-"""The augmented system (27) eliminated by hand, symbolically.
+"""Symbolic elimination of the augmented system (27), derived by hand.
 
 In the frame of the common tangent (t along the track, n = U t towards the plate) the tangents of track and outline
 coincide, so (27) splits: the n-component of its first constraint rows holds neither ξ̈₁ nor ξ̈₂ and gives the normal
 force by one division; the t-component and the tangency row then give ξ̈₁ and ξ̈₂. Letters: P = |R_p|, a = R_s·t,
-b = R_s·n, c = R_t·n on the track; p, a, b, c on the outline, turned with the plate; h = θr, the arm to the contact.
+b = R_s·n, c = R_t·n on the track; p, a, b, c on the outline, rotated with the plate; h = θr, the arm to the contact.
 
-There is one function for each set of constraint rows: a contact may slip or not, and, where something resists its
-rotation, turn or not. Forces are taken per mass, so that mass drops out where it does not matter.
+There is one function for each set of constraint rows: a contact may slip or not, and, with resistance to rotation, turn
+or not. Forces are per mass, so that mass drops out where it does not matter.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ ZERO, ONE = sp.Integer(0), sp.Integer(1)
 
 
 class Elimination(NamedTuple):
-    """Symbolic outcome of one mode: accelerations, contact forces (per mass), spin and slip with their rates."""
+    """Symbolic result for one mode: accelerations, contact forces (per mass), spin and slip with their rates."""
 
     u1_dot: sp.Expr
     u2_dot: sp.Expr
@@ -55,7 +55,7 @@ def spin(f: Frame, h: Frame, u1, u2) -> sp.Expr:
 
 
 def _rates(f: Frame, h: Frame, u1, u2, omega):
-    """What the constraints say of the state: ξ̇₁²a − ξ̇₂²a, and the right-hand sides of (26) in the frame."""
+    """Terms of the constraints that depend on the state: ξ̇₁²a − ξ̇₂²a, and the right-hand sides of (26) in the frame."""
     along = u1**2 * f.a - u2**2 * h.a
     C_t = omega**2 * h.ht + along
     C_n = omega**2 * h.hn - 2 * omega * u2 * h.P - u2**2 * h.b + u1**2 * f.b
@@ -82,7 +82,7 @@ def sliding(f: Frame, h: Frame, force: Torsor, ratio, resistance) -> Elimination
 
 
 def translating(f: Frame, h: Frame, force: Torsor, ratio) -> Elimination:
-    """(27) with one multiplier and the row ω̇ = 0: it slips and does not turn; the couple is what that takes."""
+    """(27) with one multiplier and the row ω̇ = 0: the plate slips without turning; the couple follows from that."""
     along, C_t, C_n, C_3 = _rates(f, h, U1, U2, ZERO)
     couple = -force.moment - NORMAL * short(h.ht - h.hn * ratio)
     last = couple, ONE, _free_approach(h, force, C_n)

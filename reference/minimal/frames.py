@@ -1,4 +1,4 @@
-"""A curve seen from its tangent: what (27) needs of track and outline, as expressions in their sizes."""
+"""Curves in the frame of their tangent: the quantities of track and outline in (27), as expressions in their sizes."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ class Frame(NamedTuple):
 
 
 def frame(structure, parameter: sp.Symbol, prefix: str) -> Frame:
-    """The frame of a curve of that structure in the given parameter; its sizes are named with the prefix."""
+    """The frame of a curve of that structure as a function of a parameter; the names of its sizes get the prefix."""
     (x, y), symbols = structure
     sizes = tuple(sp.Symbol(prefix + s.name, positive=True) for s in symbols)
     rename = {PARAMETER: parameter, **dict(zip(symbols, sizes, strict=True))}
     return Frame(*(quantity.xreplace(rename) for quantity in _frame(x, y)))
 
 
-# Sums of fractions multiply out to tens of thousands of operations, whose factors SymPy looks for without an end in
-# sight; of the catalogue's expressions none has more than ninety.
+# Sums of fractions multiply out to tens of thousands of operations, and SymPy takes very long to factor these; no
+# expression of the catalogue has more than ninety.
 FACTOR_LIMIT = 200
 
 
@@ -62,7 +62,7 @@ def _frame(x: sp.Expr, y: sp.Expr) -> Frame:
 
 
 def _tidy(expression: sp.Expr) -> sp.Expr:
-    """A curve's expression or its trigonometric simplification, the shorter; long ones stay as they are."""
+    """The shorter of a curve's expression and its trigonometric simplification; long expressions stay unchanged."""
     # Simplification pays for lines, circles and ellipses; beyond forty operations it takes seconds and gains little.
     if sp.count_ops(expression) > 40:
         return expression
@@ -71,7 +71,8 @@ def _tidy(expression: sp.Expr) -> sp.Expr:
 
 
 def short(expression: sp.Expr) -> sp.Expr:
-    """The shortest of the expression, multiplied out and factored; long ones and ones with roots stay as they are."""
+    """The shortest of the expression, its expansion and its factored form; long ones and those with roots are
+    unchanged."""
     # With a root among the generators, or with more terms than circles and lines bring, factoring takes seconds.
     if sp.count_ops(expression) > 60 or not all(power.exp.is_Integer for power in expression.atoms(sp.Pow)):
         return expression
@@ -83,10 +84,10 @@ def short(expression: sp.Expr) -> sp.Expr:
 
 
 def _expand_products(expression: sp.Expr) -> tuple[sp.Expr, dict]:
-    """The expression multiplied out, with symbols for functions of sums (but sine and cosine), and what they stand for.
+    """The expanded expression, with symbols for functions of sums (except sine and cosine), and their definitions.
 
-    What is inside a function stays as its author wrote it: exp(-(s - c)²) as exp(-s²) exp(2 c s) exp(-c²) overflows
-    for a narrow bump, and multiplied out inside it loses its digits.
+    Arguments of functions stay as their author wrote them: exp(-(s - c)²) as exp(-s²) exp(2 c s) exp(-c²) overflows for
+    a narrow bump, and an expanded argument loses digits.
     """
     functions = [e for e in expression.atoms(sp.Function) - expression.atoms(sp.sin, sp.cos) if e.has(sp.Add)]
     outermost = [e for e in functions if not any(e is not other and other.has(e) for other in functions)]
@@ -95,7 +96,7 @@ def _expand_products(expression: sp.Expr) -> tuple[sp.Expr, dict]:
 
 
 def _sign_inside(expression: sp.Expr) -> sp.Expr:
-    """A product's minus sign put into a sum among its factors, where it costs nothing."""
+    """Move a product's minus sign into a sum among its factors, where it costs nothing."""
     factors = list(expression.args) if expression.is_Mul else []
     at = next((i for i, factor in enumerate(factors) if factor.is_Add), None)
     if at is None or factors[0] != -1:

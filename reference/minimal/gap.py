@@ -1,4 +1,4 @@
-"""The gap between a plate and its track at one pair of points, followed from look to look."""
+"""The gap between a plate and its track at one pair of points, followed over time."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .impact import ContactVelocity
 from .integrators.segment import Segment
 from .pieces import TooMuch
 
-# What following gaps may take in a motion, in looks: some twenty seconds.
+# Limit on gap evaluations (looks) in one motion: about twenty seconds.
 MOST_LOOKS = 300_000
 
 
 class Look(NamedTuple):
     """A pair of points at a time (s): the contact, the gap's rate, the speed of the centre of mass and a bound on that
-    of the plate's points (m/s), whether the tangents run the same way, and, of a landing, how much later it is than
-    the rounded time (s)."""
+    of the plate's points (m/s), whether the tangents point the same way, and, for a landing, its exact time minus the
+    rounded time (s)."""
 
     time: float
     contact: Contact
@@ -43,15 +43,15 @@ class Look(NamedTuple):
 
 
 class Looks:
-    """Looks at pairs of points in the flights of a motion, and how many they were."""
+    """Evaluates pairs of points in the flights of a motion, and counts the evaluations."""
 
     def __init__(self, case: Case) -> None:
         self.case, self.count = case, 0
 
     def at(self, segment: Segment, t: float, near: tuple[float, float], far_turn: bool = False) -> Look | None:
-        """The pair next to `near` at the time t, s; None if there is none. Raises TooMuch once the looks are used up.
+        """The pair next to `near` at the time t, s; None if there is none. Raises TooMuch at the limit on looks.
 
-        `turned`: the plate may have turned far since then; its outline is convex.
+        `far_turn`: the plate may have turned far since `near`; its outline is convex.
         """
         if self.count >= MOST_LOOKS:
             raise TooMuch
@@ -70,7 +70,7 @@ class Looks:
 
 
 def _same_way(case: Case, contact: Contact, theta: float) -> bool:
-    """Whether the tangents of a pair run the same way, and not against each other."""
+    """Whether the tangents of a pair point in the same direction, not in opposite ones."""
     _, _, tx, ty, *_ = case.track.jet(contact.xi1)
     _, _, u, v, *_ = case.plate.outline.jet(contact.xi2)
     c, s = cos(theta), sin(theta)

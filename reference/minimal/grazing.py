@@ -1,7 +1,7 @@
-"""A touch that is no departure: a normal force that vanishes and grows again at once, to the motion's accuracy.
+"""Grazing: a normal force that vanishes and grows again at once, within the motion's accuracy, is no lift-off.
 
-A frictionless disc that comes back to the height it was let go from has N = 0 and v = 0 there at once; the computed N
-dips below zero, or does not, by the error of the integration.
+A frictionless disc that returns to the height of its release has N = 0 and v = 0 there at the same time; whether the
+computed N dips below zero depends on the error of the integration.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ GUARD = "normal_force"
 
 
 def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
-    """The same motion across a dip of the normal force that ended the segment; None if the contact ends there indeed.
+    """Continue the motion across a dip of the normal force that ended the segment; None if the contact really ends.
 
-    A dip is none if it is no deeper than the relative `error` of the greatest normal force of the segment. The motion
-    across has no length where the force only reaches zero, and does not go beyond the time `end`.
+    A dip is ignored if it is no deeper than the relative `error` of the greatest normal force of the segment. The
+    motion across has zero length if the force only reaches zero, and does not go beyond the time `end`.
     """
     now, t, y = segment.phase, segment.event.time, segment.event.state
     motion, force = _expand(now, t, y)
@@ -34,13 +34,13 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
     along = now.system.guards_of_arrays(segment.times, segment.states(segment.times), now.parameters)[index]
     if depth > error * np.max(np.abs(along)):
         return None
-    # To the dip's end and as far again: there the force is clear of zero.
+    # To the dip's end and as far again: there the force is well above zero.
     lasts = 2.0 * (sqrt(max(depth, 0.0) / bend) + max(-slope, 0.0) / (2.0 * bend))
     lasts = min(lasts, end - t)
     last = np.polynomial.polynomial.polyval(lasts, motion.T)
     guards = now.system.guards_of_numbers(t + lasts, last.tolist(), now.parameters)
     if t < t + lasts < end and not all(value > 0.0 for value in guards):
-        return None  # something else ends there, too
+        return None  # another guard reaches zero there, too
 
     def states(times: np.ndarray) -> np.ndarray:
         return np.polynomial.polynomial.polyval(times - t, motion.T)

@@ -1,4 +1,4 @@
-"""Phase after phase: what ends one, what follows, until the end of time or a status."""
+"""The event loop: simulates phase after phase until the end of the time span or a status."""
 
 from __future__ import annotations
 
@@ -38,22 +38,22 @@ from .pieces import TooMuch
 from .scales import frequency
 from .series import EPS
 
-# Changes of regime accumulate where this many follow each other in this part of the motion's own time.
+# Changes of regime accumulate if this many follow each other within this part of the motion's time scale.
 MANY, NO_TIME = 1000, 1e-9
 
-# What one run follows: a segment takes 7 kB and more, so that these fill a gigabyte or two, and so does the record of
-# these steps, which is made where samples are asked for. (A hundred thousand changes of a limping wheel take 830,000.)
+# Limits of one run: a segment takes 7 kB and more, so that these fill a gigabyte or two, and so does the record of
+# these steps, which is made when samples are requested. (A hundred thousand changes of a limping wheel take 830,000.)
 MOST_PHASES, MOST_STEPS = 200_000, 1_000_000
 
-# Relative error to which an event's own state is located, whatever the tolerance of the motion that led there.
+# Relative error of an event's location, whatever the tolerance of the motion that led there.
 LOCATION_ERROR = 1e-12
 
-# So many phases of no length one after the other are no motion any more (a slip that begins, ends and begins), and how
-# far from a bound counts as being at it then: a thousand times the location's error.
+# After this many phases of zero length in a row (a slip that begins, ends and begins again), values within ROUGH of a
+# bound count as being at it: a thousand times the location's error.
 IDLE, ROUGH = 4, 1e-9
 
-# A rebound that rises by no more roundings of positions than this is none: bouncing is over. Its limit is extrapolated
-# from the rebounds before it; where it could not be (each impact ends otherwise than the one before), it is here.
+# A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is
+# extrapolated from the rebounds before it; if that fails (successive impacts end differently), bouncing ends here.
 REBOUND_ROUNDINGS = 4
 
 Ending = tuple[str, str]  # status and sentence
@@ -78,11 +78,11 @@ NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Pain
 NO_SLIP = (
     "paradox",
     "A perfectly rough contact would have to pull here, and the free plate would move into its track: "
-    "without a slip it can neither stay nor leave.",
+    "without slip it can neither stay nor leave.",
 )
 ACCUMULATION = ("accumulation", f"Changes of regime accumulate: {MANY} of them took no time.")
 
-# Guards whose zero changes the mode: the phrase a transition carries.
+# Guards whose zero changes the mode, with the cause that the transition reports.
 CAUSES = {
     "slip": "the slip velocity vanished",
     "turn": "the rotation vanished",
@@ -97,8 +97,8 @@ CAUSES = {
 
 
 class Step(NamedTuple):
-    """What came of a phase: its segments, when and where (ξ₁, ξ₂) it ended and why, the full state and regime that
-    follow, or the ending."""
+    """The result of a phase: its segments, time, place (ξ₁, ξ₂) and cause of its end, and the full state and regime
+    that follow, or the ending."""
 
     segments: tuple[Segment, ...]
     time: float
@@ -111,7 +111,7 @@ class Step(NamedTuple):
 
 
 def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
-    """Phase after phase until the end of time or a status: (segments, transitions, (status, sentence))."""
+    """Simulate phases until the end of the time span or a status: (segments, transitions, (status, sentence))."""
     t, y, initial = 0.0, start, start_motion(case)
     segments: list[Segment] = []
     transitions: list[Transition] = []
@@ -142,7 +142,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
                 step = _advance(case, regime, step)
         except Undecidable:
             return segments, transitions, undecidable(t)
-        except DoesNotFit as problem:  # no nearest point of the track, or no speed of the contact where it lands
+        except DoesNotFit as problem:  # no nearest point of the track, or no speed of the contact at the landing
             return segments, transitions, (BREAKDOWN, f"After t = {t:.9g} s {problem}.")
         segments.extend(step.segments)
         steps += sum(segment.steps for segment in step.segments)
@@ -159,13 +159,13 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
 
 
 def undecidable(t: float) -> Ending:
-    """What is said where a decision meets numbers that are none."""
+    """The ending if a decision meets numbers that are not finite."""
     why = "sizes, speeds and forces are too far apart for double precision, or a formula has no value"
     return BREAKDOWN, f"After t = {t:.9g} s {why}."
 
 
 def work_limit_ending(t: float, steps: int) -> Ending:
-    """What is said where the steps of a motion are used up."""
+    """The ending if a motion reaches its limit on steps."""
     return "unfinished", (
         f"The motion took {steps} steps until t = {t:.9g} s, as much work as a run takes; end it there, or look at "
         "slower speeds and forces."
@@ -173,7 +173,7 @@ def work_limit_ending(t: float, steps: int) -> Ending:
 
 
 def _search_limit_ending(t: float) -> Ending:
-    """What is said where looking for landings took all the work that it may."""
+    """The ending if the search for landings reaches its limit on work."""
     return "unfinished", (
         f"Looking for landings took as much work as a run takes until t = {t:.9g} s; end it there, or look at slower "
         "speeds and spins, or at coarser curves."
@@ -181,13 +181,13 @@ def _search_limit_ending(t: float) -> Ending:
 
 
 class _Progress:
-    """Whether phases still get anywhere, by the motion's own time."""
+    """Detects phases without progress, measured by the motion's time scale."""
 
     def __init__(self) -> None:
         self.since, self.phases = 0.0, list[tuple[Phase, float, Sequence[float]]]()
 
     def none(self, now: Phase, t: float, y: Sequence[float]) -> bool:
-        """A phase begins at t with that state: whether MANY took no time, by whichever of them changes fastest."""
+        """Record a phase that begins at t; returns whether the last MANY took no time by the fastest of their rates."""
         self.phases.append((now, t, y))
         if len(self.phases) <= MANY:
             return False
@@ -197,9 +197,9 @@ class _Progress:
 
 
 def _advance(case: Case, regime: Regime, step: Step) -> Step:
-    """The same step where phases of no length follow each other: what began is too small to be told from rounding.
+    """The step with another regime after phases of zero length: what began is too small to distinguish from rounding.
 
-    What lies within `ROUGH` of its bound counts as being there, and its rate decides.
+    Values within `ROUGH` of their bound count as being at it, and their rates decide.
     """
     others = [r for r in candidates(case) if r != regime]
     return step._replace(regime=decide(case, step.time, step.state, ROUGH, others) or step.regime)
@@ -209,7 +209,7 @@ def _advance(case: Case, regime: Regime, step: Step) -> Step:
 
 
 def after_contact(case: Case, segment: Segment, error: float) -> Step:
-    """What follows where a guard reached zero, in a motion known to that relative error."""
+    """The step after a guard's zero, in a motion with the relative `error`."""
     now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
         return Step((segment,), t)
@@ -237,13 +237,13 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
 
 
 def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[float]) -> Regime | None:
-    """The contact that follows a guard's zero, or None."""
+    """The regime of contact that follows a guard's zero, or None."""
     slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
         return decide(case, t, y, LOCATION_ERROR, [other] if other in candidates(case) else [])
     if guard in BEGINS:
-        # Friction or its like has reached its bound from inside; the motion that begins is against it.
+        # Friction or resistance has reached its bound from inside; the motion that begins is against it.
         slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
         starting = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
         starting = [r for r in starting if _unique_force(phase(case, r), t, y)]
@@ -251,14 +251,14 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
     following = decide(case, t, y, LOCATION_ERROR, able(case, slip, turn))
     if following is None:
-        # What began a rounding ago and ends with the event is no motion that goes on.
+        # A motion that began a rounding ago and ends with the event does not continue.
         slips, turns = senses(case, y, *slip_and_spin(case, y), LOCATION_ERROR)
         following = decide(case, t, y, LOCATION_ERROR, able(case, slip * abs(slips), turn * abs(turns)))
     return following
 
 
 def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
-    """Whether a slip that begins has a force at all: not beyond Painlevé's paradox."""
+    """Whether the contact force of a slip that begins is unique: not beyond Painlevé's paradox."""
     names = list(now.system.guards)
     if "painleve" not in names:
         return True
@@ -269,7 +269,7 @@ BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_b
 
 
 def _leave(case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str) -> Step:
-    """No contact follows: the plate flies, or that is the end."""
+    """The step if no contact follows: flight, or the end of the motion."""
     ending = _nothing_follows(case, t, y)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = slip_and_spin(case, y)
@@ -286,25 +286,25 @@ def slip_and_spin(case: Case, y: Sequence[float]) -> tuple[float, float]:
 
 
 def _breakdown(now: Phase, segment: Segment) -> Ending:
-    """The limit of the formulation at which the equations became singular."""
+    """The ending at singular equations: the limit of the formulation that was reached, if one was."""
     names = list(now.system.guards)
     first, last = (
         now.system.guards_of_numbers(float(t), segment.states(np.array([t]))[:, 0].tolist(), now.parameters)
         for t in (segment.times[0], segment.times[-1])
     )
     for limit in ("fit", "painleve"):
-        # Steps vanish where a divisor does; a hundredth of its first value is well on the way there.
+        # Steps vanish as a divisor does; a hundredth of its first value shows that it does.
         if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
             return ENDS[limit]
     return BREAKDOWN, f"The equations became singular at t = {segment.times[-1]:.9g} s, and no step was small enough."
 
 
 def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
-    """Why no contact follows: the plate flies off, unless without contact it would move into its track.
+    """Why no contact follows: the plate lifts off, unless without contact it would move into its track.
 
-    So it is where the normal force of a perfectly rough contact vanishes while friction T acts: without T the gap's
-    acceleration is arm_t arm_n T/J. Where that is negative, Coulomb friction of any μ begins to slip with N ≈ |T|/μ;
-    in the limit of a perfectly rough contact, which excludes slip, nothing is left.
+    The latter happens where the normal force of a perfectly rough contact vanishes while friction T acts: without T the
+    gap's acceleration is arm_t arm_n T/J. If that is negative, Coulomb friction of any μ begins to slip with N ≈ |T|/μ;
+    in the limit of a perfectly rough contact, which excludes slip, there is no solution.
     """
     if case.effect(Unilateral) is None:
         return NO_MODE
@@ -316,14 +316,14 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
         (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
     )
     scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
-    # At a lift-off the normal force has vanished, to the location's error and the growth of what it is a difference of.
+    # At a lift-off the normal force has vanished, to the location's error and the growth of the terms in it.
     if m.free_approach <= 1e6 * LOCATION_ERROR * scale:
         return LIFT_OFF
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 
 
 def _free(case: Case, t: float, y: Sequence[float]) -> Elimination:
-    """What the equations of the contact say of a full state; its `free_approach` needs no contact to be there."""
+    """The quantities of the contact's equations at a full state; `free_approach` is valid without contact, too."""
     now = phase(case, candidates(case)[-1])
     return Elimination(*now.system.outputs_of_numbers(t, state_in(now, y), now.parameters))
 
@@ -334,9 +334,10 @@ def _free(case: Case, t: float, y: Sequence[float]) -> Elimination:
 def _flight(
     case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
 ) -> tuple[list[Segment], Landing | None]:
-    """A flight's segments up to its landing, and that; `place` is the pair of points that touched last.
+    """Simulate a flight: its segments up to the landing, and the landing; `place` is the pair of points of last
+    contact.
 
-    It is integrated as far as it may last by its own scales, and twice as far as often as it takes.
+    It is integrated over the duration estimated from its own scales, then repeatedly over twice the time.
     """
     segments: list[Segment] = []
     lasts = _may_last(now, t, y)
@@ -364,13 +365,13 @@ def _closes(case: Case) -> bool:
 def _start_flight(
     case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
 ) -> tuple[list[Segment], Landing]:
-    """The flight of no length before the impact that a case begins with, and that."""
+    """The flight of zero length before the impact that a case begins with, and that impact."""
     segment = integrate(now, t, y, 1e3 * np.spacing(t), rtol)
     return [segment.until(t, 0)], landings.start_impact(segment)
 
 
 def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
-    """How long a flight may last, s: until its force has brought it back, or it has moved or fallen by its size."""
+    """Estimated duration of a flight, s: until its force has brought it back, or it has moved or fallen by its size."""
     rates = now.system.rates_of_numbers(t, tuple(y), now.parameters)
     speed, force = hypot(*y[3:5]), hypot(*rates[3:5])
     often = frequency(now, t, y)
@@ -379,7 +380,7 @@ def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
 
 
 def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, bounces: Bounces) -> Step:
-    """What the impact makes of a landing."""
+    """The step after a landing, by the impact law."""
     last = segments[-1]
     if landing is None and last.event.guard == OUT_OF_STEPS:
         steps = sum(segment.steps for segment in segments)
@@ -394,7 +395,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     if case.effect(Impact) is None:
         return Step(path, landing.time, place, "landing", ending=LANDING_END)
     law, since = law_of(case, landing.arm_t, landing.arm_n), segments[0].start
-    # What opens and has not flown does not get off its track: it comes down as fast as it rose, and stays.
+    # A gap that opens without a flight does not grow: the plate comes down as fast as it rose, and stays.
     none = landing.time == since and landing.touch.lift >= 0.0
     is_listed = not none and bounces.strike(since, landing)
     touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
@@ -409,7 +410,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
         return _rest(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), cause, is_listed)
     is_unresolved = _is_unresolved(case, after.lift, pull, place)
     bounces.rebound(landing, after, pull)
-    # What is listed is stepped through.
+    # Listed impacts are simulated one by one.
     limit = None if is_listed and not is_unresolved else bounces.limit(is_unresolved)
     if limit and landing.time < limit.time < case.duration:
         with_rest = (*path, bounces.settling(last.phase, limit))
@@ -421,7 +422,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
 
 
 def _is_unresolved(case: Case, lift: float, pull: float, place: tuple[float, float]) -> bool:
-    """Whether a rebound of that speed, brought back with `pull` (m/s²), is no higher than positions are known."""
+    """Whether a rebound with speed `lift`, pulled back by `pull` (m/s²), rises no higher than positions' rounding."""
     x, y, _ = pose(case, *place)
     rounding = REBOUND_ROUNDINGS * EPS * (abs(x) + abs(y) + float(np.hypot(*case.plate.outline.point(place[1]))))
     return lift * lift <= 2.0 * pull * rounding
@@ -430,7 +431,7 @@ def _is_unresolved(case: Case, lift: float, pull: float, place: tuple[float, flo
 def _rest(
     case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str, is_listed: bool
 ) -> Step:
-    """Contact that neither opens nor closes: the mode that follows, or flight, `listed` or not, where none does."""
+    """The step of a contact that neither opens nor closes: the mode that follows, or else flight."""
     y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
     moves = senses(case, y, touch.slip, touch.omega, LOCATION_ERROR)
     following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))

@@ -1,11 +1,11 @@
-"""An impact without duration: Routh's construction, piece by piece along the normal impulse, or Moreau's law at once.
+"""Impacts without duration: Routh's construction, piecewise along the normal impulse, or Moreau's law in one step.
 
-The contact point's velocity (v_t, v_n) and the spin ω are linear in the normal impulse P as long as the contact
-slips one way or sticks, turns one way or is held. (Routh's construction: his book of
+The contact point's velocity (v_t, v_n) and the spin ω are linear in the normal impulse P as long as the contact slips
+in one direction or sticks, and turns in one direction or does not turn. (Routh's construction: his book of
 1905 is known to us, not looked up; Wang & Mason 1992, J. Appl. Mech. 59, 635: reference looked up, not the text.)
 Impulses are taken per mass.
 
-Moreau's law knows no course: normal impulse P, friction T and couple C of the whole impact obey
+Moreau's law does not resolve the impact: normal impulse P, friction T and couple C of the whole impact obey
 v_n⁺ = −e v_n⁻, |T| ≤ μ P with T against v_t⁺ where that is not 0, and |C| ≤ arm P with C against ω⁺ likewise. Without
 rolling resistance there is exactly one solution whatever μ is: with T = −τ P and the 2×2 matrix [[a, b], [b, c]] from
 (T, P) to the velocities, P = Q/(c − b τ), Q = −(1 + e) v_n⁻ > 0, and v_t⁺ = v_t⁻ + Q (b − a τ)/(c − b τ) falls with τ
@@ -26,10 +26,10 @@ from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistan
 
 from .decision import Undecidable
 
-# Slip and spin each end, and may begin again the other way, once in compression and once in restitution: an impact of
-# numbers has no more than ten pieces.
+# Slip and spin each end, and may begin again in the other direction, once in compression and once in restitution: an
+# impact of finite numbers has no more than ten pieces.
 MOST_PIECES = 100
-# Of Moreau's law one end agrees exactly; where two of them meet, rounding may leave each a little beyond its bound.
+# Exactly one end state satisfies Moreau's law; at the border of two, rounding may put each a little beyond its bound.
 ROUNDING = 1e-9
 
 
@@ -42,7 +42,7 @@ class ContactVelocity(NamedTuple):
 
 
 class Law(NamedTuple):
-    """What an impact obeys: the arm from the centre to the contact along tangent and normal (m), the squared radius
+    """The law of an impact: the arm from the centre to the contact along tangent and normal (m), the squared radius
     of gyration (m²), kinetic and static friction, the arm of rolling resistance (m), restitution and the name of its
     law (`cases.Impact`)."""
 
@@ -57,7 +57,7 @@ class Law(NamedTuple):
 
 
 class _Rates(NamedTuple):
-    """Friction and couple per normal impulse, and what they do to slip, lift and spin."""
+    """Friction and couple per normal impulse, and the resulting rates of slip, lift and spin."""
 
     friction: float
     couple: float
@@ -67,9 +67,9 @@ class _Rates(NamedTuple):
 
 
 def collide(law: Law, before: ContactVelocity) -> ContactVelocity:
-    """The velocities after the impact of a contact that closes; slip or spin that ends at 0 is exactly 0.
+    """The velocities after the impact of a closing contact; slip or spin that ends at 0 is exactly 0.
 
-    A contact that neither opens nor closes has an impact only where friction without bound ends its slip.
+    A contact that neither opens nor closes has an impact only if unbounded friction stops its slip.
     """
     if before.lift > 0.0 or (before.lift == 0.0 and law.mu < inf):
         return before
@@ -78,7 +78,7 @@ def collide(law: Law, before: ContactVelocity) -> ContactVelocity:
     now = _stops(law, before) if law.mu == inf else before
     goal = 0.0 if law.name == "poisson" else -law.restitution * before.lift
     if now.lift >= goal:
-        return now  # what ended the slip has lifted the contact
+        return now  # the impulse that stopped the slip has lifted the contact
     compression = 0.0
     if now.lift < 0.0:
         now, compression = _advance(law, now, lambda total, now, rates: _until(now.lift, rates.lift, 0.0))
@@ -91,7 +91,7 @@ def collide(law: Law, before: ContactVelocity) -> ContactVelocity:
 
 
 def energy(law: Law, touch: ContactVelocity) -> float:
-    """Kinetic energy per mass (J/kg) of a plate whose contact point moves like that."""
+    """Kinetic energy per mass (J/kg) of a plate with that contact velocity and spin."""
     along, across = touch.slip + touch.omega * law.arm_n, touch.lift - touch.omega * law.arm_t
     return 0.5 * (along**2 + across**2 + law.gyration * touch.omega**2)
 
@@ -99,9 +99,9 @@ def energy(law: Law, touch: ContactVelocity) -> float:
 def _advance(
     law: Law, now: ContactVelocity, remaining: Callable[[float, ContactVelocity, _Rates], float]
 ) -> tuple[ContactVelocity, float]:
-    """Piece after piece until `left(spent, velocities, rates)`, the impulse still to come, is used up.
+    """Apply impulse in pieces until `remaining(total, velocities, rates)`, the impulse still to come, is zero.
 
-    Raises Undecidable where the velocities are not finite numbers, so that no piece ends it.
+    Raises Undecidable if the velocities are not finite numbers, so that no piece ends it.
     """
     total = 0.0
     for _ in range(MOST_PIECES):
@@ -122,12 +122,12 @@ def _advance(
 
 
 def _until(value: float, rate: float, goal: float) -> float:
-    """The impulse after which a velocity reaches `goal`; infinite if it does not come nearer, or is there."""
+    """The impulse after which a velocity reaches `goal`; infinite if it does not approach it, or is equal to it."""
     return (goal - value) / rate if (goal - value) * rate > 0.0 else inf
 
 
 def _rates(law: Law, now: ContactVelocity) -> _Rates:
-    """The one way on that agrees with Coulomb's law and with the bound of the couple."""
+    """The rates of the only continuation that satisfies Coulomb's law and the bound of the couple."""
     slips = (copysign(1.0, now.slip),) if now.slip else (0.0, 1.0, -1.0)
     turns = (0.0,) if not law.arm else (copysign(1.0, now.omega),) if now.omega else (0.0, 1.0, -1.0)
     for slip, turn in product(slips, turns):
@@ -141,7 +141,7 @@ def _rates(law: Law, now: ContactVelocity) -> _Rates:
 
 
 def _piece(law: Law, slip: float, turn: float) -> _Rates:
-    """Rates while it slips and turns in those senses; 0: it sticks, it is held (or nothing resists the rotation)."""
+    """Rates while it slips and turns in those directions; 0: it sticks or does not turn (or rotation is free)."""
     holds = bool(law.arm) and not turn
     couple = -law.arm * turn
     if slip:
@@ -156,10 +156,10 @@ def _piece(law: Law, slip: float, turn: float) -> _Rates:
 
 
 def _at_once(law: Law, before: ContactVelocity) -> ContactVelocity:
-    """Moreau's law: of the ways to end, those that hold most first, the one that agrees with its impulse."""
+    """The velocities after an impact by Moreau's law: the first end state, most static first, that satisfies it."""
     goal = -law.restitution * before.lift
     if law.mu == inf and (sticking := _stops(law, before)).lift >= goal:
-        return sticking  # what ends the slip lifts the contact fast enough without a normal impulse
+        return sticking  # the impulse that stops the slip lifts the contact fast enough without a normal impulse
     slips, turns = (0.0,) if law.mu == inf else (0.0, 1.0, -1.0), (0.0, 1.0, -1.0) if law.arm else (0.0,)
     ends = [_ending(law, before, slip, turn) for slip, turn in product(slips, turns)]
     excess, after = min(ends, key=lambda end: end[0])
@@ -169,10 +169,10 @@ def _at_once(law: Law, before: ContactVelocity) -> ContactVelocity:
 
 
 def _ending(law: Law, before: ContactVelocity, slip: float, turn: float) -> tuple[float, ContactVelocity]:
-    """By how much, relatively, the impulse is beyond its laws that ends slipping and turning in those senses (0: not at
-    all), and the velocities after it.
+    """The relative violation of the laws by the impulse that ends slipping and turning in those directions (0: none),
+    and the velocities after it.
 
-    The impulse (T, P, C) is the solution of a condition each on friction, normal velocity and couple.
+    The impulse (T, P, C) solves one condition each on friction, normal velocity and couple.
     """
     holds = bool(law.arm) and not turn
     spins = np.array([-law.arm_n, law.arm_t, 1.0]) / law.gyration
@@ -200,14 +200,14 @@ def _ending(law: Law, before: ContactVelocity, slip: float, turn: float) -> tupl
 
 
 def _stops(law: Law, now: ContactVelocity) -> ContactVelocity:
-    """Friction without bound ends the slip before there is any normal impulse."""
+    """The velocities after unbounded friction has stopped the slip, before any normal impulse."""
     impulse = -now.slip / (1.0 + law.arm_n**2 / law.gyration)
     spin_change = -law.arm_n * impulse / law.gyration
     return ContactVelocity(0.0, now.lift + law.arm_t * spin_change, now.omega + spin_change)
 
 
 def law_of(case: Case, arm_t: float, arm_n: float) -> Law:
-    """What an impact of the case obeys whose contact lies at that arm from the centre of mass."""
+    """The law of an impact of the case at a contact with that arm from the centre of mass."""
     impact, friction, resistance = case.effect(Impact), case.effect(CoulombFriction), case.effect(RollingResistance)
     assert impact is not None
     mu, stick = (friction.mu, friction.stick) if friction else (0.0, 0.0)

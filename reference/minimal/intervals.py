@@ -1,7 +1,7 @@
-"""Interval arithmetic on arrays: bounds on what a formula can be anywhere on an interval of its parameter.
+"""Interval arithmetic on arrays: bounds on the values of a formula on an interval of its parameter.
 
-An `Interval` goes through functions that were compiled for NumPy arrays, such as a curve's jets. Bounds are not rounded
-outward: whoever uses them leaves room for some roundings. A formula without a value somewhere on an interval has the
+An `Interval` can be passed to functions that were compiled for NumPy arrays, such as a curve's jets. Bounds are not
+rounded outward: callers must allow for some roundings. A formula that is undefined somewhere on an interval has the
 bounds ±inf there. (Moore, Interval Analysis, 1966: known to us, not looked up.)
 """
 
@@ -76,12 +76,12 @@ class Interval:
         return np.maximum(np.maximum(self.low, -self.high), 0.0)
 
     def within(self, other: Interval) -> Interval:
-        """What both bounds of the same quantity leave."""
+        """The intersection of two bounds on the same quantity."""
         return Interval(np.fmax(self.low, other.low), np.fmin(self.high, other.high))
 
 
 def bounds(value, like: np.ndarray) -> Interval:
-    """A value as an interval of that array's shape: a number is one of no width; what has no value is ±inf."""
+    """A value as an interval of that array's shape: a number has zero width; undefined values become ±inf."""
     low, high = (value.low, value.high) if isinstance(value, Interval) else (value, value)
     low, high = np.broadcast_to(low, like.shape), np.broadcast_to(high, like.shape)
     return Interval(np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high))
@@ -126,8 +126,8 @@ def _falling(function: Callable) -> Callable[[Interval], Interval]:
 
 
 def _finite_bounds(low: np.ndarray, high: np.ndarray) -> Interval:
-    """The bounds, unbounded where there is no value; a value beyond all numbers is a large one, so that differences of
-    two of them are no NaN."""
+    """The interval with ±inf where a bound is undefined; infinite values become large numbers, so that their difference
+    is not NaN."""
     return Interval(
         np.where(np.isnan(low), -np.inf, np.minimum(low, HUGE)),
         np.where(np.isnan(high), np.inf, np.maximum(high, -HUGE)),

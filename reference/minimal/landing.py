@@ -1,9 +1,9 @@
-"""Where a flight ends: the first instant at which the outline meets the track again, wherever that is.
+"""Landings: the first instant of a flight at which the outline meets the track again, at any place.
 
-The flight itself is integrated like any phase, without asking where the track is. Where curvatures leave room for one
-pair of nearest points alone (`room`), that pair is followed, from look to look: until the next one bounds on the gap's
-rate and on what changes it exclude a zero. Elsewhere, and where that pair is lost, boxes of time, track and outline are
-searched (`meetings`). A flight that is over before it has begun is a hop (`short_flights`).
+The flight itself is integrated like any phase, without regard to the track. If the curvatures allow only one pair of
+nearest points (`room`), that pair is followed in steps: bounds on the gap's rate and its changes exclude a zero until
+the next step. Otherwise, or if that pair is lost, boxes of time, track and outline are searched (`meetings`). A flight
+that ends before the first of these steps is a hop (`short_flights`).
 """
 
 from __future__ import annotations
@@ -30,18 +30,19 @@ from .series import EPS
 from .short_flights import first_look
 from .windows import DEGREE, PARABOLA, Windows, windows
 
-# A pair is followed up to this part of the gap at which it need no longer be the only nearest one.
+# A pair is followed up to this part of the gap beyond which it may no longer be the only nearest one.
 ALONE = 0.5
-# A flight is searched in stretches of time in which the plate goes so many of its sizes, and twice as far each time.
+# A flight is searched in stretches of time; in the first the plate moves by this many of its sizes, then twice as far
+# each time.
 STRETCH = 4.0
-# The plate's reach is known from so many points that a thousandth more is a bound.
+# The plate's reach is computed from so many points that adding a thousandth makes it a bound.
 REACH = 1.001
-# Newton's method for the zero of a gap, from one that is known to some digits.
+# Limit on the steps of Newton's method for the zero of a gap, from a start that is accurate to some digits.
 STEPS = 20
 
 
 class Landing(NamedTuple):
-    """When (s) and where the outline meets the track, θ there, how the contact closes, and the arm to it (m)."""
+    """A landing: time (s), contact parameters, θ, the contact's velocity, and the arm to it (m)."""
 
     time: float
     xi1: float
@@ -53,7 +54,7 @@ class Landing(NamedTuple):
 
 
 class Landings:
-    """The search for the landings of a motion: the work that it took, and until when (s) the last flight has none."""
+    """The search for landings in a motion; counts its work, and knows until when (s) the last flight has no landing."""
 
     def __init__(self, case: Case) -> None:
         self.case, self.looks, self.flies_until = case, Looks(case), nan
@@ -63,11 +64,11 @@ class Landings:
 
     @cached_property
     def search(self) -> MeetingSearch:
-        """The search by boxes, and its work."""
+        """The search by boxes, with its count of work."""
         return MeetingSearch(self.case)
 
     def start_impact(self, segment: Segment) -> Landing:
-        """The impact that a start with a gap that closes is, also where the plate is pulled off its track; its
+        """The impact of a start in contact with a closing velocity, also if gravity pulls the plate off its track; its
         velocities are the start's own, without rounding."""
         start = self.case.start
         xi1, xi2 = start.xi1, start.motion(self.case.track, self.case.plate.outline).xi2
@@ -75,10 +76,10 @@ class Landings:
         return landing._replace(touch=ContactVelocity(start.slip, start.gap_rate, start.omega))
 
     def first(self, segment: Segment, place: tuple[float, float], under_way: bool = False) -> Landing | None:
-        """The first landing of a flight's segment; None if it flies on. Raises TooMuch once the work is used up.
+        """The first landing of a flight's segment; None if it flies on. Raises TooMuch at the limit on work.
 
-        `place` is the pair of points that touched last. `under_way`: it goes on with a flight that did not land until
-        then.
+        `place` is the pair of points of the last contact. `under_way`: the segment continues a flight that has not
+        landed so far.
         """
         self.pair = self.pair if under_way else place
         start = float(segment.times[0])
@@ -112,8 +113,8 @@ class Landings:
     # --- one pair of points -------------------------------------------------------------------------------------------
 
     def _follow(self, segment: Segment, motion: Windows, before: Look, near: float) -> tuple[Landing | None, float]:
-        """The landing at a pair that is the only nearest one, and until when (s) there is none. Where it is lost, or no
-        longer the only one, `pair` is None."""
+        """The landing at the only nearest pair, and the time (s) until which there is none. If the pair is lost, or no
+        longer the only one, `pair` is set to None."""
         window, end = 0, float(motion.end[-1])
         while before.time < end:
             self.flies_until = before.time
@@ -126,7 +127,7 @@ class Landings:
             now = self._ahead(segment, before, min(before.time + step, float(motion.end[window])), free)
             if now is None:
                 return self._stop_following(before.time)
-            still = now.time <= before.time  # no more than a rounding of the time is clear
+            still = now.time <= before.time  # the clear time is no more than a rounding
             if now.gap <= 0.0 or (now.rate < 0.0 and (still or now.gap <= self._rounding(segment, now))):
                 return self._landing(segment, self._closed(segment, now), near), now.time
             if still:
@@ -136,12 +137,12 @@ class Landings:
         return None, end
 
     def _stop_following(self, time: float) -> tuple[None, float]:
-        """Nothing is followed from that time on."""
+        """Stop following the pair at that time."""
         self.pair = None
         return None, time
 
     def _ahead(self, segment: Segment, before: Look, time: float, free: Room) -> Look | None:
-        """The same pair at a later time, or sooner where it is not found; None if it is lost."""
+        """The same pair at a later time, or at an earlier one if it is not found there; None if it is lost."""
         for _ in range(STEPS):
             now = self.looks.at(segment, time, before.pair, far_turn=True)
             if now is not None and self._on_track(now) and -ALONE * self.size < now.gap < free.gap:
@@ -150,7 +151,7 @@ class Landings:
         return None
 
     def _clear(self, motion: Windows, window: int, look: Look, free: Room) -> float:
-        """For how long after a look no zero of the gap is possible, s: by the gap's rate and what changes that."""
+        """The time (s) after a look without a zero of the gap, by bounds on the gap's rate and its changes."""
         pull, spin, swing = (float(row[window]) for row in (motion.pull, motion.spin, motion.swing))
         rest = float(motion.end[window]) - look.time
         turns = 0.0 if self.case.plate.radius is not None else spin * self.size
@@ -174,7 +175,7 @@ class Landings:
         return min(clear, rest)
 
     def _bending(self, free: Room, gap: float, speed: float, spin: float, swing: float) -> float:
-        """A bound on the acceleration (m/s²) with which the gap closes, but for what pulls at the centre of mass.
+        """A bound on the acceleration (m/s²) with which the gap closes, without that of the centre of mass.
 
         With the curvatures a of the track and b of the outline, slip v and spin ω, arm (c, d), gap γ and n = 1 − a γ
         the gap's acceleration is the pull's + c ω' − d ω² − (n ω − a v)²/(n (b n − a)) − a v²/n; that of a disc whose
@@ -190,7 +191,7 @@ class Landings:
         return (swing + spin**2) * self.size + turning + valley * speed**2 / near
 
     def _room(self, xi1: float) -> Room:
-        """How much room there is around a place of the track."""
+        """The room around a place of the track."""
         track, outline = self.case.track, self.case.plate.outline
         return room(track, outline, *span(track, np.array([self.case.start.xi1, xi1]), self.case.plate.reach))
 
@@ -202,14 +203,14 @@ class Landings:
         return look.facing
 
     def _rounding(self, segment: Segment, look: Look) -> float:
-        """Of a gap, m."""
+        """The rounding of a gap, m."""
         x, y, *_ = state(segment, look.time)
         return 0.5 * EPS * (self.size + abs(x) + abs(y))
 
     # --- boxes --------------------------------------------------------------------------------------------------------
 
     def _elsewhere(self, segment: Segment, start: Look, look: Look) -> Meeting | None:
-        """A meeting at another pair than the one that a flight begins with, before a look."""
+        """A meeting before a look at another pair than the one at which the flight began; None if there is none."""
         if not look.time > start.time or look.gap < ALONE * self._room(start.contact.xi1).gap:
             return None
         motion = windows(partial(_poses, segment), np.array([start.time, look.time]), self.size, self.degree)
@@ -220,8 +221,8 @@ class Landings:
         return self.search.first(motion, whole)
 
     def _stretches(self, segment: Segment, motion: Windows, since: float) -> Iterator[Windows]:
-        """The motion from a time on, in stretches in which the plate moves by some of its sizes, each farther than the
-        last."""
+        """The motion from time `since` on, in stretches in which the plate moves by some of its sizes, each twice as
+        far as the last."""
         limit, distance, edges = STRETCH * self.size, 0.0, [since]
         speeds = motion.speed + motion.spin * self.size
         for start, end, speed in zip(motion.start.tolist(), motion.end.tolist(), speeds.tolist(), strict=True):
@@ -264,10 +265,10 @@ class Landings:
         return look._replace(beyond=-look.gap / look.rate if near_enough else nan)
 
     def _landing(self, segment: Segment, look: Look, near: float) -> Landing:
-        """The landing at a look, whose time is rounded: what is left of it moves the state on.
+        """The landing at a look: the state is advanced by the difference between the exact and the rounded time.
 
         Rounded times alone would change the energy of a plate that bounces for long. The parameters on closed curves
-        are counted on from `near`, where the track was touched last.
+        continue from `near`, where the track was touched last.
         """
         now = state(segment, look.time)
         if not isnan(look.beyond):

@@ -1,12 +1,12 @@
-"""Whether a step resolves a load in place or velocity.
+"""Check that a step resolves a load that depends on place or velocity.
 
-A step's length follows from derivatives at its start, where a load that begins later has none. But the states along the
-step are smooth functions of time, and so are, if the step is not too long, the arguments of the load's functions: those
-of exp(-((x - 2)/w)²) and tanh(vx/w) are nearly a parabola and a straight line, however small w is. Such a function
-changes quickly near a zero or an extremum of its argument, or else over so long a time that a few samples show it. So
-the load is sampled at a few places of the step and, at shrinking distances, around those zeros and extrema: a
-polynomial through every second of the few has to agree with all others. The derivatives at the start then determine the
-load on the whole step, and the zeros of a guard are found.
+A step's length follows from derivatives at its start, which do not show a load that begins later. But the states along
+the step are smooth functions of time, and so are, if the step is not too long, the arguments of the load's functions:
+those of exp(-((x - 2)/w)²) and tanh(vx/w) are nearly a parabola and a straight line, however small w is. Such a
+function changes quickly near a zero or an extremum of its argument, otherwise so slowly that a few samples show it. So
+the load is sampled at a few places of the step and, at decreasing distances, around those zeros and extrema: a
+polynomial through every second of these places must agree with all other samples. The derivatives at the start then
+determine the load on the whole step, and the zeros of a guard are found.
 """
 
 from __future__ import annotations
@@ -31,8 +31,7 @@ _AT_THE_OTHERS = chebyshev.chebvander(2.0 * PLACES[1::2] - 1.0, DEGREE) @ _THROU
 # An argument is resolved if its last coefficients are at most this part of its size: its zeros are then known to this
 # part of the step, and a change that is no narrower than a tenth of that is found.
 ARGUMENT = 1e-10
-# Where a change of sign of the arguments and of their slopes is looked for: sixteen places to each half wave of the
-# highest polynomial.
+# Grid for sign changes of the arguments and their slopes: sixteen places per half wave of the highest polynomial.
 _GRID = np.linspace(-1.0, 1.0, 16 * DEGREE + 1)
 _VALUES = chebyshev.chebvander(_GRID, 2 * DEGREE)
 _SLOPES = chebyshev.chebval(_GRID, chebyshev.chebder(np.eye(2 * DEGREE + 1))).T
@@ -43,17 +42,17 @@ LARGE = 1e60
 TRIM = 1e-15
 # Roots of a polynomial so near to the real axis are real to rounding: those of two that have just met are 1e-7 off it.
 NEARLY_REAL = 1e-6
-# Around such a place the load is sampled so many times, each time at half the distance, down to 1e-12 of the step.
+# Around such a place the load is sampled this many times, each time at half the distance, down to 1e-12 of the step.
 HALVINGS = 40
 _CLOSER = 0.5 ** np.arange(1.0, HALVINGS + 1.0)
 _AROUND = np.concatenate([-_CLOSER, [0.0], _CLOSER])
-# A polynomial agrees with the load if it misses no more than this part of the forces that act, a hundredth of the
+# A polynomial agrees with the load if its error is at most this part of the acting forces, a hundredth of the
 # tolerance; below 1e-13 it is rounding, above 1e-6 decisions would be wrong.
 PART, FINEST, COARSEST = 1e-2, 1e-13, 1e-6
-# Rounding of the load: what it changes by if each component of the course is moved by four units in the last place, and
-# what a polynomial makes of that.
+# Rounding of the load: its change if each component of the states is moved by four units in the last place, and the
+# factor by which a polynomial amplifies that.
 ULPS, ROUNDINGS = 4.0 * float(np.finfo(float).eps), 16.0
-# A step is halved so often; then it is shorter than a rounding of any time that it may begin at.
+# After this many halvings a step is shorter than a rounding of any time at which it may begin.
 MOST_HALVINGS = 100
 
 
@@ -62,11 +61,11 @@ class Course(Protocol):
 
     @property
     def start(self) -> float:
-        """When the step begins, s."""
+        """The start of the step, s."""
 
     @property
     def length(self) -> float:
-        """How long it lasts, s."""
+        """The length of the step, s."""
 
     def states(self, parts: np.ndarray) -> np.ndarray:
         """States (variables, n) at these parts of the step, 0 to 1."""
@@ -87,14 +86,15 @@ def resolved_part(phase: Phase, course: Course, tolerance: float) -> float:
 
 
 def _acting(phase: Phase, course: Course) -> float:
-    """The size of the forces where the step begins, N: weight, and what accelerates the plate."""
+    """The size of the forces at the start of the step, N: weight, and the force that accelerates the plate."""
     state = course.states(np.zeros(1))[:, 0].tolist()
     often = frequency(phase, course.start, state)
     return phase.case.weight + phase.case.plate.mass * phase.size * often**2
 
 
 def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting: float) -> bool:
-    """Whether the load is resolved on that part of the step: its polynomial misses at most `allowed` of the forces."""
+    """Whether the load is resolved on that part of the step: its polynomial's error is at most `bound` of the
+    forces."""
     places = part * PLACES
     arguments, forces = _quantities(phase, course, places)
     small = ~(np.min(np.abs(arguments), axis=1) > LARGE)
@@ -130,7 +130,7 @@ def _events(coefficients: np.ndarray) -> np.ndarray:
         signs = matrix @ coefficients >= 0.0
         for k in np.flatnonzero((signs[1:] != signs[:-1]).any(axis=0)):
             own = coefficients[:, k]
-            # Most are straight lines or parabolas but for rounding.
+            # Most are straight lines or parabolas except for rounding.
             own = chebyshev.chebtrim(own, TRIM * float(np.max(np.abs(own))))
             roots = chebyshev.chebroots(chebyshev.chebder(own, order))
             parts.append(roots.real[np.abs(roots.imag) <= NEARLY_REAL])
@@ -139,8 +139,8 @@ def _events(coefficients: np.ndarray) -> np.ndarray:
 
 
 def _quantities(phase: Phase, course: Course, parts: np.ndarray, shift: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Arguments (k, n), and force and moment over the radius of gyration (3, n; N) at these parts of the step; `moved`:
-    with each component of the course moved to and fro by that part of itself."""
+    """Arguments (k, n), and force and moment over the radius of gyration (3, n; N) at these parts of the step; `shift`:
+    with each component of the states changed alternately up and down by that part of itself."""
     times, states = course.start + course.length * parts, course.states(parts)
     if shift:
         signs = shift * (-1.0) ** np.arange(len(parts))

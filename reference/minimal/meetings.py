@@ -1,8 +1,9 @@
-"""Where a moving plate first meets its track: branch and bound over time, track and outline.
+"""First meeting of a moving plate and its track: branch and bound over time, track and outline.
 
-Boxes in which a meeting is excluded are left out; the times of the others are narrowed (an interval Newton step), and
-what blurs the gap most in them is halved. So nothing is passed over, however fine it is. Where the outline bends more
-than the track and the gap closes throughout a box there is one meeting at most, and Newton's method finds it.
+Boxes in which a meeting is excluded are dropped; the time ranges of the others are narrowed (an interval Newton step),
+and the direction that contributes most to the gap's uncertainty is halved. So no meeting is missed, however fine the
+geometry is. If the outline bends more than the track and the gap closes throughout a box, it contains at most one
+meeting, and Newton's method finds it.
 """
 
 from __future__ import annotations
@@ -18,20 +19,21 @@ from .boxes import Bounds, Boxes, Cores, Geometry
 from .pieces import HIGH, LOW, REACH, Pieces, TooMuch, X, Y
 from .windows import EPS, Windows
 
-# Boxes looked at in one motion: half a minute.
+# Limit on boxes in one motion: half a minute.
 MOST_BOXES = 10_000_000
-# What Newton's method in one box costs, in boxes that are looked at together.
+# Cost of Newton's method in one box, in units of boxes that are processed together.
 ONE_BY_ONE = 100
-# Boxes looked at together: a hundred megabytes.
+# Boxes processed together: a hundred megabytes.
 TOGETHER = 60_000
-# Newton's method is tried in so many boxes between two looks, and takes so many steps.
+# Newton's method is tried in at most MOST_TRIES boxes per round, with at most STEPS steps.
 MOST_TRIES, STEPS = 4, 20
-# A meeting outside a box by this part of it is its own: its neighbour may take it to be this one's.
+# A meeting outside a box by less than this part of it counts as inside, because the neighbour may assign it to this
+# box.
 BEYOND = 1e-6
 
 
 class Meeting(NamedTuple):
-    """When (s) and where the outline meets the track; `xi2` is NaN for a disc."""
+    """A meeting of outline and track: time (s) and parameters; `xi2` is NaN for a disc."""
 
     time: float
     xi1: float
@@ -39,7 +41,7 @@ class Meeting(NamedTuple):
 
 
 class MeetingSearch:
-    """Searches for first meetings in the motion of one case, and the work that they took."""
+    """The search for first meetings in the motion of one case; counts its work."""
 
     def __init__(self, case: Case):
         self.case = case
@@ -79,7 +81,7 @@ class MeetingSearch:
             raise TooMuch
 
     def _first_boxes(self, motion: Windows) -> Boxes:
-        """The curves' first pieces, of the track those that the plate may reach in a window."""
+        """The first boxes: the curves' initial pieces, for the track those that the plate may reach in a window."""
         track, outline = self.geometry.track, self.geometry.outline
         (x, y, _), _ = motion.at(np.arange(len(motion.start)), 0.5 * (motion.start + motion.end))
         reach = self.geometry.farthest + 0.5 * (motion.end - motion.start) * motion.speed
@@ -93,8 +95,7 @@ class MeetingSearch:
         return Boxes(window, i, j, motion.start[window], motion.end[window])
 
     def _outside(self, boxes: Boxes, box_bounds: Bounds, cores: Cores) -> Bounds:
-        """What is known of boxes without those inside the cores; one that is partly inside is divided until it is
-        not."""
+        """The bounds without boxes inside the cores; a box that is partly inside is divided further."""
         inside, across, blur = self.geometry.against(boxes, cores)
         return box_bounds._replace(
             possible=box_bounds.possible & ~inside,
@@ -105,14 +106,14 @@ class MeetingSearch:
     def _complete_boxes(
         self, motion: Windows, boxes: Boxes, box_bounds: Bounds, rest: np.ndarray, earliest: Meeting | None
     ) -> tuple[np.ndarray, Meeting | None]:
-        """Which boxes need no more division, and the first meeting known by now."""
+        """Which boxes need no further division, and the earliest meeting so far."""
         complete = np.zeros(boxes.number, dtype=bool)
         order = np.argsort(boxes.start, kind="stable")
         for k in order[box_bounds.single[rest][order]][:MOST_TRIES].tolist():
             meeting = self._locate(motion, boxes, k)
             complete[k] = meeting is not None
             earliest = _first(earliest, meeting)
-        # Bounds that are no wider than rounding tell no more.
+        # Bounds that are no wider than rounding cannot improve.
         narrow = ~complete & (box_bounds.blur[:, rest].sum(axis=0) <= box_bounds.rounding[rest])
         for k in order[narrow[order]].tolist():
             if earliest and boxes.start[k] >= earliest.time:
@@ -142,7 +143,7 @@ class MeetingSearch:
         return None
 
     def _touching(self, motion: Windows, boxes: Boxes, k: int) -> Meeting | None:
-        """The middle of a box in which the gap is nothing but rounding, if the gap does not grow there."""
+        """The meeting in a box in which the gap is only rounding, if the gap does not grow there; else None."""
         self._spend(ONE_BY_ONE)
         low, high = self._corners(boxes, k)
         at = 0.5 * (low + high)
@@ -167,7 +168,7 @@ class MeetingSearch:
 
     def _step(self, motion: Windows, window: int, at: np.ndarray, still: bool = False) -> np.ndarray | None:
         """Newton's step for the time and the parameters at which the two points coincide with parallel tangents; if
-        `still`, for the parameters at which the points lie across from each other at that time. None: there is none."""
+        `still`, for the parameters at which the points are opposite each other at fixed time. None if singular."""
         (x, y, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
         X0, Y0, Xp, Yp, Xs, Ys, _, _ = self.case.track.jet(float(at[1]))
         P = hypot(Xp, Yp)
@@ -192,7 +193,7 @@ class MeetingSearch:
                 [uy * tx - ux * ty, -P * bend * off[0], tx * oy - ty * ox],
                 [omega, -P * bend, (ap * bs - bp * as_) / p**2],
             ])  # fmt: skip
-        if still:  # the time stays, and what the gap is
+        if still:  # time and gap are fixed
             rates[:, 0], rates[1], off[1] = 0.0, 0.0, 0.0
             rates[1, 0] = 1.0
         try:

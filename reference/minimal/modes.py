@@ -1,9 +1,9 @@
-"""What a contact can do, and the numbers that go with it.
+"""Regimes of the contact, and their equations with numbers (phases).
 
-A `Regime` is a mode, the side of the track that presses (−1 only in a bilateral guide) and, where something resists
-the rotation, its sense. It fixes the runtime parameters of the mode's equations.
+A `Regime` is a mode, the side of the track that presses (−1 only in a bilateral guide) and, with resistance to
+rotation, the direction of rotation. It determines the runtime parameters of the mode's equations.
 
-The full state in contact is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), with θ behind it where a load asks for the angle; in flight it is
+The full state in contact is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), followed by θ if a load depends on the angle; in flight it is
 (x, y, θ, vx, vy, ω).
 """
 
@@ -26,9 +26,9 @@ _PLACES = {X1: 0, X2: 1, U1: 2, U2: 3, THETA: 4}
 
 
 class Regime(NamedTuple):
-    """A mode of contact (or flight), the side of the track that presses, and the sense of the rotation.
+    """A mode of contact (or flight), the side of the track that presses, and the direction of rotation.
 
-    `turn` is None where nothing resists the rotation, 0 where it is held.
+    `turn` is None without resistance to rotation, 0 if resistance prevents rotation.
     """
 
     mode: Mode
@@ -37,7 +37,7 @@ class Regime(NamedTuple):
 
     @property
     def kind(self) -> Kind:
-        """The rows of its equations."""
+        """The kind of equations: which rows they have."""
         return Kind(self.mode not in (Mode.ROLL, Mode.REST), self.turn == 0)
 
 
@@ -45,12 +45,12 @@ FLIGHT = Regime(Mode.FLIGHT)
 
 
 class Phase(NamedTuple):
-    """A regime of a case with its equations and their parameters: all an integrator needs.
+    """A regime of a case with its equations and their parameters: everything that an integrator needs.
 
-    `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: what counts as a
-    change of order one. `places` say where its variables stand in the full state. `features` are those a step could
-    pass over, each with the row of the state they are met by (None: time); `checks_load`: whether a step could pass
-    over a change of a load in place or velocity.
+    `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: a change of order
+    one. `places` are the rows of its variables in the full state. `features` are those that a step could pass over,
+    each with its row of the state (None: time); `checks_load`: whether a step could pass over a change of a load in
+    place or velocity.
     """
 
     regime: Regime
@@ -65,16 +65,16 @@ class Phase(NamedTuple):
 
     @property
     def checks_steps(self) -> bool:
-        """Whether each step has to be checked along its course."""
+        """Whether each step must be checked for features and loads."""
         return bool(self.features) or self.checks_load
 
     def __reduce__(self):
-        """A phase travels to another process as its case and its regime: all else is derived from these."""
+        """Pickle case and regime only: everything else is derived from these."""
         return phase, (self.case, self.regime)
 
 
 def candidates(case: Case) -> tuple[Regime, ...]:
-    """The contacts the case's effects allow; where two are possible (static friction) the earlier one is taken."""
+    """The regimes that the case's effects allow; if two are possible (static friction) the earlier one is taken."""
     return _regimes(laws(case))
 
 
@@ -90,7 +90,7 @@ def _regimes(law: Laws) -> tuple[Regime, ...]:
 
 
 def kinds(case: Case) -> tuple[Regime, ...]:
-    """One candidate of each kind: slip forward or backward, its equations are the same."""
+    """One candidate of each kind: slip forward and backward have the same equations."""
     return _kinds(laws(case))
 
 
@@ -100,7 +100,7 @@ def _kinds(law: Laws) -> tuple[Regime, ...]:
 
 
 def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
-    """The regimes that go with a slip and a rotation of those signs; without one (0) it may begin either way."""
+    """The regimes that allow a slip and a rotation of those signs; with 0 it may begin in either direction."""
     return _able(laws(case), slip, turn)
 
 
@@ -115,10 +115,10 @@ def _able(law: Laws, slip: float, turn: float) -> tuple[Regime, ...]:
 
 
 def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: float) -> tuple[float, float]:
-    """The signs of slip and spin of a full state in contact; 0 for what is less than the state tells.
+    """The signs of slip and spin of a full state in contact; 0 if the value is below the state's error.
 
-    The state holds slip (12) and spin (9) as differences of the contact point's two speeds, the latter weighed by the
-    curvatures, and knows these to the relative `error`.
+    The state contains slip (12) and spin (9) as differences of the contact point's two speeds, the latter weighted by
+    the curvatures; the speeds have the relative `error`.
     """
     if not slip and not omega:
         return 0.0, 0.0
@@ -129,7 +129,7 @@ def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: flo
     return (copysign(1.0, slip) if slips else 0.0), (copysign(1.0, omega) if turns else 0.0)
 
 
-# A phase holds its compiled equations: what is kept here is kept in memory, half a megabyte for each structure.
+# A phase holds its compiled equations: the cache takes half a megabyte for each structure.
 @lru_cache(maxsize=256)
 def phase(case: Case, regime: Regime) -> Phase:
     """The equations of that regime with the case's parameters."""
@@ -155,7 +155,7 @@ def _places(system: System) -> tuple[int, ...]:
     return tuple(_PLACES[v] for v in system.variables)
 
 
-# These two are kept by what friction has no part in: scenes are made again and again with another friction.
+# These two are cached by arguments that do not include friction: scenes are often made again with another friction.
 @lru_cache(maxsize=1024)
 def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, float]:
     """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian."""
@@ -165,14 +165,14 @@ def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, fl
 
 @lru_cache(maxsize=1024)
 def _features(load: Load | None, *curves: Curve) -> tuple[tuple[int | None, Features], ...]:
-    """What a step may not pass over of a load and, in contact, of track and outline, where there is such a thing."""
+    """The features that no step may pass over: of a load and, in contact, of track and outline, if they have any."""
     all_features: list[tuple[int | None, Features | None]] = [(None, load.features if load else None)]
     all_features += [(row, curve.features) for row, curve in enumerate(curves)]
     return tuple((row, feature) for row, feature in all_features if feature is not None and not feature.plain)
 
 
 def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
-    """The full state in the mode's own variables."""
+    """The values of the mode's own variables in a full state."""
     return tuple([y[place] for place in phase.places])
 
 

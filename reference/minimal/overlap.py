@@ -1,7 +1,7 @@
-"""A plate that meets its track in a second place: this formulation has one contact, so the motion ends there.
+"""Second contacts: this formulation has one contact, so the motion ends if plate and track meet in a second place.
 
-Where curvatures exclude it (`room`) nothing is searched. Elsewhere all phases of contact are, box by box (`meetings`),
-but for the surroundings of the contact itself.
+If curvatures exclude a second contact (`room`), nothing is searched. Otherwise all phases of contact are searched by
+boxes (`meetings`), except for the surroundings of the contact itself.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .pieces import TooMuch
 from .room import fits_everywhere
 from .windows import EPS, Windows, join_windows, windows
 
-# Steps searched together: what was integrated beyond a second contact is looked at no further.
+# Steps searched together, in order of time: the search stops at the first second contact.
 TOGETHER = 32
-# Windows in which the surroundings of the contact are not known to hold it alone are halved so many times at most.
+# Windows in which the contact is not proven to be the only one in its surroundings are halved at most this many times.
 HALVINGS = 16
-# Places of the contact looked at in a window, and how far it may go beyond them, in parts of what it covers.
+# Places in a window at which the contact is sampled, and how far it may go beyond them, as a part of their range.
 PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
-# How far a zero of the gap is from a meeting, at most: so many times the time between them is made wider by four.
+# The interval around a meeting in which a zero of the gap is searched is widened by four, at most this many times.
 MOST_WIDENINGS = 20
 
 Solution = tuple[list[Segment], list[Transition], tuple[str, str]]
@@ -41,7 +41,7 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
     """Segments, transitions and ending of a motion, cut where the plate meets its track in a second place, if it
     does."""
     segments, transitions, _ = solution
-    touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # in flight landings are looked for
+    touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # flights are searched for landings
     if not touching or fits_everywhere(case, touching):
         return solution
     search = MeetingSearch(case)
@@ -50,7 +50,7 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
             meeting = search.first(motion, around)
         except TooMuch:
             t = lot[0].start
-            return _cut(solution, t, "unfinished", f"Looking for second contacts took too much work from {t:.9g} s on.")
+            return _cut(solution, t, "unfinished", f"The search for second contacts reached its limit at {t:.9g} s.")
         if meeting is not None:
             segment = next(segment for segment in reversed(lot) if segment.start <= meeting.time or segment is lot[0])
             touch = _locate(case, segment, meeting)
@@ -62,9 +62,9 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
 def _cut(solution: Solution, time: float, status: str, reason: str) -> Solution:
     """The motion up to that time."""
     segments, transitions, _ = solution
-    # It may end at its start, before which there is none.
+    # The motion may end at its start, before which there is no segment.
     number = max((i for i, segment in enumerate(segments) if segment.start < time), default=0)
-    # What was integrated beyond was work all the same.
+    # Work beyond the cut counts, too.
     work = sum(segment.evaluations for segment in segments[number:])
     parts = [*segments[:number], segments[number].until(time, work)]
     return parts, [t for t in transitions if t.time < time], (status, reason)
@@ -91,7 +91,7 @@ def _lots(case: Case, segments: list[Segment]) -> Iterator[tuple[list[Segment], 
 
 
 def _in_windows(case: Case, segment: Segment, edges: np.ndarray) -> tuple[Windows, Cores]:
-    """Steps of a segment in windows so short that the contact is known to be alone in its surroundings."""
+    """Steps of a segment in windows so short that the contact is the only one in its surroundings."""
     for _ in range(HALVINGS):
         motion = windows(partial(_poses, case, segment), edges, case.plate.reach)
         times = motion.start[:, None] + (motion.end - motion.start)[:, None] * PLACES
@@ -132,7 +132,7 @@ def _locate(case: Case, segment: Segment, meeting: Meeting) -> Meeting:
         time = _zero(lambda t: contact(t).gap, meeting.time, brentq)
         return Meeting(time, contact(time).xi1, pair[1])
     except (DoesNotFit, ValueError):
-        return meeting  # no simple touch (two flat sides): known to the accuracy of the search
+        return meeting  # no simple touch (two flat sides): accurate to the search only
 
 
 def _zero(gap: Callable[[float], float], near: float, root: Callable[..., float]) -> float:

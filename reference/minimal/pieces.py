@@ -1,8 +1,8 @@
-"""A curve in pieces, with bounds on where each lies, how it turns and how it bends; divided as finely as is asked for.
+"""A curve in pieces, with bounds on the place, direction and curvature of each; divided as finely as necessary.
 
 The bounds come from interval arithmetic on the curve's own formula: the mean value theorem and Taylor's theorem about
-the middle of a piece, whichever is narrower. Half as long a piece has a quarter of the sagitta. Halves are kept for
-the rest of a search, and no longer: what a motion may take does not depend on earlier ones.
+the middle of a piece, whichever is narrower. A piece of half the length has a quarter of the sagitta. Halves are stored
+only for the rest of a search: so the limit on the work of a motion does not depend on earlier motions.
 """
 
 from __future__ import annotations
@@ -18,15 +18,14 @@ from .intervals import Interval, bounds
 # curvature; its greatest distance from the middle.
 LOW, HIGH, X, Y, TX, TY, BACK, AHEAD, BELOW, ABOVE, TURN, BEND_LOW, BEND_HIGH, REACH = range(14)
 ROWS = 14
-# Pieces that a closed or bounded curve begins with, and each doubling of one without ends on each side.
+# Initial pieces of a closed or bounded curve, and of each doubling of one without ends on each side.
 FIRST = 16
-# More pieces than this of one curve take a hundred megabytes; a plate that is farther away than so many doublings is
-# lost.
+# This many pieces of one curve take a hundred megabytes; a plate farther away than this many doublings is out of range.
 MOST_PIECES, MOST_DOUBLINGS = 1_000_000, 60
 
 
 class TooMuch(Exception):
-    """A search took all the work that it may, or a curve has more detail than pieces are made for."""
+    """A search reached its limit on work, or a curve has more detail than the limit on pieces allows."""
 
 
 class Pieces:
@@ -38,13 +37,13 @@ class Pieces:
         self._halves = np.full(64, -1)
         self._count = 0
         low, high = curve.span
-        # The first pieces; of a curve without ends also those of each doubling of what is looked at.
+        # The first pieces; for a curve without ends also those of each doubling of the searched range.
         self._roots = [self._add(*_split(low, high, FIRST))]
         self._ends = [(low, high)]
 
     @property
     def roots(self) -> np.ndarray:
-        """The pieces that together are what is looked at of the curve without being asked for more."""
+        """The initial pieces: they cover the curve's span."""
         return self._roots[0]
 
     def table(self, some: np.ndarray) -> np.ndarray:
@@ -67,10 +66,10 @@ class Pieces:
         return first
 
     def around(self, x: np.ndarray, y: np.ndarray, reach: np.ndarray) -> np.ndarray:
-        """Pieces that together are all of the curve; of one without ends, all that comes within `reach` of the places
-        (x, y), each of shape (n,). Raises TooMuch.
+        """Pieces that cover the curve; for one without ends, all parts within `reach` of the places (x, y), each of
+        shape (n,). Raises TooMuch.
 
-        It is looked at twice as far as long as its outer half comes as near as that, or nearer than the inner half.
+        The range is doubled as long as its outer half comes within `reach`, or nearer than the inner half.
         """
         roots = self._roots[0]
         if self.curve.domain is not None or self.curve.period:
@@ -103,7 +102,7 @@ class Pieces:
         return self._roots[number]
 
     def _add(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """The numbers of new pieces."""
+        """Add pieces to the table; returns their numbers."""
         numbers = np.arange(self._count, self._count + len(low))
         while self._count + len(low) > self._table.shape[1]:
             self._table = np.concatenate([self._table, np.empty_like(self._table)], axis=1)

@@ -1,18 +1,18 @@
-"""Whether a plate that touches or nearly touches its track has room everywhere else, by the curvatures alone.
+"""Proof by curvatures alone that a plate that touches or nearly touches its track meets it nowhere else.
 
-A convex outline lies inside the disc that touches it from within its place and has its smallest curvature (Blaschke's
-rolling theorem; known to us, not looked up), so that a disc is all that has to be asked for:
+A convex outline lies inside the disc that touches it at the contact and has its smallest curvature (Blaschke's rolling
+theorem; known to us, not looked up), so that it is enough to consider a disc:
 
-- A closed convex track whose curvature is below the disc's everywhere is the same theorem again.
+- For a closed convex track whose curvature is below the disc's everywhere, the same theorem applies.
 - On a track that is the graph of a function along some direction, let its angle to that direction be φ(x). By
   d(sin φ)/dx = κ, and the same of the disc's lower arc with its larger curvature, the arc is steeper than the track
   everywhere beyond the contact and less steep before it: the track runs below the arc.
 
-Where the track bends to its right or not at all, the disc may be a half-plane: the tangent separates it from the plate.
+If the track bends to its right or not at all, the disc may be a half-plane: the tangent separates it from the plate.
 
-A plate at a distance g from its track touches it once it is grown by g, to curvatures κ/(1 + κ g). While that is still
-above the track's, the plate is nowhere nearer to its track than g: one pair of points with parallel tangents is the
-nearest, and the only one to follow.
+A plate at a distance g from its track touches it if it is enlarged by g, to curvatures κ/(1 + κ g). While that is above
+the track's curvature, the plate is nowhere nearer to its track than g: one pair of points with parallel tangents is the
+nearest, and only this pair has to be followed.
 """
 
 from __future__ import annotations
@@ -29,16 +29,17 @@ from cases.overlap import span
 
 from .integrators.segment import Segment
 
-# A parabola through three even places goes beyond the middle one by up to an eighth of their second difference.
+# A parabola through three evenly spaced values exceeds the middle one by up to an eighth of their second difference.
 BETWEEN = 0.25
 # Bounds on curvatures are as narrow as this part of the largest.
 BEND_PRECISION = 1e-7
-# So often stretches around an extreme are looked at more closely, in so many places: a part in 1e8 of a swing is left.
+# Stretches around an extremum are sampled again CLOSER times, at PARTS places: the remaining error is 1e-8 of the
+# range.
 CLOSER, PARTS = 3, 17
 
 
 class Room(NamedTuple):
-    """Up to which gap (m) a plate is nearest to its track in one place; the ranges of the curvatures, 1/m."""
+    """The gap (m) up to which a plate is nearest to its track in one place only; the ranges of the curvatures, 1/m."""
 
     gap: float
     track: tuple[float, float]
@@ -46,7 +47,7 @@ class Room(NamedTuple):
 
 
 def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
-    """Whether a second contact is impossible on the way, by the curvatures alone."""
+    """Whether the curvatures alone exclude a second contact during the motion."""
     track, outline = case.track, case.plate.outline
     xi1 = np.array([case.start.xi1])
     if track.domain is None and not track.period:  # a stretch of it, as long as the motion
@@ -55,16 +56,16 @@ def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
 
 
 def fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
-    """The same on a stretch of the track. An outline without an inside is only its contact arc."""
+    """Whether they exclude it on a stretch of the track. An open outline has no inside and is only the contact arc."""
     return not outline.period or room(track, outline, low, high).gap > 0.0
 
 
 @lru_cache(maxsize=256)
 def room(track: Curve, outline: Curve, low: float, high: float) -> Room:
-    """How much room there is on a stretch of the track; a gap of 0 says nothing."""
+    """The room on a stretch of the track; a gap of 0 means that nothing is proven."""
     places = _places(track, low, high)
     bend, bends = _range(track, places), _range(outline, _places(outline, *outline.span))
-    flat = BEND_PRECISION * bends[1]  # a flat side's curvature may be a little less than nothing
+    flat = BEND_PRECISION * bends[1]  # the computed curvature of a flat side may be slightly negative
     convex = bends[0] > max(bend[1], 0.0) or (bends[0] >= -flat and bend[1] < -flat)
     if not outline.period or not convex:
         return Room(0.0, bend, bends)  # not convex, or tighter than the track somewhere
@@ -87,8 +88,8 @@ def _range(curve: Curve, places: np.ndarray) -> tuple[float, float]:
 
 
 def _greatest(function: Callable[[np.ndarray], np.ndarray], places: np.ndarray) -> float:
-    """A bound on a function that the places resolve: between two of them it goes beyond both by a part of how much its
-    slope changes there. Where that may be its maximum it is looked at more closely."""
+    """An upper bound on a function that the places resolve: between two of them it exceeds both values by a part of the
+    change of its slope. Intervals that may contain its maximum are sampled more finely."""
     stretches = places.reshape(1, -1)
     for _ in range(CLOSER):
         values = np.asarray(function(stretches.ravel())).reshape(stretches.shape)

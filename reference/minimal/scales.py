@@ -1,4 +1,4 @@
-"""The motion's own scales of time: what is short or long is measured by them, never by how long one looks."""
+"""The motion's own time scales: short and long are relative to them, never to the duration of the case."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .modes import Phase
 def frequency(phase: Phase, t: float, y: Sequence[float]) -> float:
     """How fast a state changes, 1/s: the largest of speed over size and √(acceleration over size), of all positions.
 
-    0 where nothing moves and nothing accelerates; infinite or NaN where the state is no motion of numbers.
+    0 without motion and acceleration; infinite or NaN if the state is not finite.
     """
     rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
     p = phase.system.positions

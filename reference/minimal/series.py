@@ -1,8 +1,8 @@
-"""Truncated Taylor series in time with a bound on their rounding: the one-sided derivatives of a motion.
+"""Truncated Taylor series in time with bounds on their rounding: the one-sided derivatives of a motion.
 
-Where a motion starts degenerate (v = 0 and N = 0 at once, friction exactly at its cone) its next mode is decided by
-the first derivative that does not vanish. The same compiled equations that are integrated are evaluated on series
-instead of numbers; each coefficient carries a bound on its own error, so "does not vanish" needs no tolerance.
+If a motion starts degenerate (v = 0 and N = 0 at once, friction exactly at its cone), its next mode is decided by the
+first derivative that does not vanish. The same compiled equations that are integrated are evaluated on series instead
+of numbers; each coefficient carries a bound on its own error, so "does not vanish" needs no tolerance.
 
 Recurrences for the elementary functions: e.g. Hairer, Nørsett & Wanner, Solving ODE I, section I.8.
 """
@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 
 EPS = 2.0**-52
-# Of a product and the sum that it goes into.
+# Rounding of a product and of the sum that it is added to.
 ROUNDING = 2 * EPS
 
 
@@ -24,7 +24,7 @@ class Series:
 
     def __init__(self, c: list[float], e: list[float]):
         self.c, self.e = c, e
-        # (sign, sine, cosine) once asked for, or their hyperbolic cousins: they come together.
+        # Cache of (sign, sine, cosine) or the hyperbolic functions, which are computed together.
         self.pair: tuple[float, Series, Series] | None = None
 
     @classmethod
@@ -39,7 +39,7 @@ class Series:
         return self
 
     def __abs__(self):
-        """Of a speed |R_p|, which vanishes nowhere; a symbol's sign is not known when it is compiled."""
+        """The absolute value of a speed |R_p|, which is never zero; a symbol's sign is unknown when it is compiled."""
         return (self * self) ** 0.5
 
     def __add__(self, other):
@@ -70,7 +70,7 @@ class Series:
             return Series([a * b], [abs(a) * (off + ROUNDING * abs(b)) + (abs(b) + off) * error])
         c, e = [], []
         left = [(a, abs(a), error) for a, error in zip(self.c, self.e, strict=True)]
-        # From the back, so that each sum runs over two stretches side by side; with what |a| and a's error bring.
+        # Reversed, so that each sum runs over two lists in parallel; with the factors of |a| and of a's error.
         right = [(b, off + ROUNDING * abs(b), abs(b) + off) for b, off in zip(other.c, other.e, strict=True)][::-1]
         for k in range(len(left), 0, -1):
             value = bound = 0.0
@@ -135,7 +135,7 @@ def sign(value: Series | float) -> int:
 
 
 def _of_number(name: str, x):
-    """An elementary function of a number: Python's own, or the number's where it is a symbol."""
+    """An elementary function of a number: Python's own, or a symbol's method."""
     own = getattr(x, name, None)
     return own() if own else getattr(math, name)(x)
 
@@ -173,7 +173,7 @@ def _from_slope(function: Callable[[float], float], slope: Callable[[Series], Se
         shorter = Series(x.c[:-1], x.e[:-1])
         return _integrate(slope(shorter) * x.derivative(), value, abs(slope(shorter).c[0]) * x.e[0])
 
-    # By its name in this module it travels to a file and back.
+    # Pickled by its name in this module.
     elementary.__name__ = elementary.__qualname__ = function.__name__
     return elementary
 
@@ -192,7 +192,7 @@ def _integrate(rate: Series, value: float, error: float) -> Series:
 
 
 def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, Series]:
-    """(a, b) with a' = b x' and b' = sign·a x': sine and cosine, or their hyperbolic cousins."""
+    """(a, b) with a' = b x' and b' = sign·a x': sine and cosine, or hyperbolic sine and cosine."""
     if x.pair and x.pair[0] == sign:
         return x.pair[1:]
     n, most = len(x.c), 1.0 if sign < 0 else second  # none of these four is larger than 1 or the hyperbolic cosine

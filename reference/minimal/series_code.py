@@ -1,6 +1,6 @@
-"""The series of a mode's conditions as machine code: the recurrences of `series`, run once on symbols.
+"""The series of a mode's conditions as machine code: the recurrences of `series`, evaluated once on symbols.
 
-Optional: where heyoka is not installed there is none, and decisions take a tenth of a millisecond longer.
+Optional: without heyoka there is no compiled code, and decisions take a tenth of a millisecond longer.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ else:
 
 
 class Symbol:
-    """A number that is given when the compiled function is called; computes as floats do."""
+    """A symbolic input of the compiled function; it supports the operations of floats."""
 
     def __init__(self, expression) -> None:
         self.expression = expression
@@ -36,7 +36,7 @@ class Symbol:
 
 
 def _operation(name: str, swap: bool = False) -> Callable:
-    """That operation of `operator` on symbols and floats; `turned` with the float first."""
+    """An operation of `operator` on symbols and floats; `swap`: with the float first."""
 
     def apply(self, other):
         if not isinstance(other, Symbol | float | int):
@@ -57,7 +57,7 @@ for _name in ("exp", "log", "sqrt", "sin", "cos", "sinh", "cosh", "tanh", "asin"
 
 @lru_cache(maxsize=256)
 def compile_series(system: System, order: int) -> Callable[..., list[Series]] | None:
-    """The conditions of `System.expanded` in that order, compiled; None where that is not worth its time."""
+    """The conditions of `System.expand` to that order, compiled; None if compilation does not pay off."""
     if not AVAILABLE:
         return None
     function = system.from_cache("series", (order, hy.__version__, build()), lambda: _compile_source(system, order))

@@ -1,8 +1,8 @@
-"""The beginning of a flight from the track, and flights that are over before they have begun: hops.
+"""The beginning of a flight from the track, and hops: flights that end before the plate has moved noticeably.
 
-Where a flight begins on the track its gap is the small difference of two places, and its rate is known much better. So
-a first look is so close that the curves are polynomials until then: there the gap grows, or its rate falls evenly, or
-as a polynomial says, and its integral vanishes where the plate lands.
+At the start of a flight the gap is the small difference of two places, and its rate is much more precise. So the first
+look is so early that the curves are polynomials until then: there the gap grows, or its rate falls linearly or as a
+polynomial, and its integral vanishes where the plate lands.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from .integrators.segment import Segment
 # Until the first look the plate moves by this part of its size, at most, and the pair by this part of a piece in which
 # the curves are polynomials of some degree (`cases.features`).
 CLOSE, PIECE = 1 / 16, 1 / 4
-# Where a flight begins on the track, a first look one step later, or a quarter of it and so on, finds the gap growing.
-# Sooner than this part of the step, positions do not resolve it: there is no flight.
+# The first look of a flight from the track is one step after its start, then a quarter of it and so on, until the gap
+# grows. Below this part of the step positions do not resolve the gap: there is no flight.
 SOONEST = 1e-9
-# A gap's rate falls evenly, or as a polynomial says, where they differ by a few roundings of the plate's speeds.
+# A gap's rate falls linearly, or as a polynomial, if the difference is a few roundings of the plate's speeds.
 EVEN = 1e-14
-# Where a polynomial through the rate is to be known: up to a little beyond where an even fall would land.
+# Range of the polynomial through the rate: slightly beyond the landing of a linear fall.
 HOP = 1.0625
-# How often that is looked for again with the rate there: a pull that grows makes it longer than the first look says.
+# Number of corrections of the landing time with the rate there: a varying acceleration changes the first estimate.
 REFINEMENTS = 5
 _LOOKS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
 
 
 def first_look(looks: Looks, segment: Segment, start: Look) -> Look | None:
-    """A look soon after the start at which the gap is positive and grows, or a hop's landing (whose `beyond` is a
-    number); None if the gap closes."""
+    """A look soon after the start at which the gap is positive and grows, or a hop's landing (whose `beyond` is not
+    NaN); None if the gap closes."""
     part = _time_for(segment, start, looks.case.plate.reach)
     soonest = SOONEST * part
     while part > soonest:
@@ -48,17 +48,17 @@ def first_look(looks: Looks, segment: Segment, start: Look) -> Look | None:
                 return hop
         if look.rate > 0.0 and look.gap > 0.0:
             return look
-        # Half the time in which the rate falls to zero, as it has fallen until now (it may begin at a mere rounding).
+        # Half the time in which the rate falls to zero at its present slope (it may start at the size of a rounding).
         falls = start.rate > 0.0 > look.rate
         part *= min(max(0.5 * start.rate / (start.rate - look.rate), 1e-3), 0.5) if falls else 0.25
     return None
 
 
 def _hop(looks: Looks, segment: Segment, start: Look, ahead: Look) -> Look | None:
-    """The landing of a flight that begins at `start` on the track, if it is a hop over before `ahead`.
+    """The landing of a flight that begins at `start` on the track, if it is a hop that ends before `ahead`; else None.
 
-    A rate that falls evenly vanishes half-way; where a polynomial through a few looks is as good as the rates
-    themselves, its integral's zero is the landing.
+    A rate that falls linearly vanishes half-way; otherwise the landing is the zero of the integral of a polynomial
+    through a few looks, if that is as accurate as the rates themselves.
     """
     most, lasts, whole = ahead.time - start.time, inf, ahead
     for _ in range(REFINEMENTS):
@@ -76,7 +76,7 @@ def _hop(looks: Looks, segment: Segment, start: Look, ahead: Look) -> Look | Non
     half = looks.at(segment, start.time + 0.5 * lasts, start.pair)
     if half is None:
         return None
-    # Times are rounded, what is between them is not.
+    # Times are rounded, their differences are not.
     fall = (start.rate - whole.rate) / (whole.time - start.time)
     if abs(start.rate - fall * (half.time - start.time) - half.rate) <= EVEN * start.speed:
         lasts = 2.0 * start.rate / fall
@@ -89,7 +89,7 @@ def _hop(looks: Looks, segment: Segment, start: Look, ahead: Look) -> Look | Non
 
 
 def _uneven(looks: Looks, segment: Segment, start: Look, lasts: float) -> float:
-    """How long a hop lasts whose rate falls unevenly, about `lasts`; NaN where a polynomial does not tell."""
+    """Duration of a hop whose rate does not fall linearly, about `lasts`; NaN if no polynomial fits."""
     samples = [start]
     for x in _LOOKS[1:]:
         look = looks.at(segment, start.time + x * HOP * lasts, start.pair)
@@ -101,16 +101,16 @@ def _uneven(looks: Looks, segment: Segment, start: Look, lasts: float) -> float:
     if not np.max(np.abs(rate.coef[-2:])) <= 10.0 * EVEN * start.speed:
         return nan
     gap, x = rate.integ(lbnd=0.0), 1.0 / HOP
-    for _ in range(5):  # Newton's method, from the landing of an even fall, a few parts in a hundred away
+    for _ in range(5):  # Newton's method, from the landing of a linear fall, a few per cent away
         x -= float(gap(x) / rate(x))
     return x * HOP * lasts if 0.0 < x <= 1.0 else nan
 
 
 def _time_for(segment: Segment, look: Look, size: float) -> float:
-    """How long the plate's points take for a small part of its size, from the speeds before and after."""
+    """The time in which the plate's points move by a small part of its size, from the speeds before and after."""
     step = min(CLOSE * size / max(look.speed, 1e-300), float(segment.times[-1]) - look.time)
     while step * _speed(state(segment, look.time + step), size) > 2.0 * CLOSE * size:
-        step *= 0.5  # a plate that is let go has no speed yet, and gains it
+        step *= 0.5  # a released plate has no speed at first
     return step
 
 
@@ -121,7 +121,7 @@ def _speed(now: list[float], size: float) -> float:
 
 
 def _is_resolved(case: Case, start: Look, look: Look) -> bool:
-    """Whether between two looks the pair stays within a part of what the curves are polynomials on."""
+    """Whether the pair moves between two looks by less than a part of a range in which the curves are polynomials."""
     curves = (case.track, case.plate.outline)
     return all(
         curve.features is None or abs(after - before) <= PIECE * curve.features.resolved(before)

@@ -1,6 +1,6 @@
-"""One mode's equations as data: assembled from a case's curves and what its effects bring, once per structure.
+"""One mode's equations as data: assembled from a case's curves and the contributions of its effects, per structure.
 
-One symbolic source serves every integrator: sizes, friction, loads and start are runtime parameters.
+All integrators use the same symbolic source: sizes, friction, loads and start are runtime parameters.
 """
 
 from __future__ import annotations
@@ -41,19 +41,19 @@ from .frames import Frame, frame
 
 THETA = MOTION[3]
 
-# The normal force grows like a power of 1/p towards Painlevé's p = 0, and p is known to rounding of its terms: below
-# this, forces have no digits left; the place moves by less than that.
+# The normal force grows like a power of 1/p towards Painlevé's p = 0, and p has the rounding of its terms: below this
+# value forces have no digits left; the place changes by less than that.
 PARADOX = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """One mode's equations, symbolic: y' = rates(t, y; parameters), what can be observed, what ends the mode.
+    """One mode's equations, symbolic: y' = rates(t, y; parameters), outputs, and conditions that end the mode.
 
-    The first `positions` variables are positions, the others velocities. `conditions` are what a decision for this
-    mode asks for, `condition_rates` the rates of those that are velocities; `guards` are positive while the mode
-    lasts: the conditions and the geometry's limits, less those that the state cannot change. `load_quantities` are
-    checked along each step: arguments of a load's functions, then force and moment (N, N m).
+    The first `positions` variables are positions, the others velocities. `conditions` must hold for a decision for this
+    mode, `condition_rates` are the rates of those that are velocities; `guards` are positive while the mode lasts: the
+    conditions and the geometry's limits, without those that the state cannot change. `load_quantities` are checked
+    along each step: arguments of a load's functions, then force and moment (N, N m).
     """
 
     variables: tuple[sp.Symbol, ...]
@@ -74,7 +74,7 @@ class Equations:
 
 
 class CompiledExpressions(Mapping[str, sp.Expr]):
-    """Expressions by name. Their names are known at once; the expressions are derived when one is asked for."""
+    """Expressions by name. The names are stored; the expressions are derived on first use."""
 
     def __init__(self, names: Sequence[str], derive: Callable[[], Mapping[str, sp.Expr]]):
         self.names, self._derive = tuple(names), derive
@@ -93,12 +93,13 @@ class CompiledExpressions(Mapping[str, sp.Expr]):
 
 
 class System:
-    """One mode's `Equations`, derived when an expression is asked for, and the functions compiled from them.
+    """One mode's `Equations`, derived on first use, and the functions compiled from them.
 
-    `decided_by` is all that decides the equations. Functions that an earlier process compiled serve without deriving.
+    `decided_by` is everything that determines the equations. Functions that an earlier process compiled are loaded from
+    the cache without derivation.
     """
 
-    record = Elimination  # what `observed_of_arrays` returns the columns of
+    record = Elimination  # the columns that `outputs_of_arrays` returns
 
     def __init__(self, decided_by: tuple, derive: Callable[[], Equations]):
         self._decided_by, self._derive = decided_by, derive
@@ -121,7 +122,7 @@ class System:
         return self.equations.outputs
 
     def from_cache(self, kind: str, further: tuple, make: Callable[[], Any]) -> Any:
-        """What `make` makes of these equations and what else decides it, from disk where it is there."""
+        """The result of `make`, from the cache on disk if it is there; the key is these equations and `further`."""
         return cached(kind, (self._decided_by, further), Path(__file__).parent, make)
 
     def _compile(self, what: str, library: str):
@@ -218,19 +219,19 @@ class System:
 
 
 def _outline(equations: Equations) -> tuple:
-    """What a system needs to be used: symbols and names, without expressions."""
+    """The symbols and names of the equations, without expressions."""
     names = (tuple(some) for some in (equations.conditions, equations.condition_rates, equations.guards))
     return equations.variables, equations.positions, equations.parameters, *names
 
 
 def _without_raising(function: Callable[..., list], count: int) -> Callable[..., list]:
-    """The same function of floats, NaN where it has no value there (a logarithm of less than 0, an overflow), like that
-    of arrays: integrators stop at it, a decision finds nothing."""
+    """The function with NaN where it is undefined (a logarithm of less than 0, an overflow), like that of arrays:
+    integrators stop there, and a decision fails."""
 
     def evaluate(t, y, parameters) -> list:
         try:
             values = function(t, y, parameters)
-            isfinite(sum(values))  # Python's root of less than 0 is a complex number, which this refuses
+            isfinite(sum(values))  # Python's root of less than 0 is a complex number, for which this raises TypeError
             return values
         except (ArithmeticError, ValueError, TypeError):
             return [nan] * count
@@ -239,7 +240,7 @@ def _without_raising(function: Callable[..., list], count: int) -> Callable[...,
 
 
 class Kind(NamedTuple):
-    """Which rows a mode of contact has: none against slip, or rolling; one against rotation, or none."""
+    """The constraint rows of a contact: `slips` without the rolling row, `holds` with a row against rotation."""
 
     slips: bool
     holds: bool
@@ -303,7 +304,7 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
 
 
 def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
-    """Pose and velocities of the plate, what a load may depend on, in the contact's state."""
+    """Pose and velocities of the plate, the arguments of a load, in terms of the contact's state."""
     u1, u2 = (U1, U2) if kind.slips else (U1, U1 * f.P / h.P)
     rests = not _STATES[kind]
     omega = ZERO if kind.holds else spin(f, h, u1, u2)
@@ -311,7 +312,7 @@ def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
     along, across = (ZERO, ZERO) if rests else (slip + omega * h.hn, -omega * h.ht)
     _, x, y, _, vx, vy, w = MOTION
     return {
-        x: f.x - h.ht * f.tx + h.hn * f.ty,  # the centre lies off the contact by the arm (5)
+        x: f.x - h.ht * f.tx + h.hn * f.ty,  # the centre is the contact minus the arm (5)
         y: f.y - h.ht * f.ty - h.hn * f.tx,
         vx: along * f.tx - across * f.ty,
         vy: along * f.ty + across * f.tx,
@@ -339,7 +340,7 @@ def _flight_equations(law: Laws) -> Equations:
 
 
 def _ends(has_ends: tuple[bool, bool]) -> dict[str, sp.Expr]:
-    """Where a curve ends, the contact ends."""
+    """Guards for the ends of the curves."""
     guards = {}
     for name, bound, variable in zip(("track", "outline"), has_ends, (X1, X2), strict=True):
         if bound:
@@ -360,10 +361,10 @@ def parameter_values(case: Case, values: dict[str, float], names: tuple[sp.Symbo
     return tuple([numbers[symbol.name] for symbol in names])
 
 
-# Kept by what friction has no part in: scenes are made again and again with another friction.
+# Cached by arguments that do not include friction: scenes are often made again with another friction.
 @lru_cache(maxsize=1024)
 def _sizes(track: Curve, plate: Plate) -> dict[str, float]:
-    """What the parameters of curves and plate are in all modes, by name."""
+    """The parameters of curves and plate in all modes, by name."""
     sizes: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
     for prefix, curve in (("track", track), ("outline", plate.outline)):
         sizes |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}

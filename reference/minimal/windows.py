@@ -1,4 +1,4 @@
-"""A motion in short windows of time: where the plate is in each, as polynomials, and bounds on how that changes."""
+"""A motion in short windows of time: the plate's pose in each as polynomials, with bounds on its changes."""
 
 from __future__ import annotations
 
@@ -11,18 +11,17 @@ from numpy.polynomial import chebyshev
 EPS = float(np.finfo(float).eps)
 # Polynomials of this degree go through a window; a motion under constant forces is one of degree two.
 DEGREE, PARABOLA = 16, 2
-# A window whose last coefficients are larger than this part of the largest is halved, so many times at most.
+# A window whose last coefficients are larger than this part of the largest is halved, at most HALVINGS times.
 TAIL_PART, HALVINGS = 1e-13, 8
-# Of a place worked out from some coefficients.
+# Roundings of a place computed from some coefficients.
 ROUNDINGS = 16
 
 Poses = Callable[[np.ndarray], np.ndarray]
 
 
 class Windows(NamedTuple):
-    """n windows: when each starts and ends (s), the polynomials of x, y, θ in it, shape (n, 3, degree + 1), those of
-    their rates, and bounds: on the speed (m/s) and the spin (rad/s), on what changes these (m/s², rad/s²), and on the
-    polynomials' error (m)."""
+    """n windows: start and end (s), the polynomials of x, y, θ, shape (n, 3, degree + 1), those of their rates, and
+    bounds: on speed (m/s) and spin (rad/s), on their rates (m/s², rad/s²), and on the polynomials' error (m)."""
 
     start: np.ndarray
     end: np.ndarray
@@ -35,13 +34,13 @@ class Windows(NamedTuple):
     error: np.ndarray
 
     def at(self, which: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(x, y, θ) and (vx, vy, ω) at a time in each of those windows, each of shape (3, m)."""
+        """(x, y, θ) and (vx, vy, ω) at one time in each of the windows `which`, each of shape (3, m)."""
         start, end = self.start[which], self.end[which]
         z = (2.0 * times - start - end) / (end - start)
         return _values(self.places[which], z), _values(self.rates[which], z)
 
     def one(self, which: int, time: float) -> tuple[list[float], list[float]]:
-        """The same in one window at one time, as numbers."""
+        """(x, y, θ) and (vx, vy, ω) in one window at one time, as numbers."""
         start, end = float(self.start[which]), float(self.end[which])
         z = (2.0 * time - start - end) / (end - start)
         return [_value(row, z) for row in self.places[which].tolist()], [
@@ -50,7 +49,7 @@ class Windows(NamedTuple):
 
 
 def windows(poses: Poses, edges: np.ndarray, size: float, degree: int = DEGREE) -> Windows:
-    """The windows between the times `edges`, halved where the polynomials need it. `poses` maps times (m,) to
+    """The windows between the times `edges`, halved where the polynomials are not accurate. `poses` maps times (m,) to
     (x, y, θ), shape (3, m); `size` (m) is the plate's, by which a turn moves its points."""
     start, end = edges[:-1], edges[1:]
     places = _fit(poses, start, end, degree)
@@ -105,14 +104,14 @@ def _tail(places: np.ndarray) -> np.ndarray:
 
 
 def _scale(places: np.ndarray, size: float) -> np.ndarray:
-    """What the places and the angle are rounded by, (n, 3)."""
+    """The sizes by which places and angle are rounded, (n, 3)."""
     rows = np.abs(places).sum(axis=2)
     far = rows[:, 0] + rows[:, 1] + size
     return np.array([far, far, 1.0 + rows[:, 2]]).T
 
 
 def _count_terms(places: np.ndarray) -> int:
-    """How many coefficients are more than rounding anywhere, two at least."""
+    """The number of coefficients that exceed rounding in any window, at least two."""
     large = np.abs(places) > 0.1 * EPS * np.abs(places).sum(axis=2)[:, :, None]
     return max(2, int(np.flatnonzero(large.any(axis=(0, 1)))[-1]) + 1) if large.any() else 2
 

@@ -1,1 +1,1 @@
-"""What carries one phase to its end: heyoka's Taylor method and SciPy's DOP853, with one answer, a segment."""
+"""Integrators of one phase: heyoka's Taylor method and SciPy's DOP853; both return a `Segment`."""

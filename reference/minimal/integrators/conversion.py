@@ -1,5 +1,5 @@
-"""What heyoka needs to be told: which build it is, to keep nothing by itself, and SymPy's expressions where the two
-differ: numbers that are no doubles, and whole powers."""
+"""Interface to heyoka: its build, no disk cache of its own, and conversion of SymPy expressions, with special treatment
+of numbers that are no doubles and of integer powers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SMALL = 500
 
 @lru_cache(maxsize=1)
 def build() -> tuple[int, int]:
-    """Which build of heyoka this is: the same version may come with another LLVM."""
+    """The build of heyoka: the same version may come with another LLVM."""
     stat = Path(getfile(hy.expression)).stat()  # the compiled module, whose name differs between versions
     return stat.st_size, stat.st_mtime_ns
 
@@ -38,7 +38,7 @@ def small(system: System) -> bool:
 
 @contextmanager
 def nothing_on_disk() -> Iterator[None]:
-    """heyoka would keep all it compiles in the user's home, gigabytes of it, and compile at another speed each time."""
+    """Disable heyoka's disk cache: it would fill the user's home with gigabytes, and compilation times would vary."""
     state = hy.llvm_state
     if not hasattr(state, "set_diskcache_enabled"):  # versions before it had that cache
         yield
@@ -52,8 +52,8 @@ def nothing_on_disk() -> Iterator[None]:
 
 
 def compile_quickly(outputs: list, inputs: list):
-    """Expressions as a compiled function of one array, without optimisation and for one input at a time: a third of the
-    compilation's time, and a tenth of a microsecond a call."""
+    """Compile expressions to a function of one array, without optimisation and for one input at a time: a third of the
+    compilation time, for a tenth of a microsecond more per call."""
     with nothing_on_disk():
         return hy.cfunc(outputs, inputs, opt_level=0, batch_size=1)
 
@@ -66,22 +66,23 @@ def variables(system: System) -> dict:
 
 @lru_cache(maxsize=64)
 def guards(system: System) -> tuple:
-    """The system's guards as heyoka's expressions: its integrators need them, and what leaves a phase's start."""
+    """The system's guards as heyoka expressions, for its integrators and for the first step of a phase."""
     symbols = variables(system)
     return tuple(convert(guard, symbols) for guard in system.guards.values())
 
 
 def convert(expression: sp.Expr, symbols: dict):
-    """The expression as heyoka's, whole powers as products: heyoka's own power has no Taylor series at zero.
+    """Convert an expression to heyoka's, integer powers as products: heyoka's own power has no Taylor series at zero.
 
-    A magnitude, which SymPy makes of a root of a square, is that root again: it is a speed |R_p|, which is never zero.
+    An absolute value, to which SymPy converts a root of a square, becomes that root again: it is a speed |R_p|, which
+    is never zero.
     """
     symbols = symbols | {number: _number(number) for number in _numbers(expression)}
     products: dict[sp.Expr, sp.Symbol] = {}
     powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
     powers += expression.atoms(sp.Abs)
-    # What a power contains comes before it. SymPy sorts sums by names: those given here do not depend on what was
-    # compiled before, so that a motion is the same to its last bit whatever ran earlier.
+    # The powers inside a power come before it. SymPy sorts sums by names: these names do not depend on earlier
+    # compilations, so that a motion is the same to its last bit whatever ran before.
     for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
         base = _from_sympy(power.args[0].xreplace(products), symbols)
         products[power] = sp.Symbol(f"power_{i:04d}")
@@ -90,7 +91,7 @@ def convert(expression: sp.Expr, symbols: dict):
 
 
 def _from_sympy(expression: sp.Expr, symbols: dict):
-    """heyoka's own conversion; raises NotSupported for a function that it has no series of."""
+    """heyoka's own conversion; raises NotSupported for a function without a Taylor series in heyoka."""
     try:
         return hy.from_sympy(expression, symbols)
     except (TypeError, ValueError) as problem:
@@ -98,7 +99,7 @@ def _from_sympy(expression: sp.Expr, symbols: dict):
 
 
 def _numbers(expression: sp.Expr) -> Iterator[sp.Expr]:
-    """Numbers inside the expression that heyoka refuses or rounds to double precision: 1/3, sqrt(2), exp(1)."""
+    """Numbers inside the expression that heyoka rejects or rounds to double precision: 1/3, sqrt(2), exp(1)."""
     nodes = sp.preorder_traversal(expression)
     for node in nodes:
         # π is heyoka's own; halves, quarters, … are exact, and as exponents they are square roots.
@@ -114,13 +115,13 @@ def _is_binary(denominator: int) -> bool:
 
 
 def _number(number: sp.Expr):
-    """The number in quadruple precision, where heyoka has it; a compilation in double precision rounds it once more."""
+    """The number in quadruple precision, if heyoka supports it; a compilation in double precision rounds it again."""
     digits = str(sp.N(number, 40))  # quadruple precision has 34
     return hy.expression(hy.real128(digits) if hasattr(hy, "real128") else float(digits))
 
 
 def _power(base, exponent: int):
-    """Repeated squaring."""
+    """An integer power by repeated squaring."""
     half = base if exponent < 4 else _power(base, exponent // 2)
     if exponent in (2, 3):
         return base * base if exponent == 2 else base * (base * base)

@@ -1,6 +1,7 @@
-"""One phase by SciPy's DOP853 (Hairer, Nørsett & Wanner, Solving ODE I, section II.5), its end located exactly.
+"""Integration of one phase by SciPy's DOP853 (Hairer, Nørsett & Wanner, Solving ODE I, section II.5), with exact
+events.
 
-After each step the guards are looked at inside the step, not at its ends alone: two zeros in one step (a slip that
+After each step the guards are evaluated inside the step, not only at its ends: two zeros in one step (a slip that
 reverses and comes back) would leave no change of sign at the ends.
 """
 
@@ -21,7 +22,8 @@ from ..scales import frequency
 from ..series import EPS
 from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
 
-# Where a step is looked at: Chebyshev–Lobatto points, on which a polynomial of DOP853's order is resolved.
+# Places in a step at which guards are evaluated: Chebyshev–Lobatto points, which resolve a polynomial of DOP853's
+# order.
 _NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
 # The same guards on a fine grid, by interpolation through the nodes (barycentric; Berrut & Trefethen, SIAM Review 46,
 # 2004, 501: looked up).
@@ -42,28 +44,28 @@ def _interpolation() -> np.ndarray:
 _TO_FINE = _interpolation()
 
 
-# The defect of a step's dense output, which is of order seven where the step is of order eight, in tolerances to the
-# power 7/8: steps that saw what lay in them stayed below 40 (bumps, steps and notches at 1e-4 … 1e-13).
+# Limit on the defect of a step's dense output, which is of order seven while the step is of order eight, in tolerances
+# to the power 7/8: steps that resolved their features stayed below 40 (bumps, steps and notches at 1e-4 … 1e-13).
 DEFECT = 300.0
 
-# A phase is cut short where a guard's formula has no value inside a step, and integrated again up to there; where that
-# happens so often one inside the other, the phase ends at the step's start.
+# If a guard's formula is undefined inside a step, the phase is cut and integrated again up to there; after this many
+# nested cuts the phase ends at the step's start.
 MOST_CUTS = 4
 
-# Roundings of the stages in the dense output of a step of constant acceleration: at most 3.7 were seen.
+# Roundings of the stages in the dense output of a step of constant acceleration: the largest observed is 3.7.
 ROUNDINGS = 16
 _STAGE_WEIGHTS = np.abs(DOP853.D)
 
-# How far ahead the rates are looked at before a first step, in parts of the motion's own time.
+# Before a first step the rates are evaluated this far ahead, in parts of the motion's time scale.
 PROBE = 1e-2
 
-# So many steps that together cover no more than this part of the phase so far do not go on: towards a singularity the
-# tolerance asks for digits that rounding has taken, long before a step is as short as a rounding of the time.
+# The phase stops if STANDS steps together cover no more than STILL of it so far: towards a singularity the tolerance
+# needs digits that are lost to rounding, long before a step is as short as a rounding of the time.
 STANDS, STILL = 500, 1e-9
 
 
 def _weights(x):
-    """What each of the seven vectors F of a step's dense output counts at part x of the step: x, x (1−x), x² (1−x), …
+    """The weights of the seven vectors F of a step's dense output at part x of the step: x, x (1−x), x² (1−x), …
     (Hairer, Nørsett & Wanner, II.6). One part as a float, or an array of them."""
     weights = [x]
     for k in range(1, 7):
@@ -82,7 +84,7 @@ def _weight_slopes(x):
     return slopes
 
 
-# Most steps are looked at in the same places.
+# Cached, as most steps are evaluated at the same places.
 @lru_cache(maxsize=128)
 def _at(parts: bytes) -> np.ndarray:
     return np.array(_weights(np.frombuffer(parts))).T
@@ -116,14 +118,14 @@ def prepare(phase: Phase, rtol: float = 1e-10) -> None:
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity where no step is small enough.
 
-    The absolute tolerance is rtol times the state's natural sizes in the phase; rtol below 1e-13 is taken as
-    1e-13, where DOP853 meets rounding.
+    The absolute tolerance is rtol times the state's natural sizes in the phase; rtol below 1e-13 counts as 1e-13, where
+    DOP853's error reaches rounding.
     """
     return _integrate(phase, t, y, end, rtol, MOST_CUTS)
 
 
 def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) -> Segment:
-    """The same; `cuts`: how often the phase may still be cut where a guard has no value."""
+    """Same as `integrate`; `cuts`: how often the phase may still be cut where a guard is undefined."""
     rates, parameters = phase.system.rates_of_numbers, phase.parameters
 
     def rhs(time, state):
@@ -169,12 +171,12 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
 
 
 def _first_step(phase: Phase, rhs, t: float, y, end: float, rtol: float, atol: np.ndarray) -> float:
-    """The first step tried, s: SciPy's rule (Hairer, Nørsett & Wanner, II.4), but in the motion's own time.
+    """The first step to try, s: SciPy's rule (Hairer, Nørsett & Wanner, II.4), but in the motion's time scale.
 
-    It takes the eighth root of a rate, and so depends on the unit of time: in microseconds it was so short that a slip
-    that leaves zero with the square of time was rounding at its end.
+    The rule takes the eighth root of a rate, and so depends on the unit of time: in microseconds the step was so short
+    that a slip that grows with the square of time was still rounding at its end.
     """
-    # A flight is integrated as far as it may last, often by one step: a constant force asks for no more.
+    # A flight is integrated over its estimated duration, often by one step: a constant force needs no more.
     often = 0.0 if phase.regime == FLIGHT else frequency(phase, t, y)
     if not often > 0.0:
         return end - t
@@ -189,14 +191,14 @@ def _first_step(phase: Phase, rhs, t: float, y, end: float, rtol: float, atol: n
 
 
 def _end_event(phase: Phase, times: list[float], pieces, event: Event, evaluations: int) -> Segment:
-    """The segment of whole steps; of none, the state where it stopped."""
+    """The segment of complete steps; without any, the state at which it stopped."""
     states = _PiecewiseOutput(times[:-1], pieces) if pieces else _ConstantOutput(event.state)
     return Segment.of(phase, np.array(times), states, event, evaluations)
 
 
 def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
-    """One step; again from its start, and shorter, where it passes a feature or does not satisfy the equations. How
-    many times it was tried."""
+    """Take one step; repeat it with a shorter length if it passes a feature or does not satisfy the equations. Returns
+    the number of tries."""
     start, before, slope, tries = solver.t, solver.y, solver.f, 1
     solver.step()
     while phase.checks_steps and solver.status != "failed":
@@ -213,10 +215,10 @@ def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
 
 
 def _dense_output(solver: DOP853) -> DenseOutput:
-    """The dense output of the last step, without the terms that are nothing but rounding of its stages.
+    """The dense output of the last step, without terms that are only rounding of its stages.
 
-    Its last four vectors F weigh the stages by up to a thousand; where the motion is a polynomial of low degree, as in
-    free flight, they should vanish and are a hundred roundings.
+    Its last four vectors F weight the stages by up to a thousand; if the motion is a polynomial of low degree, as in
+    free flight, they should vanish but are a hundred roundings.
     """
     piece = solver.dense_output()
     last = piece.F[3:]
@@ -231,7 +233,7 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
 
 
 def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int, cuts: int) -> Segment:
-    """The segment up to where a guard's formula loses its value in the last step, or up to a guard's zero before."""
+    """The segment up to the point in the last step where a guard's formula becomes undefined, or an earlier zero."""
     after = int(np.argmin(np.isfinite(at_nodes).all(axis=0)))
     low, high = float(_NODES[max(after - 1, 0)]), float(_NODES[after])
     for _ in range(60):
@@ -267,12 +269,12 @@ def _guard(phase: Phase, piece, index: int, x: float) -> float:
 
 
 def _first_zero(phase: Phase, piece, at_nodes: np.ndarray, first: bool) -> tuple[str, float] | None:
-    """The guard that is the first to reach zero inside the step, and when; None if all stay positive."""
+    """The first guard to reach zero inside the step, and its time; None if all stay positive."""
     if piece.t <= piece.t_old:
         return None
     if first:
-        # The decision that began the phase says that all guards are positive just after; at the start itself one is
-        # zero, to rounding of either sign.
+        # By the decision that began the phase all guards are positive just after its start; at the start itself one is
+        # zero, up to a rounding of either sign.
         at_nodes[:, 0] = np.maximum(at_nodes[:, 0], 0.0)
     fine = at_nodes @ _TO_FINE.T
     # Most guards of most steps are far from zero compared with how much they change.
@@ -294,7 +296,7 @@ def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool)
 
     below = np.flatnonzero(fine[1:] <= 0.0) + 1
     if below.size:
-        # The bracket may be off by the interpolation's error; the guard itself says so.
+        # The bracket may be wrong by the interpolation's error, so the guard itself is evaluated.
         low, high = float(_FINE[below[0] - 1]), float(_FINE[below[0]])
         while high < 1.0 and value(high) > 0.0:
             high = min(1.0, high + _FINE[1])
@@ -304,8 +306,8 @@ def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool)
                 while low > 1e-12 and value(low) <= 0.0:
                     low *= 0.1
                 if value(low) <= 0.0:
-                    # It ended before it can be looked at: its start is nearer to the zero than any later state. (A spin
-                    # of 1e-306 rad/s would end as one of -1e-31 rad/s.)
+                    # The phase ends before it is resolved: its start is nearer to the zero than any later state. (A
+                    # spin of 1e-306 rad/s would end as one of -1e-31 rad/s.)
                     return piece.t_old
             if value(low) <= 0.0:
                 return piece.t_old + h * low
@@ -323,9 +325,9 @@ def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool)
 
 
 def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
-    """Step again from the step's start to the zero itself: a step's end is more accurate than its inside.
+    """Step again from the step's start to the guard's zero: a step's end is more accurate than its inside.
 
-    What Newton's method then corrects is as short as the dense output was wrong, and one step of the classical
+    The correction by Newton's method is then as short as the error of the dense output, and one step of the classical
     Runge–Kutta method covers it without error.
     """
     whole, start = piece.t - piece.t_old, piece.t_old
@@ -348,7 +350,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
     t, y = float(again.t), again.y
     for _ in range(2 if slope < 0.0 else 0):
         correction = -phase.system.guards_of_numbers(t, y.tolist(), phase.parameters)[index] / slope
-        # A correction beyond the dense output's own error says that the slope is not to be trusted (a touching zero).
+        # A correction larger than the dense output's error means that the slope is unreliable (a touching zero).
         if abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(t) or t + correction <= start:
             break
         t, y = float(t + correction), _runge_kutta(rhs, t, y, correction)
@@ -366,7 +368,7 @@ def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _ConstantOutput:
-    """Dense output of a phase without a step: it stays where it is."""
+    """Dense output of a phase without a step: a constant state."""
 
     state: tuple[float, ...]
 
@@ -383,7 +385,7 @@ class _PiecewiseOutput:
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         pieces = self.pieces
-        if len(times) == 1:  # a search looks at one instant after the other: a fifth of the time below
+        if len(times) == 1:  # searches evaluate single instants: a fifth of the time of the general code below
             piece = pieces[min(max(bisect_right(self.starts, float(times[0])) - 1, 0), len(pieces) - 1)]
             if not isinstance(piece, DenseOutput):
                 return piece(times)

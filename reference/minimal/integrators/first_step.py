@@ -1,8 +1,8 @@
-"""The first, tiny part of a phase, by its Taylor polynomial alone.
+"""The first short step of a phase, by its Taylor polynomial alone.
 
-A phase begins with a guard at zero that the decision found to grow, often with the square of time; event detection
-would find that root again, and a cool-down after it would hide the next. So the start is left first. How far its
-polynomial reaches, where it leads and what the guards are there is worked out at once, by machine code.
+A phase begins with a guard at zero that is known to grow, often with the square of time. Event detection would find
+that root again, and a cool-down after it would hide the next. So a first step leaves the start. The length of the step,
+the state after it and the guards there are computed together, by machine code.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from ..system import System
 from .conversion import build, compile_quickly, convert, guards, variables
 from .segment import BREAKDOWN
 
-# The part of its first polynomial's reach that a phase covers by it alone: it is exact there to rounding, and what
-# leaves zero with the fourth power of time is still well above its own rounding.
+# Length of the first step as a part of its polynomial's range: the polynomial is exact there to rounding, and a
+# quantity that grows with the fourth power of time is still well above its own rounding.
 PART = 1e-3
-# Powers that count there: beyond, a term is less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
+# Highest power used there: later terms are less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
 NEAR = 8
-# So often that part is shortened tenfold where a guard is not positive at its end: what is left then is rounding.
+# The step is shortened tenfold this many times if a guard is not positive at its end: the rest is then rounding.
 SHORTER = 9
 
 
 class FirstStep(NamedTuple):
-    """How a phase's start was left: when (s), with which state, in how many steps (0 or 1), the longest step (s) that
-    may follow, and the guard that is at zero, if one is."""
+    """The result of the first step: time (s), state, number of steps (0 or 1), the longest step (s) that may follow,
+    and the guard that is at zero, if any."""
 
     time: float
     state: tuple[float, ...] | list[float]
@@ -41,7 +41,7 @@ class FirstStep(NamedTuple):
 
 
 def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, tolerance: float) -> FirstStep:
-    """The state a little later than t, all guards positive there and half-way; or the guard that is not.
+    """Take the first step from t; all guards are positive at its end and half-way, or the result names one that is not.
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
@@ -53,11 +53,11 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         if not isfinite(ahead.total) and not np.isfinite(coefficients).all():
             return FirstStep(t, y, 0, inf, BREAKDOWN)
         if not ahead.guards or not 0.0 < ahead.often < inf:
-            return FirstStep(t, y, 0, ahead.longest)  # nothing moves and nothing presses: no guard leaves zero
+            return FirstStep(t, y, 0, ahead.longest)  # no motion and no contact force: no guard leaves zero
         if phase.checks_steps:
             clear = clear_part(phase, Expansion(t, ahead.h, coefficients), tolerance)
             ahead = start(coefficients, (part, clear * ahead.h, *numbers))
-        # What is positive at the end and half-way there has left zero and not come back; else the step is shortened
+        # A guard that is positive at the end and half-way has left zero and not come back; else the step is shortened
         # until the event lies behind it.
         if all([value > 0.0 for value in ahead.guards]):
             return FirstStep(t + ahead.h, ahead.state, 1, ahead.longest)
@@ -68,9 +68,9 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
 
 
 class _SeriesEstimate(NamedTuple):
-    """What a polynomial says: the sum of its coefficients, the longest step (s) that the upper half of them allows, how
-    often (1/s) a term grows to the plate's size or the forces move it so far, the time h (s), the state there, and the
-    guards half-way and there."""
+    """Estimates from a Taylor polynomial: the sum of its coefficients, the longest step (s) that the upper half of them
+    allows, the rate (1/s) at which a term grows to the plate's size or the forces move the plate that far, the step h
+    (s), the state after it, and the guards half-way and after it."""
 
     total: float
     longest: float
@@ -81,7 +81,7 @@ class _SeriesEstimate(NamedTuple):
 
 
 class _FirstPolynomial:
-    """The first polynomial of a system's phases, so many terms, as a compiled function."""
+    """The first polynomial of a system's phases, with a number of terms, as a compiled function."""
 
     def __init__(self, system: System, terms: int):
         key = (terms, PART, NEAR, hy.__version__, build())
@@ -91,8 +91,9 @@ class _FirstPolynomial:
         self._count = self._coefficients + 4 + system.positions + len(system.parameters)
 
     def __call__(self, coefficients: np.ndarray, numbers: tuple[float, ...]) -> _SeriesEstimate:
-        """`known` are part, span, t, the plate's size, lengths and parameters; h = min(part/often, span)."""
-        inputs = np.empty(self._count)  # of this call alone: other threads make theirs
+        """Evaluate; `numbers` are part, span, t, the plate's size, lengths and parameters; h = min(part/often,
+        span)."""
+        inputs = np.empty(self._count)  # local to this call, for thread safety
         inputs[: self._coefficients] = coefficients.ravel()
         inputs[self._coefficients :] = numbers
         total, longest, often, h, *results = self._function(inputs).tolist()
@@ -111,18 +112,18 @@ def _compile(system: System, terms: int):
     fixed = {hy.par[i]: parameter for i, parameter in enumerate(parameters)}
 
     def there(expressions, time, state) -> list:
-        """Expressions of time and state, at these."""
+        """Expressions of time and state, evaluated at `time` and `state`."""
         substitutions = {symbols[variable]: value for variable, value in zip(system.variables, state, strict=True)}
         return hy.subs(list(expressions), substitutions | fixed | {hy.time: time})
 
-    # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) looks at the last two terms, relative
-    # to the state or to 1. From a symmetric place at rest a motion has every fourth power only, and both may vanish.
+    # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms, relative to
+    # the state or to 1. A motion from rest at a symmetric place has only every fourth power, and both terms may vanish.
     sizes = [[_size(c) for c in row] for row in rows]
     largest = _largest([hy.expression(1.0), *(row[0] for row in sizes)])
     powers = range(terms // 2, terms)
     longest = exp(-2.0) / _largest([(_largest([row[k] for row in sizes]) / largest) ** (1.0 / k) for k in powers])
-    # All terms of positions count: those of even or of odd order vanish in a motion from rest. Where none is left the
-    # forces balance, and a load may change them: they count by the time in which they would move the plate by its size.
+    # All terms of positions are used: those of even or of odd order vanish in a motion from rest. If all vanish, the
+    # forces balance, and a load may change them: they enter by the time in which they would move the plate by its size.
     pressing = [convert(force, symbols) for force in (system.outputs.normal, system.outputs.friction)]
     forces = there(pressing, t, [row[0] for row in rows])
     growth = [_largest([row[k] / unit for row, unit in zip(sizes, lengths, strict=False)]) for k in range(terms)]

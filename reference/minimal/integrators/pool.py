@@ -1,4 +1,4 @@
-"""Compiled integrators that several threads use at once, each one of its own."""
+"""A pool of compiled integrators for several threads, each of which uses its own."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ T = TypeVar("T")
 
 
 class IntegratorPool:
-    """Equal integrators, as many as were ever in use at once.
+    """Identical integrators, as many as were ever in use at the same time.
 
-    An integrator holds the time, state and parameters of the phase that it is at, so that no other phase may use it
-    until that one is read. `make` makes one; a thread that works alone never needs a second.
+    An integrator stores the time, state and parameters of its present phase, so that no other phase may use it until
+    the results are read. `make` makes one; a single thread never needs a second.
     """
 
     def __init__(self, make: Callable[[], Any]):
         self._make, self._free = make, [make()]
-        self._original: Any = None  # what further ones are copied from: it is never in use
+        self._original: Any = None  # the source of copies, never in use itself
 
     def call(self, function: Callable[Concatenate[Any, P], T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """`function(integrator, …)`, the integrator in no other use until it returns."""
+        """Call `function(integrator, …)` with an integrator that is not used elsewhere until it returns."""
         try:
             integrator = self._free.pop()
         except IndexError:
@@ -36,7 +36,8 @@ class IntegratorPool:
 
     @in_one_thread
     def _another(self) -> Any:
-        """One more. A copy takes 2 ms and shares the machine code; to make one takes ten times as long, or more."""
+        """One more integrator. A copy takes 2 ms and shares the machine code; making one takes at least ten times as
+        long."""
         if self._original is None:
             self._original = self._make()
         return deepcopy(self._original)

@@ -1,4 +1,4 @@
-"""What an integrator answers: one phase's motion and what ended it."""
+"""The result of an integrator: one phase's motion and the event that ended it."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ import numpy as np
 
 from ..modes import Phase
 
-# Stands for a guard where the equations became singular and no step can go on.
+# Used instead of a guard's name if the equations became singular and no step can continue.
 BREAKDOWN = "breakdown"
-# Stands for a guard where a motion has taken all the steps that it may.
+# Used instead of a guard's name if a motion reached its limit on steps.
 OUT_OF_STEPS = "exhausted"
-# The same where looking for landings took all the work that it may.
+# Used instead of a guard's name if the search for landings reached its limit on work.
 LOST_SIGHT = "lost sight"
-# So many steps a phase takes at most: the compiled loop takes five seconds for them, their record 400 MB.
+# Limit on the steps of a phase: the compiled loop takes five seconds for them, their record 400 MB.
 MOST_STEPS = 400_000
-# The same where each step is looked at by itself (a third of a millisecond, with a load in place or velocity up to one:
+# The limit if each step is processed separately (a third of a millisecond, with a load in place or velocity up to one:
 # half a minute to two).
 MOST_LOOKED_AT = 100_000
-# A step that is not accepted is repeated with a shorter length, up to fifty times near a pole: so many tries a phase.
+# A rejected step is repeated with a shorter length, up to fifty times near a pole: limit on the tries of a phase.
 MOST_TRIES = 2 * MOST_LOOKED_AT
 
 
 class Event(NamedTuple):
-    """What ended a phase: the guard that reached zero (None: the end of the time span), when, and the state there."""
+    """The end of a phase: the guard that reached zero (None: the end of the time span), the time, and the state."""
 
     guard: str | None
     time: float
@@ -41,8 +41,8 @@ Record = tuple[np.ndarray, States]
 
 @dataclass(eq=False, slots=True)
 class Segment:
-    """A phase's motion: when it starts (s), what ends it, the work it took, and `record`: its step times and its dense
-    output, t ↦ states of shape (variables, n), or what gives these. What decides a motion seldom asks for them."""
+    """A phase's motion: start (s), event, work, and `record`: its step times and its dense output, t ↦ states of shape
+    (variables, n), or a function that returns these. Simulating a motion seldom needs them."""
 
     phase: Phase
     start: float
@@ -53,7 +53,7 @@ class Segment:
 
     @classmethod
     def of(cls, phase: Phase, times: np.ndarray, states: States, event: Event, evaluations: int) -> Segment:
-        """A segment whose steps are at hand."""
+        """A segment from its steps."""
         return cls(phase, float(times[0]), event, evaluations, len(times) - 1, (times, states))
 
     @property
@@ -73,11 +73,11 @@ class Segment:
         return self._full_record[1]
 
     def __reduce__(self):
-        """A segment travels to another process with all its steps: what would make them again stays here."""
+        """Pickle the segment with all its steps, without the function that would compute them."""
         return Segment, (self.phase, self.start, self.event, self.evaluations, self.steps, self._full_record)
 
     def until(self, time: float, evaluations: int) -> Segment:
-        """The same motion cut at that time, with the work that it took."""
+        """The same motion cut at a time, with the given number of evaluations."""
         times = np.append(self.times[self.times < time], time)
         return Segment.of(self.phase, times, self.states, self.event._replace(time=time), evaluations)
 
@@ -87,9 +87,10 @@ class Segment:
 
 
 def blocks(starts: np.ndarray, times: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """For pieces of time that begin at `starts`: the number of each piece that is met, and which of `times` lie in it.
+    """For pieces of time that begin at `starts`: the number of each piece with `times` in it, and their indices.
 
-    Before the first start counts as the first piece. One sort, so that the cost is linear in pieces and in times.
+    Times before the first start belong to the first piece. It sorts once, so that the cost is linear in pieces and
+    times.
     """
     which = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
     order = np.argsort(which, kind="stable")

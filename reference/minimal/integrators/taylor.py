@@ -1,6 +1,6 @@
-"""One phase by heyoka's Taylor method with its own event detection (Biscani & Izzo 2021, MNRAS 504, 2614).
+"""Integration of one phase by heyoka's Taylor method with its event detection (Biscani & Izzo 2021, MNRAS 504, 2614).
 
-Optional: where heyoka is not installed, `AVAILABLE` is False and DOP853 does everything.
+Optional: without heyoka, `AVAILABLE` is False and DOP853 is used.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ else:
     from .first_step import FirstStep, leave
 
     AVAILABLE = True
-    # What it compiled heyoka keeps for another of the same text, up to 2 GB; here equal systems are one.
+    # heyoka caches compiled code for equal source texts, up to 2 GB; here equal systems are already shared.
     if hasattr(hy.llvm_state, "set_memcache_limit"):  # versions before it had that cache
         hy.llvm_state.set_memcache_limit(64 * 2**20)
-    hy.set_logger_level_error()  # a step that is no number ends the phase, with a sentence of ours
-    # As numbers: heyoka's own are compared by name, which costs as much as a step.
+    hy.set_logger_level_error()  # a non-finite step ends the phase, with our own message
+    # As integers: comparing heyoka's own outcomes, by name, costs as much as a step.
     SUCCESS, TIME_LIMIT, STEP_LIMIT = (
         int(outcome)
         for outcome in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit, hy.taylor_outcome.step_limit)
@@ -40,19 +40,20 @@ else:
 FINEST = 1e-16
 # Far below double precision's rounding, far above quadruple's.
 QUADRUPLE_TOLERANCE = 1e-24
-# A step of so few units in the last place of time no longer moves it: towards a singularity steps shrink without end.
+# A step of at most this many units in the last place of time makes no progress: towards a singularity steps shrink
+# without limit.
 SHORTEST = 16
-# The defect of a step's polynomial, in tolerances: steps that saw what lay in them stayed below 1.1 (bumps, steps and
-# notches at 1e-4 … 1e-12). Forces are known to ROUNDING, as differences of terms up to a thousand times as large.
+# Limit on the defect of a step's polynomial, in tolerances: steps that resolved their features stayed below 1.1 (bumps,
+# steps and notches at 1e-4 … 1e-12). Forces have the error ROUNDING, as differences of terms up to 1000 times as large.
 DEFECT, ROUNDING = 10.0, 1e-12
-# The compiled loop comes up after so many steps, so that it does not run for ever towards a singularity.
+# The compiled loop returns after this many steps, so that it does not run forever towards a singularity.
 CHUNK = 1000
 
 
 @lru_cache(maxsize=128)
 def integrators_of(system: System, tolerance: float, real: type = float, optimised: bool = False) -> IntegratorPool:
-    """The compiled integrators of a system, with one terminal event for each guard; `optimised` whatever that takes,
-    for thousands of runs."""
+    """The compiled integrators of a system, with one terminal event for each guard; `optimised`: fully optimised,
+    however long that takes, for thousands of runs."""
     key = (tolerance, real.__name__, hy.__version__, build(), *(("optimised",) if optimised else ()))
     return IntegratorPool(
         lambda: system.from_cache("integrator", key, lambda: _compile(system, tolerance, real, optimised))
@@ -64,8 +65,8 @@ def _compile(system: System, tolerance: float, real: type, optimised: bool):
     equations = [(symbols[v], convert(rate, symbols)) for v, rate in zip(system.variables, system.rates, strict=True)]
     falling = hy.event_direction.negative
     events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards(system)]
-    # A product in quadruple precision is a call of a library: steps written out compile thirty times as long, and run
-    # as fast, to the same last bit.
+    # A product in quadruple precision is a library call: unrolled steps take thirty times as long to compile, and run
+    # no faster, to the same last bit.
     written_out = real is float
     with nothing_on_disk():
         return hy.taylor_adaptive(
@@ -97,8 +98,8 @@ def tolerance_of(rtol: float) -> float:
 def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN).
 
-    The compiled loop carries a phase to its event at once; its steps are taken again, one by one, when they are asked
-    for. Where a step may pass something over, or the loop finds no event to end at, they are taken one by one at once.
+    The compiled loop integrates a phase to its event in one call; its steps are repeated, one by one, when they are
+    requested. If a step could pass over a feature, or the loop ends without an event, the steps are taken one by one.
     """
     tolerance = tolerance_of(rtol)
     integrators = integrators_of(phase.system, tolerance)
@@ -106,25 +107,25 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     if outcome is None:
         return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
     event, steps = outcome
-    # No closure, for the garbage collector's sake.
+    # No closure, to spare the garbage collector.
     return Segment(phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps))
 
 
 def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int):
-    """Times and dense output of a phase that the compiled loop carried to its end, in so many steps."""
+    """Times and dense output of a phase that the compiled loop integrated to its end in `steps` steps."""
     integrators = integrators_of(phase.system, tolerance)
     again = integrators.call(_one_by_one, phase, t, y, end, float, tolerance, most_steps=steps)
     return np.append(again.times[:-1], end_time), again.states
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
-    """The same in quadruple precision, start and end of the phase rounded to double; `rtol` is not looked at."""
+    """Integrate in quadruple precision, start and end of the phase rounded to double; `rtol` is ignored."""
     integrators = integrators_of(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
     return integrators.call(_one_by_one, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
 
 
 def _at_once(integrator, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
-    """What ends the phase and after how many steps, by heyoka's own loop; None where that does not tell."""
+    """The event that ends the phase and the number of steps, by heyoka's own loop; None if its outcome is unclear."""
     _parametrise(integrator, phase, float)
     first = _leave(integrator, phase, t, y, end, float, tolerance)
     if first.guard:
@@ -146,7 +147,7 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float, tolerance: float
 
 
 def _guard(outcome: int, phase: Phase) -> str | None:
-    """The guard whose event a step ended at: heyoka counts terminal events down from -1, all else lies below them."""
+    """The guard of the event that ended a step: heyoka numbers terminal events down from -1, other outcomes lower."""
     guards = phase.system.guards.names
     return guards[-outcome - 1] if -len(guards) <= outcome < 0 else None
 
@@ -154,13 +155,13 @@ def _guard(outcome: int, phase: Phase) -> str | None:
 def _one_by_one(
     integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float, most_steps: int = MOST_LOOKED_AT
 ) -> Segment:
-    """The phase with all its steps."""
+    """Integrate the phase step by step; returns the segment with all its steps."""
     _parametrise(integrator, phase, real)
     first = _leave(integrator, phase, t, y, end, real, tolerance)
     guard = first.guard
     times, coefficients = ([t, first.time], [integrator.tc.astype(float)]) if first.steps else ([t], [])
     last, longest, tries = real(end), real(first.longest), 0
-    with np.errstate(over="ignore"):  # of quadruple precision's coefficients towards a singularity
+    with np.errstate(over="ignore"):  # quadruple-precision coefficients may overflow doubles near a singularity
         while integrator.time < end and guard is None:
             if len(coefficients) >= most_steps or tries >= MOST_TRIES:
                 guard = OUT_OF_STEPS
@@ -181,8 +182,8 @@ def _one_by_one(
 
 
 def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
-    """One step of at most `longest`; again from its start, shorter, where it passes a feature or the equations. How it
-    ended, and how often it was taken."""
+    """Take one step of at most `longest`; repeat it shorter if it passes a feature or does not satisfy the equations.
+    Returns its outcome and the number of tries."""
     if not phase.checks_steps:
         return integrator.step(longest, True)[0], 1
     start, before, tries = integrator.time, integrator.state.copy(), 1
@@ -214,7 +215,7 @@ def _doubles(series: np.ndarray) -> np.ndarray:
 
 
 def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
-    """The segment up to the last finite state, where numbers stopped being finite."""
+    """The segment up to the last finite state, if numbers stopped being finite."""
     steps = len(coefficients) - 1
     # Towards a singularity the coefficients of quadruple precision outgrow doubles while the state is still finite.
     while steps > 1 and not np.all(np.isfinite(coefficients[steps - 1])):
@@ -226,7 +227,7 @@ def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
 
 
 def _leave(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> FirstStep:
-    """The phase's start, left by its own Taylor polynomial; the integrator stands there then."""
+    """Take the phase's first step by its Taylor polynomial, and set the integrator to its end."""
     _set(integrator, t, y, real)
     integrator.step(real(0.0), True)
     first = leave(phase, integrator.tc if real is float else integrator.tc.astype(float), t, y, end, tolerance)
@@ -235,7 +236,7 @@ def _leave(integrator, phase: Phase, t: float, y, end: float, real: type, tolera
 
 
 def _parametrise(integrator, phase: Phase, real: type) -> None:
-    pars = integrator.pars  # as many as the equations use: heyoka knows none beyond the last of these
+    pars = integrator.pars  # only as many as the equations use
     used = phase.parameters[: len(pars)]
     pars[:] = used if real is float else [real(value) for value in used]
 
@@ -248,20 +249,20 @@ def _set(integrator, t: float, y, real: type) -> None:
 
 
 class _TaylorOutput:
-    """The steps' own Taylor polynomials, t ↦ states (variables, n).
+    """Dense output from the steps' Taylor polynomials, t ↦ states (variables, n).
 
-    Two arrays and no closures: of 10⁵ phases each object is one more that the garbage collector walks through.
+    Two arrays and no closures: with 10⁵ phases each object adds to the garbage collector's work.
     """
 
     __slots__ = ("starts", "by_power")
 
     def __init__(self, times: list[float], coefficients: list[np.ndarray], y):
-        # By power, variable and step; a phase without a step stays where it starts.
+        # By power, variable and step; a phase without a step has a constant state.
         powers = np.array(coefficients).transpose(2, 1, 0) if coefficients else np.array(y, dtype=float)[None, :, None]
         self.starts, self.by_power = np.array(times[: powers.shape[2]]), np.ascontiguousarray(powers)
 
     def __call__(self, when: np.ndarray) -> np.ndarray:
-        if len(when) == 1:  # a search looks at one instant after the other: a tenth of the time below
+        if len(when) == 1:  # searches evaluate single instants: a tenth of the time of the general code below
             i = max(bisect_right(self.starts, float(when[0])) - 1, 0)
             start, rows = _rows(self, i)
             return np.array([[_horner(row, float(when[0]) - start)] for row in rows])
@@ -276,7 +277,7 @@ class _TaylorOutput:
 
 @lru_cache(maxsize=16)
 def _rows(dense: _TaylorOutput, i: int) -> tuple[float, list[list[float]]]:
-    """When one step starts, and its polynomials from the highest power down, without what vanishes there."""
+    """The start of one step, and its polynomials from the highest power down, without vanishing powers."""
     own = dense.by_power[:, :, i]
     used = max(np.flatnonzero(own.any(axis=1)), default=0) + 1
     return float(dense.starts[i]), own[:used][::-1].T.tolist()
