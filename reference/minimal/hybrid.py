@@ -154,7 +154,7 @@ def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callab
         t, y, regime, place = step.time, step.state, step.regime, step.place
         if steps >= MOST_STEPS:
             return segments, transitions, work_limit_ending(t, steps)
-    sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, as often as a run follows; end it there."
+    sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, the limit of a run; end it there."
     return segments, transitions, ("unfinished", sentence)
 
 
@@ -167,7 +167,7 @@ def undecidable(t: float) -> Ending:
 def work_limit_ending(t: float, steps: int) -> Ending:
     """The ending if a motion reaches its limit on steps."""
     return "unfinished", (
-        f"The motion took {steps} steps until t = {t:.9g} s, as much work as a run takes; end it there, or look at "
+        f"The motion took {steps} steps until t = {t:.9g} s, the limit of a run; end it there, or use "
         "slower speeds and forces."
     )
 
@@ -175,7 +175,7 @@ def work_limit_ending(t: float, steps: int) -> Ending:
 def _search_limit_ending(t: float) -> Ending:
     """The ending if the search for landings reaches its limit on work."""
     return "unfinished", (
-        f"Looking for landings took as much work as a run takes until t = {t:.9g} s; end it there, or look at slower "
+        f"The search for landings reached the limit of a run at t = {t:.9g} s; end it there, or use slower "
         "speeds and spins, or at coarser curves."
     )
 
