@@ -146,7 +146,7 @@ def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     lacking = [f"{row[word]} {word.replace('_', ' ')}" for word in _NOT_ANSWERED.values() if row[word]]
     count = f"{row['answered']} of {row['friction_cases']}"
     factor = row["worst_friction_factor"]
-    digits = f"{row['digits']:.1f} ± {row['digits_doubt']:.1g}" if isfinite(row["digits"]) else "–"
+    digits = f"{row['digits']:.2f} ± {row['digits_doubt']:.2f}" if isfinite(row["digits"]) else "–"
     return {
         "answered": (count, ", ".join(lacking)),
         "default": (_percent(row["default_off"]), _worst(row["default_off_worst"])),

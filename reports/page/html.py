@@ -13,6 +13,7 @@ from markupsafe import Markup
 from ..analysis.work_precision import CostMeasurements
 from ..drawing.colours import colours
 from ..drawing.figure_files import FigureEntry
+from ..judging.grades import LIMITS, percent
 from ..running.records import REFERENCE, TRUTH_RTOL, Experiment
 from . import chapters, cost, front_page, vendor
 from .fragments import command_of as command_of
@@ -80,6 +81,7 @@ def render(
         "vendored": [entry | {"text": _licence(entry)} for entry in vendor.libraries()],
         "motions": [{"label": motion["label"], "data": Markup(_json(motion))} for motion in moving],
         "truth_rtol": f"{TRUTH_RTOL:g}",
+        "grades": ", ".join(f"{name} up to {percent(limit)}" for name, limit in LIMITS.items()),
         "limit": f"{manifest['limit_seconds']:g}",
     }
     return environment().get_template("page.html").render(parts)

@@ -16,6 +16,7 @@ from cases.pictures import animation
 from reports import options, publish
 from reports.analysis import time_to_accuracy
 from reports.analysis.columns import COLUMNS
+from reports.judging.grades import LIMITS
 
 ROOT = Path(__file__).parent.parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -69,6 +70,12 @@ def test_a_command_of_a_page_exists_and_takes_its_options(page, line):
     assert importlib.util.find_spec(module) is not None
     known = {f"--{name.replace('_', '-')}" for name in options._OPTIONS}
     assert set(re.findall(r"--[a-z-]+", line)) <= known
+
+
+def test_the_page_on_reports_has_the_limits_of_the_grades():
+    page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([a-z ]+) \| ([0-9.]+) \|$", page, flags=re.M)
+    assert {name: float(limit) for name, limit in rows} == {str(name): limit for name, limit in LIMITS.items()}
 
 
 def test_links_lead_somewhere():
