@@ -108,7 +108,7 @@ def test_a_folder_or_file_that_others_can_open_is_left_alone(folder, caplog):
 
 def test_a_folder_of_somebody_else_is_left_alone_and_said_once(folder, caplog, monkeypatch):
     asked(folder, "first")
-    monkeypatch.setattr(compile_cache, "_checked", compile_cache.lru_cache(compile_cache._safe_folder))
+    monkeypatch.setattr(compile_cache, "_safe_folder", compile_cache.lru_cache(compile_cache._safe_folder))
     monkeypatch.setattr(os, "geteuid", lambda: 12345)
     with caplog.at_level(logging.WARNING):
         assert all(asked(folder, "second") == ("second", True) for _ in range(3))
