@@ -113,10 +113,10 @@ class TrackDistance:
         )  # fmt: skip
 
     def foot(self, body: np.ndarray, x: float, y: float) -> float:
-        """The outline's parameter approximately nearest to a point."""
+        """The parameter of the outline's point nearest to a point."""
         c, s = np.cos(body[2]), np.sin(body[2])
         dx, dy = x - body[0], y - body[1]
-        return float(self.params[self.tree.query([c * dx + s * dy, c * dy - s * dx])[1]])
+        return float(self._nearest(np.array([c * dx + s * dy]), np.array([c * dy - s * dx]))[3][0])
 
     def _nearest(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The signed distance of points in the plate's frame, the outline's normal at the nearest, its parameter."""
