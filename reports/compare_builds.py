@@ -27,6 +27,7 @@ COMMAND = "reports.compare_builds"
 
 # Key columns of each compared table, and the columns that vary from build to build.
 _ROWS = {
+    "verdict": ("solver", "route"),
     "headline": ("case", "solver", "route"),
     "trajectories": ("case", "solver", "route", "setting"),
     "transitions": ("case", "solver", "route", "setting", "event", "before", "after", "verdict", "_number"),
@@ -197,7 +198,7 @@ def _accuracies(
 def summary_lines(comparison: BuildComparison, one: Path, other: Path, solvers: Sequence[str] = ()) -> str:
     """The comparison as text, after differences in how the reports were made."""
     names = [f", {name}" for name in solvers] or ["", ""]
-    lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_provenance(one, other)]
+    lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_provenance(one, other), *_only_in_one(one, other)]
     parts = {
         "accuracies that changed": comparison.accuracies,
         "awards that changed": comparison.awards,
@@ -224,6 +225,18 @@ def _provenance(one: Path, other: Path) -> list[str]:
     names = ("commit", "machine", "python", "solvers", "packages", "settings")
     values = [{name: m.get(name) for name in names} for m in manifests]
     return [f"{n}: {values[0][n]} | {values[1][n]}" for n in names if values[0][n] != values[1][n]]
+
+
+def _only_in_one(one: Path, other: Path) -> list[str]:
+    """The tables that only one of the reports has: those are not compared."""
+    names = [{file.stem for file in (folder / "tables").glob("*.csv")} & _ROWS.keys() for folder in (one, other)]
+    lacking = {"A": names[1] - names[0], "B": names[0] - names[1]}
+    note = " (reports before version 0.2.0 have no verdict)"
+    return [
+        f"{report} has no table {', '.join(sorted(tables))}: not compared{note if 'verdict' in tables else ''}"
+        for report, tables in lacking.items()
+        if tables
+    ]
 
 
 def _manifest(file: Path) -> dict[str, Any]:

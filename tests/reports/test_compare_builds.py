@@ -24,6 +24,7 @@ WHO = {"case": CASE, "solver": "reference", "route": "taylor"}
 RUN = WHO | {"setting": "rtol=1e-13"}
 TABLES = {
     "headline": [WHO | {"reached": 1e-12}],
+    "verdict": [{"solver": "a", "route": "native", "finest_off": 0.01}],
     "trajectories": [RUN | {"outcome": "right", "centre_max": 1e-15, "cpu_s": 1e-3, "run_at": "now"}],
     "transitions": [
         RUN | {"event": 1, "before": "slip_forward", "after": "roll", "verdict": "matched", "error": e}
@@ -52,15 +53,32 @@ def test_a_report_does_not_differ_from_itself(report, capsys):
     assert "accuracies that changed: none" in capsys.readouterr().out
 
 
+def test_an_older_report_is_read_with_a_note(report, tmp_path, capsys):
+    other = changed(report, tmp_path, "truth", "time", "0.34")
+    (other / "tables" / "verdict.csv").unlink()
+    assert compare_builds.main([str(report), str(other)]) == 0
+    text = capsys.readouterr().out
+    assert "B has no table verdict: not compared (reports before version 0.2.0 have no verdict)" in text
+    assert "A has no table" not in text
+
+
 @pytest.mark.parametrize(
-    "table, column", [("transitions", "error"), ("trajectories", "outcome"), ("truth", "time"), ("headline", "reached")]
+    "table, column",
+    [
+        ("transitions", "error"),
+        ("trajectories", "outcome"),
+        ("truth", "time"),
+        ("headline", "reached"),
+        ("verdict", "finest_off"),
+    ],
 )
 def test_an_accuracy_that_changed_is_told_with_its_row(table, column, report, tmp_path, capsys):
     other = changed(report, tmp_path, table, column, "0.125")
     assert compare_builds.main([str(report), str(other)]) == 3
     (difference,) = compare_builds.compare(report, other).accuracies
     assert (difference.table, difference.column, difference.other) == (table, column, "0.125")
-    assert CASE in difference.row and difference.row in capsys.readouterr().out
+    assert difference.row == "a, native" if table == "verdict" else CASE in difference.row
+    assert difference.row in capsys.readouterr().out
 
 
 def test_times_of_another_day_are_no_difference(report, tmp_path):
