@@ -1,7 +1,7 @@
-"""What an adapter returned, as plain numbers and words of ordinary size, or a sentence that says what is not.
+"""Converts the values that an adapter returns into plain numbers and words of limited size, or reports what is wrong.
 
-An adapter is third-party code: what it returns may be of any type, and asking it for its value may run code of its own.
-It is looked at once, in the process in which the adapter runs; everything after that computes with plain values.
+An adapter is third-party code: its values may have any type, and reading them may run code. They are read once, in the
+process in which the adapter runs; all other code uses the plain values.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from cases.errors import describe
 
 from .interface import EngineFailure, Setting
 
-# A motion of so many samples takes 200 MB; the finest rung of ours has 60,000.
+# A motion of so many samples takes 200 MB; the finest rung of the suite's engines has 60,000.
 MOST_SAMPLES = 2_000_000
 MOST_TRANSITIONS = 100_000
-# Seconds, steps and knobs beyond these are no measurement: 30 years, and what a float counts exactly.
+# Seconds, steps and knobs beyond these are no measurement: 30 years, and the largest exact integers of a float.
 MOST_SECONDS, MOST_STEPS, MOST_KNOB = 1e9, 2**53, 1e100
 # Characters of a word, such as a status, and of a sentence.
 MOST_WORD, MOST_SENTENCE = 100, 2000
 
 
 def motion(raw: Any, case: Case) -> Trajectory:
-    """The motion that an adapter returned of a case, of plain arrays, numbers and words.
+    """The motion that an adapter returned for a case, as plain arrays, numbers and words.
 
-    Whether it is a motion of the case is judged later. A `dense` output of its own is left out: nothing calls back into
-    an adapter. Raises EngineFailure in one sentence that names what is of the wrong type or size.
+    Other code judges whether it is a motion of the case. Its `dense` output is left out: nothing calls back into an
+    adapter. Raises EngineFailure in one sentence that names a value of the wrong type or size.
     """
     if not isinstance(raw, Trajectory):
         raise EngineFailure(f"it returned {_short_text(raw)} in place of a Trajectory")
@@ -51,12 +51,12 @@ def motion(raw: Any, case: Case) -> Trajectory:
         )
     except EngineFailure:
         raise
-    except Exception as problem:  # its own classes may do anything when they are asked for a value
+    except Exception as problem:  # reading the values may run any code
         raise EngineFailure(f"its motion cannot be read: {describe(problem)}") from problem
 
 
 def cost(raw: Any) -> Cost:
-    """What a run cost, as plain numbers; raises EngineFailure."""
+    """The cost of a run as plain numbers; raises EngineFailure."""
     if not isinstance(raw, Cost):
         raise EngineFailure(f"its cost is {_short_text(raw)}; give a Cost")
     seconds: dict[str, Any] = {
@@ -82,7 +82,7 @@ def setting(raw: Any) -> Setting:
 
 
 def _column(name: str, raw: Any) -> np.ndarray:
-    """A column as an array (n,) of its own, with nothing of the adapter's in it."""
+    """A column as a new array (n,) that shares nothing with the adapter."""
     if not isinstance(raw, np.ndarray | list | tuple):
         raise EngineFailure(f"its {name} is {_short_text(raw)}; give an array")
     if len(raw) > MOST_SAMPLES:
@@ -121,7 +121,7 @@ def _mode(what: str, raw: Any) -> Mode:
 
 
 def _number(what: str, raw: Any, least: float, most: float, may_be_nan: bool = False) -> float:
-    """A number between two bounds, or NaN where it may be `unknown`."""
+    """A number between two bounds; NaN is accepted with `may_be_nan`."""
     if isinstance(raw, bool | np.bool_) or not isinstance(raw, int | float | np.integer | np.floating):
         raise EngineFailure(f"its {what} is {_short_text(raw)}; give a number")
     try:
@@ -147,7 +147,7 @@ def _text(what: str, raw: Any, most: int) -> str:
 
 
 def _short_text(raw: Any) -> str:
-    """What it is, for a sentence; its own text only where that is Python's."""
+    """A short description for a message; the value's own text only for Python's built-in types."""
     if type(raw) in (int, float, str, bool, bytes, type(None)):
         text = repr(raw) if type(raw) is not int or abs(raw) < MOST_STEPS else f"a number of {raw.bit_length()} bits"
         return text if len(text) <= MOST_WORD else f"{text[:MOST_WORD]}…"

@@ -1,10 +1,10 @@
-"""pybullet (Bullet 3, double precision): a sphere on a plane that is put along the track's tangent before every step.
+"""pybullet (Bullet 3, double precision): a sphere on a plane that is moved to the track's tangent before every step.
 
-Bullet has no smooth concave shapes; it has an exact contact of a sphere with a plane. So the route is `assisted`: the
-suite says where the tangent is, inertia, friction cone, stick and push are Bullet's. The step is semi-implicit Euler
+Bullet has no smooth concave shapes, but an exact contact of a sphere with a plane. So the route is `assisted`: the
+suite computes the tangent; inertia, friction cone, stick and normal force are Bullet's. The step is semi-implicit Euler
 on velocities with speculative contact: with erp = 1 the sphere touches the plane at the end of a step. The plane is
 therefore moved, by the chord's sagitta, to where the sphere will touch the track then; its direction is that of the
-step's beginning. Positions stand at k·h, velocities at (k+½)·h, since the first step accelerates for half its time.
+step's beginning. Positions are at k·h, velocities at (k+½)·h, because the first step accelerates for half its time.
 
 Source of the parameters: the PyBullet Quickstart Guide, `changeDynamics` and `setPhysicsEngineParameter`.
 """
@@ -29,28 +29,28 @@ NAME = "pybullet"
 routes = ("assisted",)
 KNOWN = "pybullet>=3.2.5"
 
-# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+# The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, CoulombFriction, Unilateral)
 
 MEANINGS = (
     Meaning(
         CoulombFriction,
         "lateralFriction of both bodies, multiplied; here mu and 1",
-        "Coulomb's cone on the impulses of a step, one coefficient for slip and stick",
+        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick",
     ),
-    Meaning(Impact, "restitution; this adapter does not set it", "refused"),
-    Meaning(RollingResistance, "rollingFriction; this adapter does not set it", "refused"),
+    Meaning(Impact, "restitution; this adapter does not set it", "not supported"),
+    Meaning(RollingResistance, "rollingFriction; this adapter does not set it", "not supported"),
 )
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4), 2.5
-# Of the engine as it comes: 240 steps a second, a fifth of the overlap beyond the slop (m) corrected in each, sweeps up
+# The engine's defaults: 240 steps a second, a fifth of the overlap beyond the slop (m) corrected in each, iterations up
 # to a residual, both dampings in 1/s.
 DEFAULTS = Setting.of(rung="defaults", h=1 / 240, erp=0.2, slop=1e-5, residual=1e-7, damping=0.04)
 
 
 def version() -> str:
-    """The engine's API version, its release by date; the package tells no other."""
+    """The engine's API version, a release date; the package reports no other version."""
     return str(pybullet.getAPIVersion())
 
 
@@ -60,28 +60,30 @@ def refuses(case: Case, route: str) -> str | None:
         raise unknown_name("route of pybullet", route, routes)
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if {"Flight", "Impact"} & {*missing}:
-        return f"pybullet's plane is put where the plate touches its track: this route has no {' and '.join(missing)}."
+        return f"pybullet's plane is at the contact point, so this route does not support {' and '.join(missing)}."
     if missing:
-        return f"This adapter has not told pybullet how to do {' and '.join(missing)}."
+        return f"This adapter does not support {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pybullet has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):
-        return "pybullet's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
+        return "pybullet's contacts only push, and this case has a bilateral guide (no Unilateral)."
     if case.plate.radius is None:
-        return "pybullet's exact contact with a plane is a sphere's, and this outline is no circle about its centre."
+        return (
+            "pybullet's exact contact with a plane is for spheres; this outline is no circle about its centre of mass."
+        )
     return None
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
-    """Settings from coarse to fine: the engine as it comes, then the step alone, without damping and overlap."""
+    """Settings from coarse to fine: the engine's defaults, then finer steps without damping and overlap."""
     stretch = max(1.0, case.duration / USUAL_DURATION)
     return (DEFAULTS, *(Setting.of(h=h * stretch, erp=1.0, slop=0.0, residual=0.0, damping=0.0) for h in STEPS))
 
 
 @dataclass
 class PybulletModel:
-    """One run: the case, the step (s) and how many, the engine's numbers of its objects, and what was noted."""
+    """One run: the case, the step (s) and number of steps, the engine's object numbers, and the recorded rows."""
 
     case: Case
     h: float
@@ -95,7 +97,7 @@ class PybulletModel:
 
 def build(case: Case, route: str, setting: Setting) -> PybulletModel:
     """A world with the sphere at the case's start. The step divides the duration evenly."""
-    assert case.plate.radius is not None, "refuses() lets discs alone pass"
+    assert case.plate.radius is not None, "refuses() accepts only discs"
     steps = max(2, round(case.duration / setting["h"]))
     h, start, friction = case.duration / steps, start_motion(case), case.effect(CoulombFriction)
     world = pybullet.connect(pybullet.DIRECT)
@@ -106,7 +108,7 @@ def build(case: Case, route: str, setting: Setting) -> PybulletModel:
     sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=case.plate.radius, **where)
     ground = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=[0.0, 1.0, 0.0], **where)
     plane = pybullet.createMultiBody(0.0, ground, **where)
-    # Not with useMaximalCoordinates: an inertia of one's own is then NaN from the first step on.
+    # Not with useMaximalCoordinates: a user-defined inertia then gives NaN from the first step on.
     plate = pybullet.createMultiBody(case.plate.mass, sphere, basePosition=[start.x, start.y, 0.0], **where)
     # The engine multiplies the two bodies' coefficients.
     pybullet.changeDynamics(plane, -1, lateralFriction=1.0, **where)
@@ -118,7 +120,7 @@ def build(case: Case, route: str, setting: Setting) -> PybulletModel:
 
 
 def run(model: PybulletModel) -> None:
-    """Step through the duration, with the plane put anew before each step; stops where no track is near."""
+    """Step through the duration, with the plane moved before each step; stop where no track is near."""
     where = dict(physicsClientId=model.world)
     try:
         _step(model, where)
@@ -128,7 +130,7 @@ def run(model: PybulletModel) -> None:
 
 def _step(model: PybulletModel, where: dict[str, int]) -> None:
     case, h, start = model.case, model.h, start_motion(model.case)
-    # The engine's quaternion forgets whole turns; the angle is its own steps' sum. A sphere needs no other.
+    # The engine's quaternion has no whole turns; the angle is the sum of its steps. A sphere needs nothing else.
     centre, theta, near = np.array([start.x, start.y]), start.theta, (start.xi1, start.xi2)
     now, change = np.array([start.vx, start.vy]), 0.5 * h * gravity(case)
     for k in range(model.steps + 1):
@@ -141,11 +143,11 @@ def _step(model: PybulletModel, where: dict[str, int]) -> None:
         (vx, vy, _), (_, _, omega) = pybullet.getBaseVelocity(model.plate, **where)
         model.rows.append((*centre.tolist(), theta, vx, vy, omega))
         before, now = now, np.array([vx, vy])
-        # The forces of a step are those of the last one, nearly; the first lasted half a step.
+        # The forces of a step are nearly those of the previous one; the first lasts half a step.
         change = (1.0 if k else 2.0) * (now - before)
         theta += h * omega
         if k == 0:
-            # Half a step's acceleration, a whole step's way.
+            # The acceleration of half a step, the displacement of a whole step.
             position = [*(centre + h * now).tolist(), 0.0]
             pybullet.resetBasePositionAndOrientation(model.plate, position, [0.0, 0.0, 0.0, 1.0], **where)
             pybullet.resetBaseVelocity(model.plate, [vx, vy, 0.0], [0.0, 0.0, omega], **where)
@@ -153,7 +155,7 @@ def _step(model: PybulletModel, where: dict[str, int]) -> None:
 
 
 def _add_plane(model: PybulletModel, centre, theta: float, velocity, share: float, near, where) -> tuple[float, float]:
-    """Put the plane such that a step with about that velocity ends on the track; `share`: of it the engine steps."""
+    """Place the plane so that a step with about that velocity ends on the track; `share`: the part that is stepped."""
     case, (x, y), (way_x, way_y) = model.case, centre.tolist(), (model.h * velocity).tolist()
     here = find(case, x, y, theta, near)
     ahead = find(case, x + way_x, y + way_y, theta, here[:2])

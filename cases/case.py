@@ -68,11 +68,11 @@ class Case:
 
     def __reduce__(self):
         """A case travels to another process by value, whether a catalogue knows it or not."""
-        return _unchecked, (self._values(),)
+        return _restore, (self._values(),)
 
     def named(self, name: str, parameters: Mapping[str, float]) -> Case:
         """The same scene as the catalogue's case of that name with those parameters."""
-        return _unchecked(self._values() | {"name": name, "parameters": dict(parameters)})
+        return _restore(self._values() | {"name": name, "parameters": dict(parameters)})
 
     def _values(self) -> dict[str, Any]:
         values = {f.name: getattr(self, f.name) for f in fields(self)}
@@ -142,7 +142,7 @@ def _check_parameters(parameters: object) -> Mapping[str, float]:
     return MappingProxyType({key: parameter(f"parameter {key}", value) for key, value in parameters.items()})
 
 
-def _unchecked(values: dict[str, Any]) -> Case:
+def _restore(values: dict[str, Any]) -> Case:
     """A case of the values of one that was checked, here or in the process that sent it."""
     case = object.__new__(Case)
     vars(case).update(values, parameters=MappingProxyType(values["parameters"]))
@@ -152,8 +152,8 @@ def _unchecked(values: dict[str, Any]) -> Case:
 def _text_of(record: Any) -> str:
     """An effect or a start in a few words: what of it is not as usual."""
     values = {f.name: (getattr(record, f.name), f.default) for f in fields(record)}
-    told = [f"{name}={_short(value)}" for name, (value, usual) in values.items() if value != usual]
-    return f"{type(record).__name__}({', '.join(told)})"
+    texts = [f"{name}={_short(value)}" for name, (value, usual) in values.items() if value != usual]
+    return f"{type(record).__name__}({', '.join(texts)})"
 
 
 def _short(value: Any) -> str:

@@ -82,12 +82,12 @@ def run(command: str, words: Sequence[str]) -> None:
     if command not in OWN + BY_OTHERS:
         raise unknown_name("command", command, OWN + BY_OTHERS)
     if command in BY_OTHERS:
-        found = _of_others(command)
-        if not found:
+        function = _of_others(command)
+        if function is None:
             raise BadValue(
                 f"{command} needs the installed suite: pip install -e . first, or python -m reports.{command}"
             )
-        found(words)
+        function(words)
         return
     if command == "check":
         if not words:
@@ -103,16 +103,16 @@ def run(command: str, words: Sequence[str]) -> None:
 
 def _of_others(command: str) -> Callable | None:
     """What an installed package declares for that command."""
-    found = list(entry_points(group="slip_to_roll.commands", name=command))
-    return found[0].load() if found else None
+    points = list(entry_points(group="slip_to_roll.commands", name=command))
+    return points[0].load() if points else None
 
 
 def listing() -> str:
     """Every case with its first line; a star marks the hard ones."""
     names = registry.names()
     width = max(map(len, names))
-    found = [(name, registry.entry(name)) for name in names]
-    return "\n".join(f"{name:{width}} {'*' if case.hard else ' '} {case.summary}" for name, case in found)
+    entries = [(name, registry.entry(name)) for name in names]
+    return "\n".join(f"{name:{width}} {'*' if case.hard else ' '} {case.summary}" for name, case in entries)
 
 
 def new(name: str, force: bool = False) -> str:
@@ -149,9 +149,9 @@ def _shadows(name: str) -> bool:
 def check(text: str, changes: Sequence[str] = ()) -> str:
     """Make every variant of the cases that a word names (or the one with `changes`) and run it, where there is a
     solver; raises CaseError with file and line of what is wrong."""
-    found, run = lookup.case_name(text), _of_others("check")
+    selection, run = lookup.case_name(text), _of_others("check")
     lines = []
-    for case in [found.one(changes)] if changes else found.every():
+    for case in [selection.one(changes)] if changes else selection.every():
         try:
             does = run(case) if run else NO_SOLVER
         except CaseError as problem:
@@ -159,7 +159,7 @@ def check(text: str, changes: Sequence[str] = ()) -> str:
         lines.append(f"{case.label}: fits; {does}")
     lines += [
         f"{name}: its docstring names no source yet (Source: …); the acceptance tests ask for one"
-        for name in found.names
+        for name in selection.names
         if "Source:" not in (registry.entry(name).function.__doc__ or "")
     ]
     return "\n".join(lines)

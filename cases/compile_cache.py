@@ -49,7 +49,7 @@ _FILE = re.compile(rf"[0-9a-f]{{64}}{re.escape(_SUFFIX)}")
 # What this process took from the folder and what it put there, by kind.
 hits: Counter[str] = Counter()
 misses: Counter[str] = Counter()
-_written = -1
+_bytes_since_trim = -1
 # What is made and not written yet, inside `withheld`.
 _pending: list[tuple[Path, bytes]] | None = None
 
@@ -65,15 +65,15 @@ def cached(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
     if folder is None:
         return make()
     try:
-        said = "\n".join((kind, _as_text(decided_by), _surroundings(), _code(code), _code(Path(__file__).parent)))
+        key = "\n".join((kind, _as_text(decided_by), _surroundings(), _code(code), _code(Path(__file__).parent)))
     except OSError as error:  # modules that cannot be read as files cannot be told from others
         _log().warning("nothing is kept: %s", error)
         return make()
-    file = folder / (hashlib.sha256(said.encode()).hexdigest() + _SUFFIX)
-    found = _read(file)
-    if found is not None:
+    file = folder / (hashlib.sha256(key.encode()).hexdigest() + _SUFFIX)
+    result = _read(file)
+    if result is not None:
         hits[kind] += 1
-        return found[0]
+        return result[0]
     value = make()
     misses[kind] += 1
     _write(file, value)
@@ -153,13 +153,13 @@ def _safe_folder(text: str) -> Path | None:
     return None
 
 
-def _not_ours(found: os.stat_result, is_kind: Callable[[int], bool], kind: str, closed: int) -> str:
+def _not_ours(about: os.stat_result, is_kind: Callable[[int], bool], kind: str, closed: int) -> str:
     """What is wrong with a file or folder that has to be the user's alone, "" if nothing."""
-    if not is_kind(found.st_mode):
+    if not is_kind(about.st_mode):
         return f"it is not {kind}"
-    if not hasattr(os, "geteuid") or found.st_uid != os.geteuid():
+    if not hasattr(os, "geteuid") or about.st_uid != os.geteuid():
         return "it belongs to somebody else"
-    return "others have access to it" if found.st_mode & closed else ""
+    return "others have access to it" if about.st_mode & closed else ""
 
 
 def _read(file: Path) -> tuple[Any] | None:
@@ -201,21 +201,21 @@ def _write_pending() -> None:
 
 
 def _put(file: Path, content: bytes) -> None:
-    global _written
+    global _bytes_since_trim
     try:
         owned_folder.write(file, hashlib.sha256(content).digest() + content, mode=0o600, durable=False)
-        if _written < 0 or _written > _LOOK_BYTES:
-            _written = 0
+        if _bytes_since_trim < 0 or _bytes_since_trim > _LOOK_BYTES:
+            _bytes_since_trim = 0
             _trim(file.parent)
-        _written += max(len(content), _LOOK_BYTES // _LOOK_FILES)  # small files count, too
+        _bytes_since_trim += max(len(content), _LOOK_BYTES // _LOOK_FILES)  # small files count, too
     except OSError as error:
         _log().warning("%s could not be kept: %s", file, error)
 
 
 def _trim(folder: Path) -> None:
     """If the folder holds more than it may, leave three quarters of that: the files that were used last."""
-    found = owned_folder.files_in(folder, _FILE)
-    part = 0.75 if len(found) > MOST_FILES or sum(about.st_size for _, about in found) > LARGEST_BYTES else 1.0
+    files = owned_folder.files_in(folder, _FILE)
+    part = 0.75 if len(files) > MOST_FILES or sum(about.st_size for _, about in files) > LARGEST_BYTES else 1.0
     owned_folder.remove_longest_unused(folder, _FILE, part * LARGEST_BYTES, part * MOST_FILES)
 
 
@@ -267,13 +267,13 @@ class _Pickler(pickle.Pickler):
 
     def reducer_override(self, thing):
         if isinstance(thing, FunctionType) and thing.__code__.co_filename.startswith("<lambdifygenerated"):
-            known = thing.__globals__
+            scope = thing.__globals__
             return _function, (
                 marshal.dumps(thing.__code__),
-                {n: known[n] for n in thing.__code__.co_names if n in known},
+                {n: scope[n] for n in thing.__code__.co_names if n in scope},
             )
         return NotImplemented
 
 
-def _function(code: bytes, known: dict[str, Any]) -> FunctionType:
-    return FunctionType(marshal.loads(code), known)
+def _function(code: bytes, scope: dict[str, Any]) -> FunctionType:
+    return FunctionType(marshal.loads(code), scope)

@@ -78,5 +78,5 @@ def overlap(case: Case, x: float, y: float, theta: float, near: float | None = N
     without ends.
     """
     xi1 = np.array([case.start.xi1 if near is None else near])
-    found = first_overlap(case.track, case.plate.outline, np.array([x]), np.array([y]), np.array([theta]), xi1)
-    return found[1] if found else None
+    overlapping = first_overlap(case.track, case.plate.outline, np.array([x]), np.array([y]), np.array([theta]), xi1)
+    return overlapping[1] if overlapping else None

@@ -67,10 +67,10 @@ def check_regular(curve: CurveToCheck) -> None:
 
 def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
     """Even samples, and the places that the formula names, with both sides of each."""
-    named = np.array(features.centres(curve.expression, PARAMETER))
+    centres = np.array(features.centres(curve.expression, PARAMETER))
     beside = BESIDE * (high - low)
-    named = np.concatenate([named - beside, named, named + beside])
-    return np.union1d(np.linspace(low, high, SAMPLES), named[(named > low) & (named < high)])
+    centres = np.concatenate([centres - beside, centres, centres + beside])
+    return np.union1d(np.linspace(low, high, SAMPLES), centres[(centres > low) & (centres < high)])
 
 
 def _check_speed(curve: CurveToCheck, s: np.ndarray, speed: np.ndarray, index: int, what: str, sign: float) -> None:
@@ -85,21 +85,21 @@ def _check_speed(curve: CurveToCheck, s: np.ndarray, speed: np.ndarray, index: i
     from scipy.optimize import minimize_scalar  # slow to import, seldom needed
 
     low, high = s[max(index - 1, 0)], s[min(index + 1, len(s) - 1)]
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         lambda v: curve.speed(np.array([v]))[0] ** (2 * sign),
         bounds=(low, high), method="bounded", options={"xatol": 1e-12 * (high - low)},
     )  # fmt: skip
-    extreme = curve.speed(np.array([found.x]))[0]
+    extreme = curve.speed(np.array([minimum.x]))[0]
     if not abs(np.log10(extreme / typical)) < 7:
-        raise BadCurve(f"the curve {what} near s = {found.x:.6g}; give a domain that leaves it out")
+        raise BadCurve(f"the curve {what} near s = {minimum.x:.6g}; give a domain that leaves it out")
 
 
 def _check_jumps(curve: CurveToCheck, s: np.ndarray, points: np.ndarray, speed: np.ndarray) -> None:
     """Raises BadCurve if two neighbouring samples stay apart however close their parameters come."""
     chords = np.hypot(*np.diff(points, axis=1))
-    explained = np.diff(s) * np.maximum(speed[1:], speed[:-1])
+    bound = np.diff(s) * np.maximum(speed[1:], speed[:-1])
     size = float(np.ptp(points, axis=1).max())
-    suspicious = np.flatnonzero((chords > LONG_CHORD * explained) & (chords > JUMP * size))
+    suspicious = np.flatnonzero((chords > LONG_CHORD * bound) & (chords > JUMP * size))
     low, high = s[suspicious], s[suspicious + 1]
     for _ in range(30 if len(suspicious) else 0):  # each towards the half that holds more of its chord
         middle = 0.5 * (low + high)
@@ -141,9 +141,10 @@ def check_simple(curve: CurveToCheck) -> None:
     sides = int(min(MOST_SIDES, max(FEWEST_SIDES, SIDES_A_RADIAN * turning)))
     # So that symmetric curves do not cross exactly at two corners.
     grid = corners(curve, sides, offset=0.37 if curve.period else 0.0)
-    met = _meeting(curve, grid)
-    if met:
-        raise BadCurve(f"the curve {met[0]} between s = {met[1]:.4g} and s = {met[2]:.4g}; give a shorter domain")
+    meeting = _meeting(curve, grid)
+    if meeting:
+        how, first, second = meeting
+        raise BadCurve(f"the curve {how} between s = {first:.4g} and s = {second:.4g}; give a shorter domain")
 
 
 def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] | None:

@@ -71,10 +71,10 @@ def corners(curve: CurveFormula, count: int, offset: float = 0.0) -> np.ndarray:
     turns = np.abs(np.diff(angle))
     # Half of the sides are shared out by length, half by turning.
     parts = np.insert(np.cumsum(steps / steps.sum() + turns / max(float(turns.sum()), 1e-300)), 0, 0.0)
-    found = np.interp((np.arange(count + 1) + offset) / count * parts[-1], parts, grid)
+    values = np.interp((np.arange(count + 1) + offset) / count * parts[-1], parts, grid)
     if offset:
-        found[-1] = found[0] + (grid[-1] - grid[0])
-    return found
+        values[-1] = values[0] + (grid[-1] - grid[0])
+    return values
 
 
 def angles(curve: CurveFormula, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -83,14 +83,14 @@ def angles(curve: CurveFormula, span: tuple[float, float]) -> tuple[np.ndarray, 
     count = min(MOST_ANGLES, max(4 * SAMPLES, int(ANGLES * (span[1] - span[0]) / curve.unit))) + 1
     grid = _with_features(curve, np.linspace(*span, count))
     for _ in range(HALVINGS):
-        found, rate = _turning(curve, grid)
+        values, rate = _turning(curve, grid)
         coarse = np.diff(grid) * np.maximum(rate[1:], rate[:-1]) > TURN
         if not coarse.any() or len(grid) > MOST_ANGLES:
             break
         grid = np.sort(np.append(grid, 0.5 * (grid[:-1] + grid[1:])[coarse]))
     # The branch is fixed where the span begins, so that wider tables agree with narrower ones.
-    anchor = np.interp(curve.span[0], grid, found)
-    return grid, found - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
+    anchor = np.interp(curve.span[0], grid, values)
+    return grid, values - 2 * np.pi * np.floor((anchor + np.pi) / (2 * np.pi))
 
 
 def _turning(curve: CurveFormula, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

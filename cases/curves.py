@@ -106,8 +106,8 @@ class Curve:
         """
         if not isinstance(closed, bool | np.bool_):
             raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
-        found = point_fit.fit(points, closed)
-        return cls(lambda s: found.expression, found.domain, found.residual)
+        result = point_fit.fit(points, closed)
+        return cls(lambda s: result.expression, result.domain, result.residual)
 
     @classmethod
     def from_csv(cls, path, closed: bool) -> Curve:

@@ -53,7 +53,7 @@ class derived(Generic[T]):
         if instance is None:
             return self
         with LOCK:
-            known = vars(instance)  # once the value is there Python finds it before it comes here
-            if self._name not in known:
-                known[self._name] = self._make(instance)
-            return known[self._name]
+            attributes = vars(instance)  # once the value is there Python finds it before it comes here
+            if self._name not in attributes:
+                attributes[self._name] = self._make(instance)
+            return attributes[self._name]

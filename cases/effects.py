@@ -75,13 +75,13 @@ class Load:
     @derived
     def at(self) -> Callable[..., list[float]]:
         """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats; NaN where there is no value."""
-        compiled = sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+        function = sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
 
         def values(*motion: float) -> list[float]:
             try:
-                found = compiled(*motion)
-                isfinite(sum(found))  # Python's root of less than 0 is a complex number, which this refuses
-                return found
+                components = function(*motion)
+                isfinite(sum(components))  # Python's root of less than 0 is a complex number, which this refuses
+                return components
             except (ArithmeticError, ValueError, TypeError):
                 return [nan, nan, nan]
 
@@ -96,10 +96,10 @@ class Load:
         parts = features.alone(self.expression, MOTION[0])
         if not parts:
             return None
-        compiled = sp.lambdify(MOTION[0], list(parts), modules="numpy", cse=True)
+        function = sp.lambdify(MOTION[0], list(parts), modules="numpy", cse=True)
 
         def values(t):
-            rows = np.array([np.broadcast_to(row, t.shape) for row in compiled(t)], dtype=float)
+            rows = np.array([np.broadcast_to(row, t.shape) for row in function(t)], dtype=float)
             return rows, rows
 
         centres = features.centres(parts, MOTION[0])
@@ -114,10 +114,10 @@ def checked_quantities(formulas: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
     """
     time, *moving = MOTION
     arguments = dict.fromkeys(a for formula in formulas for a in features.arguments(formula, MOTION))
-    hidden = [a for a in arguments if a.has(*moving) or features.degree(a, [time]) == inf]
-    if not hidden and max(features.degree(formula, moving) for formula in formulas) <= SIMPLE:
+    to_check = [a for a in arguments if a.has(*moving) or features.degree(a, [time]) == inf]
+    if not to_check and max(features.degree(formula, moving) for formula in formulas) <= SIMPLE:
         return ()
-    return *hidden, *formulas
+    return *to_check, *formulas
 
 
 @in_one_thread
@@ -254,16 +254,16 @@ def check_formula(effects) -> tuple[Effect, ...]:
     for e, kind in zip(effects, kinds, strict=True):
         if kind in _KINDS:
             continue
-        if base := next((known for known in _KINDS if isinstance(e, known)), None):
+        if base := next((base_class for base_class in _KINDS if isinstance(e, base_class)), None):
             # What it adds no solver would know, and what it contradicts no check.
             raise BadValue(f"{kind.__name__} is a class of its own; give {base.__name__}, which solvers know")
         raise BadValue(f"{e!r} is not an effect; give objects such as Gravity(9.81), with the brackets")
     twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
     if twice:
         raise BadValue(f"the case asks for {twice.__name__} more than once; give one of each effect")
-    for kind, (needed, why) in _NEEDS.items():
-        if kind in kinds and not set(needed) & set(kinds):
-            names = " or ".join(f"{n.__name__}" for n in needed)
+    for kind, (partners, why) in _NEEDS.items():
+        if kind in kinds and not set(partners) & set(kinds):
+            names = " or ".join(f"{n.__name__}" for n in partners)
             raise DoesNotFit(f"{kind.__name__} asks for {names} beside it ({why}); add it or leave {kind.__name__} out")
     for one, other, why in _CONTRADICT:
         if one in kinds and other in kinds:

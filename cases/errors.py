@@ -58,17 +58,17 @@ class NotSupported(CaseError):
 MOST_NAMES = 16
 
 
-def unknown_name(kind: str, name: str, known: Iterable[str]) -> UnknownName:
+def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
     """The error for a name that is not there: the nearest known names, or all of them where none is near."""
-    choices = sorted(known)
+    choices = sorted(names)
     near = difflib.get_close_matches(name, choices, n=3, cutoff=0.5)
     # A short list is shown whole: the nearest spelling is seldom the best guess for names of one or two letters.
     if near and len(choices) > 8:
         return UnknownName(f"there is no {kind} {name!r}; did you mean {' or '.join(near)}?")
     if not choices:
         return UnknownName(f"there is no {kind} {name!r}, and none can be given here")
-    shown = ", ".join(choices[:MOST_NAMES]) + (f", … ({len(choices)} in all)" if len(choices) > MOST_NAMES else "")
-    return UnknownName(f"there is no {kind} {name!r}; choose from {shown}")
+    listing = ", ".join(choices[:MOST_NAMES]) + (f", … ({len(choices)} in all)" if len(choices) > MOST_NAMES else "")
+    return UnknownName(f"there is no {kind} {name!r}; choose from {listing}")
 
 
 def real(value: object) -> float | None:

@@ -35,7 +35,7 @@ _RECIPROCAL = {
 # What takes long to derive and compile is refused: of the formulas tried the worst that is admitted took half a minute,
 # and what is ten times as large hours. The longest of the catalogue has 58 parts, is 7 deep and nests two functions; a
 # measured curve of ten terms is 22 deep.
-MOST_PARTS, DEEPEST, MOST_NESTED = 300, 40, 6
+MOST_PARTS, DEEPEST, MOST_NESTING = 300, 40, 6
 # The equations hold a curve's third derivatives: their parts, which grow with the cube of what is multiplied or nested.
 MAX_DERIVATIVE_SIZE = 3000
 # SymPy multiplies whole powers out; the library's own curves go up to it.
@@ -50,14 +50,14 @@ def admissible(value: object, variables: Iterable[sp.Symbol], what: str, error: 
     What has an equal among the smooth functions is written by it (sec, coth, 2**s). Raises `error`, with one sentence
     that calls the value `what`, for anything that is no formula of the variables, or too large a one.
     """
-    found, known = as_expression(value), tuple(variables)
-    if found is None:
-        names = ", ".join(symbol.name for symbol in known)
+    expression, symbols = as_expression(value), tuple(variables)
+    if expression is None:
+        names = ", ".join(symbol.name for symbol in symbols)
         raise error(f"{what} is {_quote(value)}; give a number or an expression in {names}")
-    if _check(found, known, what, error):
-        found = _rewritten(found)
-        _check(found, known, what, error)
-    return found
+    if _check(expression, symbols, what, error):
+        expression = _rewrite(expression)
+        _check(expression, symbols, what, error)
+    return expression
 
 
 def as_expression(value: object) -> sp.Expr | None:
@@ -75,12 +75,12 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
     """Whether something in the expression has to be rewritten; raises `error` for what cannot stand in a formula."""
     foreign, parts, todo = False, 0, [(whole, 1, 0)]
     while todo:
-        node, depth, nested = todo.pop()
+        node, depth, nesting = todo.pop()
         parts += 1
-        if parts > MOST_PARTS or depth > DEEPEST or nested > MOST_NESTED:
+        if parts > MOST_PARTS or depth > DEEPEST or nesting > MOST_NESTING:
             raise error(
                 f"{what} is too long a formula; give one of at most {MOST_PARTS} parts, {DEEPEST} brackets and "
-                f"{MOST_NESTED} functions inside each other"
+                f"{MOST_NESTING} functions inside each other"
             )
         if isinstance(node, sp.Symbol):
             if node not in variables:
@@ -100,23 +100,23 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
             if power.is_number and (power.is_real is not True or abs(power) > LARGEST_POWER):
                 raise error(f"{what} has a power that is no number up to {LARGEST_POWER}; write a smaller one")
             foreign = foreign or not power.is_number
-            nested += not power.is_Integer
+            nesting += not power.is_Integer
         elif isinstance(node, _SMOOTH):
-            nested += 1
+            nesting += 1
         elif type(node) in _RECIPROCAL:
-            foreign, nested = True, nested + 2
+            foreign, nesting = True, nesting + 2
         elif not (isinstance(node, sp.Add | sp.Mul) or node in (sp.pi, sp.E)):
             raise error(
                 f"{what} has {type(node).__name__}, which is not smooth or not known to all solvers; write it with "
                 f"{', '.join(sorted(FUNCTIONS))} (sqrt(u**2 + 1e-6) is a smooth magnitude, tanh(u/1e-3) a smooth sign)"
             )
-        todo += [(argument, depth + 1, nested) for argument in node.args]
+        todo += [(argument, depth + 1, nesting) for argument in node.args]
     return foreign
 
 
-def _rewritten(node: sp.Expr) -> sp.Expr:
+def _rewrite(node: sp.Expr) -> sp.Expr:
     """The expression with reciprocal functions and powers of formulas written by smooth ones."""
-    arguments = [_rewritten(argument) for argument in node.args]
+    arguments = [_rewrite(argument) for argument in node.args]
     if type(node) in _RECIPROCAL:
         return _RECIPROCAL[type(node)](*arguments)
     if isinstance(node, sp.Pow) and not arguments[1].is_number:

@@ -29,7 +29,7 @@ SAMPLES = 2048
 # Around a centre samples close in by halves, down to a billionth of the window.
 HALVINGS = 30
 # A window with more pieces than this is no longer refined; the next one is as wide as a window only up to CROWDED.
-MOST_PIECES, CROWDED = 20_000, 64
+MOST_PIECES, MANY_PIECES = 20_000, 64
 # A step covers at most this part of a piece: at a piece's end the function may be rounding, at its other end not.
 PART = 0.5
 # Points to a piece that show a function's extremes to a hundredth of what it changes by: a piece holds half a swing.
@@ -108,12 +108,12 @@ class Features:
         """How far a step from `start` towards `goal` may go: to the next finer piece, or the stride of where it is."""
         if self.plain or not (isfinite(start) and isfinite(goal)) or start == goal:
             return goal
-        allowed = abs(goal - start)
+        limit = abs(goal - start)
         for distance, stride in self._ahead(start, goal > start):
-            if distance >= allowed:
+            if distance >= limit:
                 break
-            allowed = min(allowed, max(distance, stride))
-        return goal if allowed >= abs(goal - start) else start + copysign(allowed, goal - start)
+            limit = min(limit, max(distance, stride))
+        return goal if limit >= abs(goal - start) else start + copysign(limit, goal - start)
 
     def finest(self, low: float, high: float) -> float:
         """The shortest stride on (low, high), in units of the parameter; infinite if there is none."""
@@ -134,18 +134,18 @@ class Features:
 
     def nodes(self, low: float, high: float) -> np.ndarray:
         """Parameters on (low, high), in order, that show the function's extremes in every piece."""
-        found = [np.array([low, high])]
+        results = [np.array([low, high])]
         number, window, shift = self._window(low)
         while True:
             edges = np.array(window.edges) + shift
             edges = edges[(edges >= low) & (edges <= high)]
             edges = np.concatenate([[max(low, window.low + shift)], edges, [min(high, window.high + shift)]])
             parts = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, POINTS, endpoint=False)
-            found.append(parts.ravel())
+            results.append(parts.ravel())
             number += 1
-            following = self._numbered(number) if window.high + shift < high else None
+            following = self._window_at(number) if window.high + shift < high else None
             if following is None:
-                return np.unique(np.concatenate(found))
+                return np.unique(np.concatenate(results))
             window, shift = following
 
     def _pieces(self, low: float, high: float) -> Iterator[tuple[float, float, float]]:
@@ -172,7 +172,7 @@ class Features:
             i += 1 if forward else -1
             if not 0 <= i < len(window.strides):
                 number += 1 if forward else -1
-                following = self._numbered(number)
+                following = self._window_at(number)
                 if following is None:
                     return
                 window, shift = following
@@ -190,7 +190,7 @@ class Features:
             k += 1
         return (k if forward else -1 - k), self._side(forward, k), 0.0
 
-    def _numbered(self, number: int) -> tuple[Window, float] | None:
+    def _window_at(self, number: int) -> tuple[Window, float] | None:
         if self._limits:
             return (self._sides[True][0], number * self._period) if self._period else None
         return self._side(number >= 0, number if number >= 0 else -1 - number), 0.0
@@ -210,16 +210,16 @@ class Features:
             if windows:
                 last = windows[-1]
                 near = last.high if forward else last.low
-                length = (last.high - last.low) * (2.0 if len(last.strides) <= CROWDED else 1.0)
+                length = (last.high - last.low) * (2.0 if len(last.strides) <= MANY_PIECES else 1.0)
             ends = (near, near + length) if forward else (near - length, near)
             windows.append(Window(self._function, *ends, self._centres, self._sizes))
 
 
 def largest(function: Function, low: float, high: float, centres: Iterable[float]) -> np.ndarray:
     """The sizes (k,) of a function's rows on an interval that holds (low, high) and all its centres."""
-    known = [*centres]
+    points = [*centres]
     with np.errstate(all="ignore"):
-        return _largest(function(_samples(min([low, *known]), max([high, *known]), known))[1])
+        return _largest(function(_samples(min([low, *points]), max([high, *points]), points))[1])
 
 
 def _largest(sizes: np.ndarray) -> np.ndarray:
@@ -235,7 +235,7 @@ def _resolve_interval(
     scale = np.maximum(_largest(sizes), least)
     scale[scale == 0.0] = 1.0
     rows = rows / scale[:, None]
-    todo, done = np.array([[low], [high]]), []
+    todo, pieces = np.array([[low], [high]]), []
     while todo.shape[1]:
         a, b = todo
         nodes = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * _NODES
@@ -251,30 +251,30 @@ def _resolve_interval(
         change = np.max(np.where(np.isfinite(coefficients[:, :, 1:]), np.abs(coefficients[:, :, 1:]), 0.0), axis=2)
         change = np.max(np.where(change > error, change, 0.0), axis=0)
         stop = good | hopeless | (todo.shape[1] > MOST_PIECES)
-        done.append(np.array([a[stop], change[stop]]))
+        pieces.append(np.array([a[stop], change[stop]]))
         a, b = a[~stop], b[~stop]
         middle = 0.5 * (a + b)
         todo = np.array([np.concatenate([a, middle]), np.concatenate([middle, b])])
-    starts, changes = np.concatenate(done, axis=1)
+    starts, changes = np.concatenate(pieces, axis=1)
     order = np.argsort(starts)
     return np.append(starts[order], high), changes[order]
 
 
 def _missing(s, rows, a, b, coefficients, error, good) -> np.ndarray:
     """Which of the pieces that look resolved disagree with the samples in them."""
-    missed = np.zeros(len(a), dtype=bool)
+    wrong = np.zeros(len(a), dtype=bool)
     order = np.argsort(a)
     piece = order[np.clip(np.searchsorted(a[order], s, side="right") - 1, 0, None)]
-    chosen = good[piece] & (s >= a[piece]) & (s <= b[piece])
-    if not chosen.any():
-        return missed
-    s, piece = s[chosen], piece[chosen]
+    selection = good[piece] & (s >= a[piece]) & (s <= b[piece])
+    if not selection.any():
+        return wrong
+    s, piece = s[selection], piece[selection]
     x = (2 * s - a[piece] - b[piece]) / (b[piece] - a[piece])
     values = np.einsum("nd,knd->kn", chebyshev.chebvander(x, DEGREE), coefficients[:, piece])
     # Ten: what an interpolant makes of the errors of its nodes.
-    off = np.any(np.abs(values - rows[:, chosen]) > 10 * error[:, piece], axis=0)
-    missed[piece[off]] = True
-    return missed
+    off = np.any(np.abs(values - rows[:, selection]) > 10 * error[:, piece], axis=0)
+    wrong[piece[off]] = True
+    return wrong
 
 
 def _samples(low: float, high: float, centres: Iterable[float]) -> np.ndarray:
@@ -293,14 +293,14 @@ def centres(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[float, .
 
     The middle of exp(-((s - c)/w)²), tanh((s - c)/w), 1/(w² + (s - c)²) is c, however small w is.
     """
-    found: set[float] = set()
+    results: set[float] = set()
     for argument in {a for e in expressions for a in arguments(e, [symbol])}:
         if not argument.is_polynomial(symbol):
             continue
         coefficients = [float(c) for c in reversed(sp.Poly(argument, symbol).all_coeffs())]
         for ascending in (coefficients, polynomial.polyder(coefficients)):
-            found.update(float(root.real) for root in np.atleast_1d(polynomial.polyroots(ascending)))
-    return tuple(sorted(c for c in found if isfinite(c)))
+            results.update(float(root.real) for root in np.atleast_1d(polynomial.polyroots(ascending)))
+    return tuple(sorted(c for c in results if isfinite(c)))
 
 
 def arguments(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> Iterator[sp.Expr]:
@@ -330,12 +330,12 @@ def degree(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> float:
 
 def alone(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[sp.Expr, ...]:
     """The largest parts of expressions in which only that symbol occurs, without the symbol itself."""
-    found: dict[sp.Expr, None] = {}
+    results: dict[sp.Expr, None] = {}
     for expression in expressions:
         walk = sp.preorder_traversal(expression)
         for node in walk:
             if node.free_symbols == {symbol}:
                 walk.skip()
                 if node != symbol:
-                    found[node] = None
-    return tuple(found)
+                    results[node] = None
+    return tuple(results)

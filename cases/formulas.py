@@ -38,23 +38,23 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
     """
     if len(text) > LONGEST_TEXT:
         raise error(f"{what} has {len(text)} characters; give a formula of at most {LONGEST_TEXT}")
-    shown = repr(text if len(text) <= 80 else f"{text[:60]} … {text[-20:]}")
+    quotation = repr(text if len(text) <= 80 else f"{text[:60]} … {text[-20:]}")
     try:
         with warnings.catch_warnings():  # Python's own about style are no answer to an author
             warnings.simplefilter("ignore")
             source = text.strip()
             tree = ast.parse(source, mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as problem:
-        raise error(f"{what} {shown} cannot be read ({getattr(problem, 'msg', problem)})") from None
+        raise error(f"{what} {quotation} cannot be read ({getattr(problem, 'msg', problem)})") from None
     if sum(1 for _ in ast.walk(tree)) > 4 * MOST_PARTS:  # an operation is a node of its own, and so is a name's use
-        raise error(f"{what} {shown} is too long a formula; give one of at most {MOST_PARTS} parts")
+        raise error(f"{what} {quotation} is too long a formula; give one of at most {MOST_PARTS} parts")
     try:
-        made = _FormulaReader(variables, source).read(tree.body, 0)
+        expression = _FormulaReader(variables, source).read(tree.body, 0)
     except _FormulaError as problem:
-        raise error(f"{what} {shown} {problem}") from None
+        raise error(f"{what} {quotation} {problem}") from None
     except (ArithmeticError, TypeError, ValueError) as problem:  # no number at all, such as 1/0 within a power
-        raise error(f"{what} {shown} cannot be read ({problem})") from None
-    return admissible(made, variables.values(), f"{what} {shown}", error)
+        raise error(f"{what} {quotation} cannot be read ({problem})") from None
+    return admissible(expression, variables.values(), f"{what} {quotation}", error)
 
 
 class _FormulaReader:

@@ -115,21 +115,21 @@ def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
     # Whole turns between the two tangents, as a continuous function of the outline's parameter: zero mod 1 is wanted.
     turns = (outline.tangent_angle(grid) - direction) / (2 * pi)
     lowest, highest = np.ceil(np.minimum(turns[:-1], turns[1:])), np.floor(np.maximum(turns[:-1], turns[1:]))
-    found = []
+    parameters = []
     for i in np.flatnonzero(lowest <= highest).tolist():
         for whole in range(int(lowest[i]), int(highest[i]) + 1):
             if turns[i + 1] != whole or i == 719:
                 root = _level(outline, direction + 2 * pi * whole, *grid[i : i + 2].tolist())
                 # Whole turns of a closed outline are taken back, so that θ is zero and not a multiple of 2π.
-                found.append(root - whole * outline.period if outline.period else root)
+                parameters.append(root - whole * outline.period if outline.period else root)
     if outline.period:
         apart = SAME * outline.unit
-        found = [s for i, s in enumerate(found) if all(abs(s - other) > apart for other in found[:i])]
-    if len(found) != 1:
+        parameters = [s for i, s in enumerate(parameters) if all(abs(s - other) > apart for other in parameters[:i])]
+    if len(parameters) != 1:
         raise DoesNotFit(
-            f"{len(found)} points of the outline fit the track's direction with theta = 0; give xi2 in Start"
+            f"{len(parameters)} points of the outline fit the track's direction with theta = 0; give xi2 in Start"
         )
-    return found[0]
+    return parameters[0]
 
 
 def _level(outline: Curve, angle: float, low: float, high: float) -> float:
@@ -182,14 +182,14 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
         if not (det > 0.0 or det < 0.0):  # zero, or not a number
             raise _no_contact(x, y, near)
         step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
-        moved = step1 * step1 * pace1 + step2 * step2 * pace2
-        if moved > far:
+        squared_step = step1 * step1 * pace1 + step2 * step2 * pace2
+        if squared_step > far:
             shorten = _shorten((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach)
             step1, step2 = shorten * step1, shorten * step2
         xi1, xi2 = xi1 - step1, xi2 - step2
         # Converged where a step moves both points by no more than a few roundings of places and parameters.
         if (
-            moved <= close
+            squared_step <= close
             and sqrt(pace1) * (abs(step1) - ROUNDINGS * abs(xi1)) <= rounding
             and sqrt(pace2) * (abs(step2) - ROUNDINGS * abs(xi2)) <= rounding
         ):

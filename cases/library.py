@@ -24,16 +24,16 @@ Maker = Callable[..., Curve]
 
 def _memoise(curve: Maker) -> Maker:
     """The same curve for the same arguments: what is known of it is worked out once."""
-    kept = lru_cache(maxsize=256, typed=True)(curve)
+    memo = lru_cache(maxsize=256, typed=True)(curve)
 
     @wraps(curve)
-    def made(*sizes, **named):
+    def call(*sizes, **keywords):
         try:
-            return kept(*sizes, **named)
+            return memo(*sizes, **keywords)
         except TypeError:  # what cannot be kept by is no number; the curve says so itself
-            return curve(*sizes, **named)
+            return curve(*sizes, **keywords)
 
-    return made
+    return call
 
 
 @_memoise

@@ -43,10 +43,10 @@ class CaseName(NamedTuple):
         in one sentence."""
         if self.inside is not None:
             return [self.one()]
-        found: list[Case] = []
+        results: list[Case] = []
         for name in self.names:
-            found += _try(f"the case {name}", name, partial(registry.select, name, long))
-        return found
+            results += _try(f"the case {name}", name, partial(registry.select, name, long))
+        return results
 
     def label(self, changes: Sequence[str] = ()) -> str:
         """The one case, with `changes`, as `name[parameter=value,…]`; raises BadValue if there are several."""
@@ -102,8 +102,8 @@ def _make(what: str, file: Path, make: Callable[[], T]) -> T:
 
 def _sentence(file: Path, problem: BaseException) -> str:
     """What is wrong, and where in the author's file."""
-    place, said = _place(file, problem), describe(problem)
-    return said if said.startswith(place) or (place == _display(file) and place in said) else f"{place}: {said}"
+    place, text = _place(file, problem), describe(problem)
+    return text if text.startswith(place) or (place == _display(file) and place in text) else f"{place}: {text}"
 
 
 def _file(text: str) -> Path | None:

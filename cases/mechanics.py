@@ -30,8 +30,8 @@ def energy(case: Case, motion):
     kinetic, effect = kinetic_energy(case, motion), case.effect(Gravity)
     if effect is None:
         return kinetic
-    fallen = np.asarray(motion.x) * cos(effect.direction) + np.asarray(motion.y) * sin(effect.direction)
-    return kinetic - case.plate.mass * effect.g * fallen
+    fall = np.asarray(motion.x) * cos(effect.direction) + np.asarray(motion.y) * sin(effect.direction)
+    return kinetic - case.plate.mass * effect.g * fall
 
 
 def energy_growth(total: np.ndarray) -> np.ndarray:

@@ -29,7 +29,7 @@ WINDOW, CLOSER, ROUNDS, LEVEL = 1.5, 8.0, 100, 1e-9
 # Where no track is any more, m: squares of distances overflow there.
 FARTHEST = 1e150
 # From so many times a closed track's size away it is a point: which of its points is the nearest drowns in rounding.
-SEEN = 1e12
+SIGHT = 1e12
 # Of distances, in parts of them.
 ROUNDING = 1e-12
 
@@ -49,8 +49,8 @@ class _Stretches(NamedTuple):
     def of(cls, points: np.ndarray) -> _Stretches:
         """Short ones, of the cube root of the samples' number; the last sample (n, 2) fills the last of them up."""
         length = int(np.ceil(np.cbrt(len(points))))
-        filled = np.minimum(np.arange(-(-len(points) // length) * length), len(points) - 1)
-        stretches = points[filled].reshape(-1, length, 2)
+        fill = np.minimum(np.arange(-(-len(points) // length) * length), len(points) - 1)
+        stretches = points[fill].reshape(-1, length, 2)
         centres = stretches.mean(axis=1)
         return cls(stretches, centres, np.sqrt(_squares(stretches, centres[:, None]).max(axis=1)))
 
@@ -67,9 +67,9 @@ class _Stretches(NamedTuple):
         away = np.hypot(self.centres[:, 0] - x, self.centres[:, 1] - y)
         most = (float((away + self.radii).min()) + 2.0 * radius) * (1.0 + ROUNDING)
         some = (away - self.radii <= most).nonzero()[0]
-        found = _squares(self.points[some].reshape(-1, 2), there[:, None]).argmin(axis=1)
+        index = _squares(self.points[some].reshape(-1, 2), there[:, None]).argmin(axis=1)
         length = self.points.shape[1]
-        return some[found // length] * length + found % length
+        return some[index // length] * length + index % length
 
 
 def _squares(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -105,8 +105,8 @@ class _CurveSamples(NamedTuple):
         if curve.period:  # the two ends are one point
             parameters, widths = parameters[:-1], widths[:-1]
         points, normals, bends, speeds = _course(curve, parameters)
-        shown = np.searchsorted(parameters, fine)
-        return cls(parameters, widths, widths * speeds, points, normals, bends, _Stretches.of(points), shown)
+        fine_samples = np.searchsorted(parameters, fine)
+        return cls(parameters, widths, widths * speeds, points, normals, bends, _Stretches.of(points), fine_samples)
 
     def off(self, there: np.ndarray, places: np.ndarray) -> np.ndarray:
         """How far (m, positive on the left) the points (m, 2) are off the curve near those samples."""
@@ -226,7 +226,7 @@ def _out_of_sight(case: Case, x: float, y: float) -> bool:
     if not case.track.period:
         return False
     px, py = case.track.jet(0.0)[:2]
-    return hypot(x - px, y - py) > SEEN * (_size(case.track) + _size(case.plate.outline))
+    return hypot(x - px, y - py) > SIGHT * (_size(case.track) + _size(case.plate.outline))
 
 
 def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[_CurveSamples, _Guess | None]:
@@ -308,12 +308,12 @@ def _poking(case: Case, track: _CurveSamples, x: float, y: float, theta: float) 
     outline = _outline(case.plate.outline)
     c, s = cos(theta), sin(theta)
     u, v = track.points[track.fine, 0] - x, track.points[track.fine, 1] - y
-    seen = np.column_stack([c * u + s * v, c * v - s * u])
-    near = np.flatnonzero(np.hypot(*seen.T) <= 1.5 * case.plate.outline.sizes[0])
+    points_in_plate = np.column_stack([c * u + s * v, c * v - s * u])
+    near = np.flatnonzero(np.hypot(*points_in_plate.T) <= 1.5 * case.plate.outline.sizes[0])
     if not near.size:
         return None
-    places = outline.stretches.nearest(seen[near])
-    apart = -outline.off(seen[near], places)
+    places = outline.stretches.nearest(points_in_plate[near])
+    apart = -outline.off(points_in_plate[near], places)
     best = int(np.argmin(apart))
     return _pair(track, int(track.fine[near[best]]), outline, int(places[best]), float(apart[best]))
 

@@ -39,8 +39,8 @@ class _PolygonPair(NamedTuple):
         x, y = x - self.middle[0], y - self.middle[1]
         if self.angles is None:
             return _even_odd(x, y, self.corners)
-        seen = np.searchsorted(self.angles, np.arctan2(y, x)) % len(self.angles)
-        (ax, bx), (ay, by) = ((row[seen - 1], row[seen]) for row in self.corners)
+        sector = np.searchsorted(self.angles, np.arctan2(y, x)) % len(self.angles)
+        (ax, bx), (ay, by) = ((row[sector - 1], row[sector]) for row in self.corners)
         return (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0
 
 

@@ -141,13 +141,13 @@ class TemporaryFolder:
 
 def remove_leftovers(folder: Path | None = None) -> None:
     """Remove the unfinished files and folders that killed processes of this user left in a folder."""
-    for path, found in files_in(folder or Path(tempfile.gettempdir()), _PARTIAL):
+    for path, about in files_in(folder or Path(tempfile.gettempdir()), _PARTIAL):
         with suppress(OSError):  # it is gone meanwhile, or cannot be removed: it does no harm
-            if found.st_uid != os.getuid() or not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
+            if about.st_uid != os.getuid() or not (stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode)):
                 continue
             handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
             try:
-                if _locks(handle, wait=False, otherwise=time.time() - found.st_mtime > _TEMPORARY_NAME):
+                if _locks(handle, wait=False, otherwise=time.time() - about.st_mtime > _TEMPORARY_NAME):
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
             finally:
                 os.close(handle)
@@ -185,27 +185,27 @@ def _locks(handle: int, wait: bool, otherwise: bool = True) -> bool:
 
 def files_in(folder: Path, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
     """What is in a folder under such a name; nothing if there is no folder."""
-    found = []
+    files = []
     with suppress(OSError):
         for entry in os.scandir(folder):
             if name.fullmatch(entry.name):
                 with suppress(FileNotFoundError):  # another process removed it
-                    found.append((Path(entry.path), entry.stat(follow_symlinks=False)))
-    return found
+                    files.append((Path(entry.path), entry.stat(follow_symlinks=False)))
+    return files
 
 
 def remove_longest_unused(
-    folder: Path, name: re.Pattern[str], most_bytes: float, most_files: float, spared: Iterable[Path] = ()
+    folder: Path, name: re.Pattern[str], most_bytes: float, most_files: float, exceptions: Iterable[Path] = ()
 ) -> None:
     """Remove the files with such a name that were unused for the longest time, until the others are within the bounds;
     and what killed processes left."""
     remove_leftovers(folder)
-    found = sorted((f for f in files_in(folder, name) if stat.S_ISREG(f[1].st_mode)), key=lambda f: f[1].st_mtime_ns)
-    size, count, spared = sum(about.st_size for _, about in found), len(found), set(spared)
-    for path, about in found:
+    files = sorted((f for f in files_in(folder, name) if stat.S_ISREG(f[1].st_mode)), key=lambda f: f[1].st_mtime_ns)
+    size, count, exceptions = sum(about.st_size for _, about in files), len(files), set(exceptions)
+    for path, about in files:
         if size <= most_bytes and count <= most_files:
             return
-        if path not in spared:
+        if path not in exceptions:
             with suppress(OSError):  # what cannot be removed stays
                 path.unlink()
                 size, count = size - about.st_size, count - 1
@@ -240,8 +240,8 @@ class OwnedFolder:
             if other:
                 raise BadValue(f"--out is {self.path}, which holds {other} and is no {self.kind}; give another folder")
             return
-        claimed = {file.relative_to(self.path).as_posix() for claim in self.claims for file in self.path.glob(claim)}
-        for name in sorted(claimed | {*self._digests}):
+        matches = {file.relative_to(self.path).as_posix() for claim in self.claims for file in self.path.glob(claim)}
+        for name in sorted(matches | {*self._digests}):
             if not (name in self._digests and fnmatchcase(name, self.unread)):
                 self._check_free(name)
 
@@ -277,7 +277,7 @@ class OwnedFolder:
                     raise BadValue(f"another command writes to {self.path}; wait for it, or give another --out")
                 time.sleep(0.05)
             self.check()
-            self._digests = {n: known for n, known in self._digests.items() if os.path.lexists(self.path / n)}
+            self._digests = {n: digests for n, digests in self._digests.items() if os.path.lexists(self.path / n)}
             self._save()
             self._is_locked = True
             yield
@@ -289,12 +289,12 @@ class OwnedFolder:
         """Write one of our files. Raises BadValue if a file of the user's is in its place."""
         with self.locked():
             self._check_free(name)
-            known = hashlib.sha256(content).hexdigest()
+            content_digest = hashlib.sha256(content).hexdigest()
             # Listed first: whenever the process ends, no file of ours is taken for the user's.
-            _append(self.path / LIST, f"{known}  {name}\n".encode())
+            _append(self.path / LIST, f"{content_digest}  {name}\n".encode())
             (self.path / name).parent.mkdir(parents=True, exist_ok=True)
             write(self.path / name, content, inside=self.path)
-            self._digests[name] = {known}
+            self._digests[name] = {content_digest}
 
     @contextmanager
     def staged(self, whole: bool = False) -> Iterator[Path]:
@@ -339,15 +339,15 @@ class OwnedFolder:
         with self.locked():
             for name in new:
                 self._check_free(name)
-            known = {name: {digest(path)} for name, path in new.items()}
-            self._digests |= {name: known[name] | self._digests.get(name, set()) for name in known}
+            digests = {name: {digest(path)} for name, path in new.items()}
+            self._digests |= {name: digests[name] | self._digests.get(name, set()) for name in digests}
             self._save()
             for name in {*self.last} & {*self._digests}:
                 (self.path / name).unlink(missing_ok=True)
             for name in sorted(new, key=lambda name: name in self.last):
                 (self.path / name).parent.mkdir(parents=True, exist_ok=True)
                 os.replace(new[name], self.path / name)
-            self._digests |= known
+            self._digests |= digests
             self.remove(self._digests.keys() - new.keys() if whole else ())
 
     # The list: a head that says whose it is, and the digests of each file, those of its earlier content until the new
@@ -372,7 +372,7 @@ class OwnedFolder:
         return True
 
     def _save(self) -> None:
-        entries = [f"{known}  {name}\n" for name in sorted(self._digests) for known in sorted(self._digests[name])]
+        entries = [f"{each}  {name}\n" for name in sorted(self._digests) for each in sorted(self._digests[name])]
         write(self.path / LIST, "".join([f"{self._head}\n", *entries]))
 
     def _check_free(self, name: str) -> None:

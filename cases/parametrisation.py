@@ -60,18 +60,18 @@ def _course(node: sp.Expr) -> _Frequencies | None:
     if node == PARAMETER:
         return _Frequencies(1.0, frozenset())
     parts = [_course(argument) for argument in node.args if argument.has(PARAMETER)]
-    known = [part for part in parts if part is not None]
-    if len(known) < len(parts):
+    courses = [part for part in parts if part is not None]
+    if len(courses) < len(parts):
         return None
-    frequencies = frozenset().union(*(part.frequencies for part in known))
+    frequencies = frozenset().union(*(part.frequencies for part in courses))
     if isinstance(node, sp.Add):
-        return _Frequencies(sum(part.slope for part in known), frequencies)
-    if isinstance(node, sp.Mul) and len(known) == 1:
+        return _Frequencies(sum(part.slope for part in courses), frequencies)
+    if isinstance(node, sp.Mul) and len(courses) == 1:
         factor = float(sp.Mul(*(argument for argument in node.args if not argument.has(PARAMETER))))
-        return _Frequencies(factor * known[0].slope, frequencies)
-    if isinstance(node, sp.sin | sp.cos | sp.tan) and known[0].slope:
-        return _Frequencies(0.0, frequencies | {abs(known[0].slope)})
-    return None if any(part.slope for part in known) else _Frequencies(0.0, frequencies)
+        return _Frequencies(factor * courses[0].slope, frequencies)
+    if isinstance(node, sp.sin | sp.cos | sp.tan) and courses[0].slope:
+        return _Frequencies(0.0, frequencies | {abs(courses[0].slope)})
+    return None if any(part.slope for part in courses) else _Frequencies(0.0, frequencies)
 
 
 def places(centres: tuple[float, ...]) -> np.ndarray:

@@ -96,12 +96,12 @@ def read(path: str | Path) -> np.ndarray:
         lines = list(csv.reader(user_files.text(what, path, LARGEST_FILE).splitlines()))
     except csv.Error as problem:
         raise BadValue(f"{path} is no CSV text ({problem}); give two columns x,y in metres") from None
-    told = [(n, row) for n, row in enumerate(lines, start=1) if row and not row[0].lstrip().startswith("#")]
-    for number, row in told:
+    data_rows = [(n, row) for n, row in enumerate(lines, start=1) if row and not row[0].lstrip().startswith("#")]
+    for number, row in data_rows:
         try:
             x, y = (float(cell) for cell in row)
         except ValueError:
-            if number == told[0][0] and all(_HEADING.match(cell) for cell in row):
+            if number == data_rows[0][0] and all(_HEADING.match(cell) for cell in row):
                 continue
             raise BadValue(f"{path}:{number} is {','.join(row)!r}; give two numbers x,y in metres") from None
         rows.append((x, y))

@@ -86,8 +86,8 @@ def case(
 
     def register(function):
         name = function.__name__
-        known = _entries.get(name)
-        if known and inspect.getsourcefile(known.function) != inspect.getsourcefile(function):
+        other = _entries.get(name)
+        if other and inspect.getsourcefile(other.function) != inspect.getsourcefile(function):
             raise BadValue(f"there is already a case {name!r}; give this function another name")
         if bool(hard) != bool(outcome):
             raise BadValue(f"the hard case {name!r} says only half; give both hard= and outcome=")
@@ -111,7 +111,7 @@ def entry(name: str) -> CatalogueEntry:
 def names(hard: bool | None = None) -> list[str]:
     """Every case's name, in alphabetical order; only those of the hard atlas, or only the others, if asked."""
     _import_catalogue()
-    return sorted(name for name, found in list(_entries.items()) if hard is None or bool(found.hard) == hard)
+    return sorted(name for name, item in list(_entries.items()) if hard is None or bool(item.hard) == hard)
 
 
 def load(name: str, **parameters) -> Case:
@@ -120,24 +120,24 @@ def load(name: str, **parameters) -> Case:
     Raises UnknownName for a name or parameter that does not exist, with the nearest ones; CaseError for values no
     scene can have.
     """
-    bare, written = parse(name)
-    found = entry(bare)
-    parameters = {**written, **parameters}
+    bare, changes = parse(name)
+    item = entry(bare)
+    parameters = {**changes, **parameters}
     for key, value in parameters.items():
-        if key not in found.parameters:
-            raise unknown_name(f"parameter of {bare}", key, found.parameters)
+        if key not in item.parameters:
+            raise unknown_name(f"parameter of {bare}", key, item.parameters)
         parameters[key] = parameter(f"{key} of {bare}", value)
     try:
-        with LOCK, paths_count_from(found.folder):
-            made = found.function(**parameters)
+        with LOCK, paths_count_from(item.folder):
+            scene = item.function(**parameters)
     except (CaseError, KeyboardInterrupt):
         raise
     except BaseException as problem:  # sys.exit among them
         values = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
         raise BadValue(f"{bare} cannot be made with {values}: {describe(problem)}") from problem
-    if not isinstance(made, Case):
-        raise BadValue(f"the case function {bare} returned {type(made).__name__}; return a Case")
-    return made.named(bare, parameters)
+    if not isinstance(scene, Case):
+        raise BadValue(f"the case function {bare} returned {type(scene).__name__}; return a Case")
+    return scene.named(bare, parameters)
 
 
 def select(text: str, long: bool = False) -> list[Case]:
@@ -145,11 +145,11 @@ def select(text: str, long: bool = False) -> list[Case]:
 
     With `long` a bare name's variants that take minutes come too.
     """
-    bare, written = parse(text)
-    if written or "[" in text:
+    bare, changes = parse(text)
+    if changes or "[" in text:
         return [load(text)]
-    found = entry(bare)
-    return [load(bare, **variant) for variant in (*found.variants, *(found.long if long else ()))]
+    item = entry(bare)
+    return [load(bare, **variant) for variant in (*item.variants, *(item.long if long else ()))]
 
 
 class _UncachedLoader(importlib.machinery.SourceFileLoader):
@@ -197,11 +197,11 @@ def _import_catalogue() -> None:
 
 def _import_packages() -> None:
     """Cases of installed packages: modules named by entry points of the group "slip_to_roll.cases"."""
-    for found in entry_points(group="slip_to_roll.cases"):
+    for item in entry_points(group="slip_to_roll.cases"):
         try:
-            found.load()
+            item.load()
         except (Exception, SystemExit) as problem:
-            raise BadValue(f"the cases of {found.value} fail: {describe(problem)}") from problem
+            raise BadValue(f"the cases of {item.value} fail: {describe(problem)}") from problem
 
 
 def parse(text: str) -> tuple[str, dict[str, float]]:

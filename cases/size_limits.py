@@ -32,8 +32,8 @@ def _check_load(track: Curve, plate: Plate, load: Load | None, start: Start) -> 
     """Raises BadValue for a load that has no value at the start, or one beyond all bounds."""
     if load is None:
         return
-    begun = start.motion(track, plate.outline)
-    now = (0.0, begun.x, begun.y, begun.theta, begun.vx, begun.vy, begun.omega)
+    state = start.motion(track, plate.outline)
+    now = (0.0, state.x, state.y, state.theta, state.vx, state.vy, state.omega)
     values = [float(value) for value in load.at(*now)]
     if not all(isfinite(value) for value in values):
         raise BadValue("the Load has no finite value where the motion begins; give one that is finite at t = 0")

@@ -109,8 +109,8 @@ def _check_place(start: Start, track: Curve, outline: Curve) -> None:
             f"differ by less than a {NARROW:g}th, and the contact's speed is a difference divided by theirs; give a "
             "smaller plate or a wider track"
         )
-    begun = _motion(start, track, outline)  # only where the plate fits: it divides by the difference of the curvatures
-    x, y, theta, near = (np.array([value]) for value in (begun.x, begun.y, begun.theta, xi1))
+    state = _motion(start, track, outline)  # only where the plate fits: it divides by the difference of the curvatures
+    x, y, theta, near = (np.array([value]) for value in (state.x, state.y, state.theta, xi1))
     overlap = first_overlap(track, outline, x, y, theta, near)
     if overlap:
         raise DoesNotFit(

@@ -151,17 +151,17 @@ class Trajectory:
 
         def __getattr__(self, name):
             # Only what is not there comes here: samples on demand, or a mistake.
-            known = vars(self)
-            sample = known.get("_sample") if name in _SAMPLES else None
+            attributes = vars(self)
+            sample = attributes.get("_sample") if name in _SAMPLES else None
             if sample is not None:
                 times, state = sample()
                 for column, values in {"t": times, **state._asdict()}.items():
-                    known.setdefault(column, values)  # another thread may have made the same
+                    attributes.setdefault(column, values)  # another thread may have made the same
                 self.__post_init__()
-                known.pop("_sample", None)
-            if name not in known:
+                attributes.pop("_sample", None)
+            if name not in attributes:
                 raise AttributeError(f"a {type(self).__name__} has no {name!r}", name=name, obj=self)
-            return known[name]
+            return attributes[name]
 
     def __getstate__(self) -> dict[str, Any]:
         """A trajectory travels and is kept with its samples, and with its dense output where that can be pickled."""
@@ -177,10 +177,10 @@ class Trajectory:
         """The state at a time, or at each of an array (n,) of times; raises BadValue outside the motion's span and for
         what is no time."""
         try:
-            given = np.asarray(t)
-            if given.size and given.dtype.kind not in "iufO":  # a word or a truth value is a slip of the pen
+            array = np.asarray(t)
+            if array.size and array.dtype.kind not in "iufO":  # a word or a truth value is a slip of the pen
                 raise TypeError
-            times = given.astype(float)
+            times = array.astype(float)
         except (TypeError, ValueError, OverflowError):
             raise BadValue(f"the time is {t!r}; give a number of seconds, or an array of them") from None
         if times.ndim > 1:

@@ -101,10 +101,10 @@ def _answer(pipe: IO[bytes], child: int, deadline: float) -> tuple[str | None, b
     """The sentence that the copy wrote, None if it ended without one; and whether it had not ended by the deadline."""
     while time.monotonic() < deadline:
         # A process that the copy left behind may hold the pipe open, so that the copy's own end is looked for, too.
-        gone = os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
-        if select.select([pipe], [], [], 0.0 if gone else 0.05)[0] and (written := pipe.read(5000)):
-            return written[1:].decode(), False
-        if gone:
+        is_over = os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+        if select.select([pipe], [], [], 0.0 if is_over else 0.05)[0] and (message := pipe.read(5000)):
+            return message[1:].decode(), False
+        if is_over:
             return None, False
     return None, True
 

@@ -10,32 +10,32 @@ from .errors import BadValue, UnknownName
 def place(what: str, path: object) -> Path:
     """The path with ~ written out; raises BadValue, in a sentence that calls it `what`, if no file can have it."""
     try:
-        found = Path(path).expanduser()  # type: ignore[arg-type]
-        found.exists()
-        found.resolve()
+        file = Path(path).expanduser()  # type: ignore[arg-type]
+        file.exists()
+        file.resolve()
     except (TypeError, ValueError, RuntimeError, OSError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem).partition("\n")[0]
         raise BadValue(
             f"the {what} is {_display_path(path)}, which is no path here ({_display_path(reason)}); give another"
         ) from None
-    return found
+    return file
 
 
 def existing(what: str, path: object) -> Path:
     """The path of an ordinary file that is there; raises BadValue or UnknownName."""
-    found = place(what, path)
-    if not found.exists():
+    file = place(what, path)
+    if not file.exists():
         raise UnknownName(f"there is no {what} {_display_path(path)}")
-    if not found.is_file():
+    if not file.is_file():
         raise BadValue(f"the {what} is {_display_path(path)}, which is no ordinary file; give a file")
-    return found
+    return file
 
 
 def content(what: str, path: object, most: int) -> bytes:
     """All of a file of at most `most` bytes; raises BadValue or UnknownName."""
-    found = existing(what, path)
+    file = existing(what, path)
     try:
-        with found.open("rb") as stream:
+        with file.open("rb") as stream:
             data = stream.read(most + 1)
     except OSError as problem:
         raise BadValue(f"the {what} {_display_path(path)} cannot be read ({problem.strerror}); give another") from None
@@ -47,14 +47,14 @@ def content(what: str, path: object, most: int) -> bytes:
 def text(what: str, path: object, most: int) -> str:
     """The same as text in UTF-8, with or without a byte-order mark."""
     try:
-        found = content(what, path, most).decode("utf-8-sig")
+        decoded_text = content(what, path, most).decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         raise BadValue(
             f"the {what} {_display_path(path)} is no CSV text ({problem.reason}); write it in UTF-8"
         ) from None
-    if "\0" in found:
+    if "\0" in decoded_text:
         raise BadValue(f"the {what} {_display_path(path)} is no CSV text (it holds NUL bytes); write it in UTF-8")
-    return found
+    return decoded_text
 
 
 def _display_path(path: object) -> str:

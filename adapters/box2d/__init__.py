@@ -1,4 +1,4 @@
-"""Box2D's adapter; `adapters.box2d.adapter` says what it does."""
+"""Box2D's adapter; `adapters.box2d.adapter` describes it."""
 
 from .adapter import NAME, ROUNDING, build, grid, ladder, read, refuses, routes, run, version
 from .meanings import MEANINGS

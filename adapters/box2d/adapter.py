@@ -1,22 +1,23 @@
 """box2d (Box2D 3.1 by pyb2d3): a game engine in single precision, with chains of segments and soft contacts.
 
 Route `native`, the engine's own shapes. A round plate is a circle; a convex plate a fan of polygons, of which the
-engine allows eight corners each; any other outline that the centre of mass sees all of, closed or open, a fan of
-triangles. A line, and a circle met from outside, are exact; every other track is a chain, whose inner corners the
-engine smooths out by itself.
+engine allows eight corners each; any other outline that is entirely visible from the centre of mass, closed or open, a
+fan of triangles. A line, and a circle touched from outside, are exact; every other track is a chain, whose inner
+corners the engine smooths by itself.
 
-The step is semi-implicit Euler with the contact's direction held from the step's beginning, through all its substeps:
-so a rung shortens its steps and takes one substep each; only the engine as it comes has four. A contact is a damped
-spring, whose velocity is taken out again after each step; `hertz` is its stiffness, 0.25/h the most the engine takes.
+The step is semi-implicit Euler; the contact's direction is that of the step's beginning in all substeps. So a rung has
+shorter steps of one substep each; only the default setting has four. A contact is a damped spring, whose velocity is
+removed after each step; `hertz` is its stiffness, at most 0.25/h in the engine.
 
-What is small is told in the engine's unit of length: it leaves 0.005 of overlap alone, merges corners that stand off
-their neighbours' chord by twice that, lets no facet be shorter. `scale` is how many units a metre is given.
+Small lengths are fixed in the engine's unit: it does not correct 0.005 of overlap, merges corners closer than twice
+that to their neighbours' chord, and allows no shorter facet. `scale` is the number of units per metre.
 
-Its fault: the spring looks at the plate's own point of contact, which in a step of rolling rises by r (ω h)²/2. The
-plate is let fall towards it, and presses by ½ m r ω ω̇ h too little: where friction just suffices to roll, it slips.
+A known error: the spring follows the plate's material contact point, which in a step of rolling rises by r (ω h)²/2.
+The plate then falls towards it, and the normal force is too small by ½ m r ω ω̇ h: where friction only just suffices
+to roll, the plate slips.
 
-The first transition's time converges with h² until single precision tells: with h = 1e-4 s the rounding of the
-positions, over h, lets go of the plate every other step, and transitions are invented. The ladder ends before.
+The first transition's time converges with h² down to single precision: with h = 1e-4 s the rounding of the positions,
+over h, opens the contact every other step, and spurious transitions appear. The ladder ends before.
 
 Sources: the Box2D manual ("Simulation") and the comments of its headers types.h and math_functions.h.
 """
@@ -55,23 +56,24 @@ KNOWN = "pyb2d3>=0.11.1"
 
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)
-# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+# The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Unilateral, Flight, Impact)
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
-# The grid's, with stiffnesses that the engine takes at the longest of its steps, its own among them.
+# The grid's steps, and stiffnesses that the engine allows at the longest of them, its default among them.
 GRID_STEPS, GRID_HERTZ = (4e-3, 2e-3, 1e-3, 5e-4), (15.0, 30.0, 62.5)
-# Units to a metre: slop is then 5 µm, less than a thousandth of any plate here, and facets may be a step's way long.
+# Units per metre: slop is then 5 µm, less than a thousandth of any plate here, and facets may be as short as a step's
+# displacement.
 SCALE = 1000.0
-# As its manual begins: 60 steps a second of four substeps, and metres.
+# The defaults of its manual: 60 steps a second of four substeps, and metres.
 DEFAULTS = dict(h=1 / 60, substeps=4, scale=1.0)
-# Of the engine, in its units: what it leaves alone, and how fast it pushes and moves at most.
+# The engine's limits, in its units: uncorrected overlap, and largest speed of correction and of motion.
 SLOP, PUSH, SPEED = 0.005, 3.0, 400.0
 
 
 def version() -> str:
-    """The binding's version; it tells no other."""
+    """The binding's version; it reports no other."""
     return f"pyb2d3 {package_version('pyb2d3')}"
 
 
@@ -81,21 +83,21 @@ def refuses(case: Case, route: str) -> str | None:
         raise unknown_name("route of box2d", route, routes)
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
-        return f"box2d has nothing for {' and '.join(missing)}."
+        return f"box2d does not support {' and '.join(missing)}."
     friction, outline = case.effect(CoulombFriction), case.plate.outline
     if friction and friction.stick != friction.mu:
         return "box2d has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):
-        return "box2d's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
+        return "box2d's contacts only push, and this case has a bilateral guide (no Unilateral)."
     if not facets.sees_all(outline):
-        return "box2d's own shapes are convex, and this outline is not all in sight of its centre: no fan makes it up."
+        return "box2d's shapes are convex, and no fan of them gives this outline: its centre does not see all of it."
     if case.effect(RollingResistance) and not facets.round_plate(case):
-        return "box2d has RollingResistance for circles alone, and this outline is none."
+        return "box2d has RollingResistance for circles only, and this outline is none."
     return None
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
-    """Settings from coarse to fine: the engine as it comes, then step, stiffness and facets together."""
+    """Settings from coarse to fine: the engine's defaults, then step, stiffness and facets refined together."""
     stretch = max(1.0, case.duration / USUAL_DURATION)
     steps = [h * stretch for h in STEPS]
     knobs = dict(substeps=1, scale=SCALE)
@@ -106,7 +108,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
-    """Step times model: facets and corners, or where there are none the contact's stiffness."""
+    """Combinations of step and model: facets and corners, or without any the contact's stiffness."""
     models = [shapes.corners(case, h) for h in GRID_STEPS]
     if any(models):
         knobs: list[dict[str, Any]] = [dict(hertz=GRID_HERTZ[-1], **model) for model in models]
@@ -117,7 +119,7 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
 
 @dataclass
 class Box2dModel:
-    """One run: the case, its setting, the step (s) and how many; the engine's world and plate, and what was noted."""
+    """One run: the case, its setting, the step (s), the number of steps, the engine's world and plate, and the rows."""
 
     case: Case
     knobs: dict[str, Any]
@@ -139,7 +141,7 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
         world.sleeping_enabled = False
     impact = case.effect(Impact)
     if impact and "hertz" in knobs:
-        # Slower than what gravity gives in a step, nothing rebounds that the step could follow.
+        # The steps cannot resolve a rebound slower than the velocity that gravity gives in a step.
         world.restitution_threshold = float(np.hypot(*pull)) * h
     material = shapes.material(case)
     shapes.add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
@@ -154,7 +156,7 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
 
 
 def run(model: Box2dModel) -> None:
-    """Step through the duration, noting poses and the velocities after the next step, in the engine's units."""
+    """Step through the duration and record poses and the velocities after the next step, in the engine's units."""
     h, step, plate, note, substeps = model.h, model.world.step, model.plate, model.rows.append, model.knobs["substeps"]
     rest = half_steps.rest(substeps) * h
     for k in range(model.steps + 1):
@@ -163,7 +165,7 @@ def run(model: Box2dModel) -> None:
         (vx, vy), omega = plate.linear_velocity, plate.angular_velocity
         note((x, y, angle, vx, vy, omega))
         if k == 0:
-            # The engine accelerates first, then moves: the acceleration is half a substep short, the way is whole.
+            # The engine accelerates first, then moves: half a substep of acceleration is missing, no displacement is.
             (x, y), angle = plate.position, shapes.angle(plate)
             plate.set_transform((x + rest * vx, y + rest * vy), shapes.rotation(angle + rest * omega))
 
@@ -172,7 +174,7 @@ def read(model: Box2dModel) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
     case, knobs, scale = model.case, model.knobs, model.knobs["scale"]
     rows = np.array(model.rows) / np.array([scale, scale, 1.0, scale, scale, 1.0])
-    # The engine's angle forgets whole turns.
+    # The engine's angle has no whole turns.
     theta = np.unwrap(rows[:, 2])
     rows[:, 2] = theta + 2 * np.pi * np.round((start_motion(case).theta - theta[0]) / (2 * np.pi))
     rough = facets.sagitta(case, knobs.get("facets"), knobs.get("vertices")) + SLOP / scale

@@ -1,4 +1,4 @@
-"""What Box2D's parameters make of friction, restitution and rolling, as measured here (`tests/adapters`)."""
+"""The laws of friction, restitution and rolling that Box2D's parameters stand for, as measured in `tests/adapters`."""
 
 from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
 
@@ -14,20 +14,20 @@ def _differs(case: Case) -> bool:
 MEANINGS = (
     Meaning(
         CoulombFriction,
-        "friction, the root of both shapes' product; here mu twice",
-        "Coulomb's cone on the impulses of a substep, one coefficient for slip and stick",
+        "friction, the geometric mean of both shapes' values; here mu and mu",
+        "Coulomb's cone for the impulses of a substep, one coefficient for slip and stick",
     ),
     Meaning(PerfectlyRough, "friction", "Coulomb's cone with a coefficient of 1e6"),
     Meaning(
         Impact,
-        "restitution, the larger of both shapes'; none slower than restitution_threshold (1 m/s as it comes)",
+        "restitution, the larger of both shapes' values; none below restitution_threshold (default 1 m/s)",
         "friction bounded by the impulse of compression, then Newton's restitution without friction (measured on "
-        "circles; polygons are further off)",
+        "circles; polygons deviate more)",
         differs=_differs,
     ),
     Meaning(
         RollingResistance,
-        "rolling_resistance, the larger of both shapes', times the circle's radius; here arm/r",
-        "a couple of at most that lever times the normal impulse; circles alone",
+        "rolling_resistance, the larger of both shapes' values, times the circle's radius; here arm/r",
+        "a couple of at most this lever arm times the normal impulse; circles only",
     ),
 )

@@ -1,4 +1,4 @@
-"""Scenes out of Box2D's own shapes: a circle or a fan of polygons on a circle or on a chain of segments."""
+"""Scenes with Box2D's own shapes: a circle or a fan of polygons on a circle or on a chain of segments."""
 
 from __future__ import annotations
 
@@ -13,18 +13,21 @@ from cases.shapes import as_circle, as_line
 
 from ..common import facets
 
-# A curve of as many facets as one types in.
+# Facets of a curve that a person would type in.
 MODEST = 64
-# A coefficient of friction that no case's forces exhaust.
+# A coefficient of friction that no case's forces exceed.
 ROUGH = 1e6
-# Corners a polygon may have; and edges on the rim of one in a fan: its eighth corner is the plate's centre.
+# Corners that a polygon may have; and rim edges of a polygon in a fan: its eighth corner is the plate's centre.
 MOST_CORNERS, RIM = 8, 6
 # With more corners than this the engine merges some, on plates of the usual bends.
 FINEST_RIM = 390
 
 
 def corners(case: Case, h: float | None) -> dict[str, int]:
-    """How many facets and corners go with the step h (s): a facet is a step's way at top speed. None: a beginner's."""
+    """Numbers of facets and corners for the step h (s), or by default (None).
+
+    A facet is as long as a step's displacement at top speed.
+    """
     counts: dict[str, int] = {}
     if facets.track_kind(case) == "chain":
         part = facets.stretch(case)
@@ -32,7 +35,7 @@ def corners(case: Case, h: float | None) -> dict[str, int]:
         counts["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
     outline = case.plate.outline
     if not facets.round_plate(case) and not as_line(outline):
-        # 0.2 s over the step is where corners cost as much energy as the step itself; whole polygons of a fan.
+        # With 0.2 s over the step corners lose as much energy as the step itself; whole polygons of a fan.
         coarsest = MOST_CORNERS if facets.is_convex(outline) else MODEST
         counts["vertices"] = RIM * round(max(0.2 / h, MODEST) / RIM) if h else coarsest
         counts["vertices"] = min(counts["vertices"], FINEST_RIM)
@@ -40,9 +43,9 @@ def corners(case: Case, h: float | None) -> dict[str, int]:
 
 
 def material(case: Case) -> pyb2d3.SurfaceMaterial:
-    """What both shapes are made of."""
+    """The surface material of both shapes."""
     friction, rolling, impact = case.effect(CoulombFriction), case.effect(RollingResistance), case.effect(Impact)
-    # Of the two shapes' numbers the engine takes the root of the product for friction, the larger for the others.
+    # The engine takes the geometric mean of the two shapes' friction, and the larger of the other parameters.
     mu = ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
     round_plate = facets.round_plate(case)
     return pyb2d3.surface_material(
@@ -54,20 +57,20 @@ def material(case: Case) -> pyb2d3.SurfaceMaterial:
 
 
 def rotation(angle: float) -> pyb2d3.Rot:
-    """The engine's own make_rot is fast and off by up to 1.6e-3 rad."""
+    """The rotation by an angle; the engine's make_rot is fast but has an error of up to 1.6e-3 rad."""
     rot = pyb2d3.Rot()
     rot.c, rot.s = cos(angle), sin(angle)
     return rot
 
 
 def angle(body: pyb2d3.Body) -> float:
-    """The engine's own angle is fast and off by up to 2.7e-5 rad."""
+    """A body's angle; the engine's own function is fast but has an error of up to 2.7e-5 rad."""
     rot = body.rotation
     return atan2(rot.s, rot.c)
 
 
 def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
-    """A circle, or `count` segments with their corners smoothed out by the engine."""
+    """Add a circle, or `count` segments whose corners the engine smooths."""
     circle, kind = as_circle(case.track), facets.track_kind(case)
     if kind == "hill" and circle:
         shape = pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius)
@@ -78,14 +81,14 @@ def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, s
     if closed:
         corners = corners[:, :-1]
     else:
-        # The first and last edges of an open chain only guide their neighbours.
+        # The first and last edges of an open chain only smooth their neighbours' corners.
         corners = np.column_stack([2 * corners[:, 0] - corners[:, 1], corners, 2 * corners[:, -1] - corners[:, -2]])
-    # The engine's chains push to their right, ours has the plate on its left.
+    # The engine's chains push to their right; here the plate is on the left.
     body.create_chain(pyb2d3.chain_def(points=scale * corners.T[::-1], material=material, is_loop=closed))
 
 
 def add_plate(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
-    """A circle, or a fan of polygons with `count` corners on its rim; of triangles if the outline is not convex."""
+    """Add a circle, or a fan of polygons with `count` corners on its rim; triangles if the outline is not convex."""
     define = pyb2d3.shape_def(material=material)
     circle = facets.round_plate(case)
     if circle:

@@ -1,7 +1,7 @@
 """The curves as geometry of MJCF (MuJoCo) and SDF (Gazebo, Drake), as text: a plane scene, thin in Z.
 
 The track is boxes behind its chords; the plate a cylinder where it is a disc, else the prism over its outline: of MJCF
-a mesh, whose hull MuJoCo takes, of SDF a polyline. Contact parameters are the reader's: no two of them mean the same.
+a mesh, whose hull MuJoCo takes, of SDF a polyline. Readers set contact parameters: they differ between engines.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def mjcf(case: Case) -> str:
         xml.SubElement(world, "geom", type="box", pos=_text(x, y, 0), euler=euler, size=size)
     plate = xml.SubElement(world, "body", name="plate", pos=_text(start.x, start.y, 0), euler=_text(0, 0, start.theta))
     for name, kind, axis in (("x", "slide", (1, 0, 0)), ("y", "slide", (0, 1, 0)), ("theta", "hinge", (0, 0, 1))):
-        # A body's joints count in its own frame, which is turned by theta.
+        # A body's joint axes are in its own frame, which is rotated by theta.
         axis_in_body = _turn(axis, -start.theta)
         xml.SubElement(plate, "joint", name=name, type=kind, axis=_text(*axis_in_body))
     inertia = _text(case.plate.inertia, case.plate.inertia, case.plate.inertia)

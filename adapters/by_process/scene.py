@@ -1,6 +1,6 @@
 """A case as plain data for a program in any language: what `python -m cases export` writes and an executable reads.
 
-The form is published in `scene.schema.json`, with its version. Nothing here knows the truth.
+`scene.schema.json` defines the form, with its version. A scene does not contain the true motion.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ UNITS = "SI, radians; the plate lies on the left of the track; components along 
 
 
 def scene(case: Case) -> dict[str, Any]:
-    """All that is needed to build the case, in SI units; null for what a start in flight does not have."""
+    """All data that is needed to build the case, in SI units; null for values that a start in flight does not have."""
     return finite(
         {
             "schema": SCHEMA,
@@ -59,7 +59,7 @@ def points(rows: np.ndarray) -> dict[str, list[float]]:
 def curve_samples(case: Case) -> dict[str, np.ndarray]:
     """Samples of `track` and `outline`, evenly in the parameter.
 
-    Of a curved track without ends they cover what the plate may reach; a straight one is known by any two of them.
+    For a curved track without ends they cover the part that the plate may reach; any two define a straight one.
     """
     track, outline = case.track, case.plate.outline
     limits = track.span if track.features is None else visible_span(case)
@@ -73,7 +73,7 @@ def _curve_rows(curve: Curve, low: float, high: float) -> np.ndarray:
 
 
 def finite(value: Any) -> Any:
-    """The same with null for every number that is not finite, and formulas as text: JSON has neither."""
+    """The value with null for every number that is not finite, and formulas as text: JSON has neither."""
     if isinstance(value, dict):
         return {str(name): finite(part) for name, part in value.items()}
     if isinstance(value, list | tuple):
@@ -86,5 +86,5 @@ def finite(value: Any) -> Any:
 
 
 def as_json(content: dict[str, Any], indent: int | None = None) -> str:
-    """As text; raises ValueError for a number that JSON does not have."""
+    """The content as JSON text; raises ValueError for a number that JSON does not have."""
     return json.dumps(finite(content), indent=indent, ensure_ascii=False, allow_nan=False)

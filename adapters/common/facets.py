@@ -1,6 +1,6 @@
-"""Curves as corners, for engines whose shapes are straight: how far a plate can come, and the polygon that fits best.
+"""Curves as polygons, for engines with straight shapes: the reachable part of a track, and the best polygon.
 
-Nothing here knows an engine. Lengths in metres.
+Independent of any engine. Lengths in metres.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Stretch(NamedTuple):
 
 
 def track_kind(case: Case) -> str:
-    """What the track is to an engine with few shapes: "line", "hill" (a whole circle from outside) or "chain"."""
+    """The track's shape for an engine with few shapes: "line", "hill" (a whole circle, from outside) or "chain"."""
     if as_line(case.track):
         return "line"
     circle = as_circle(case.track)
@@ -36,15 +36,16 @@ def track_kind(case: Case) -> str:
 
 
 def round_plate(case: Case) -> Circle | None:
-    """The circle that the outline is, about the centre of mass or not, or None."""
+    """The outline as a circle, about the centre of mass or not; None if it is no circle."""
     return as_circle(case.plate.outline) if case.plate.outline.period else None
 
 
 @lru_cache(maxsize=64)
 def sway(outline: Curve) -> float:
-    """How far (m) the outline's centres of curvature are off the centre of mass along its normals; its reach at most.
+    """The largest distance (m) of the outline's centres of curvature from the centre of mass along its normals.
 
-    Times the spin squared, it is what a plate that rolls on a level line asks of the normal force beside its weight.
+    At most the outline's reach. Times the spin squared, it is the normal force per mass that a plate rolling on a level
+    line needs in addition to its weight.
     """
     s = np.linspace(*outline.span, 721)
     point, inwards, bend = outline.point(s), outline.normal(s), outline.curvature(s)
@@ -56,10 +57,10 @@ def sway(outline: Curve) -> float:
 
 @lru_cache(maxsize=16)
 def stretch(case: Case) -> Stretch:
-    """Which part of the track the plate can reach, by its energy and by the time it has.
+    """The part of the track that the plate can reach, by its energy and within the case's duration.
 
-    Nothing but a Load adds energy, so the plate stays where its potential is below its first energy; and its speed
-    cannot grow faster than g. A margin of the plate's own size is added at both ends.
+    Only a Load adds energy, so the plate stays where its potential is below its initial energy; and its speed cannot
+    grow faster than g. A margin of the plate's size is added at both ends.
     """
     start, plate, pull = start_motion(case), case.plate, gravity(case)
     if case.effect(Load):
@@ -68,7 +69,7 @@ def stretch(case: Case) -> Stretch:
     # A start off the track is higher, or lower, than the pose of contact there.
     on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
     energy += float(pull @ (on_track - (start.x, start.y)))
-    # The centre of a plate that is no disc may be lower than the walk below takes it to be, by this much of g.
+    # The centre of a plate that is no disc may be lower than `_walk` assumes, by this length.
     energy += float(np.hypot(*pull)) * (plate.reach - plate.inner)
     longest = (np.sqrt(2 * max(energy, kinetic_start)) + np.hypot(*pull) * case.duration) * case.duration
     ways = [_walk(case, start.xi1, way, energy, longest, plate.reach) for way in (-1, 1)]
@@ -81,15 +82,15 @@ def stretch(case: Case) -> Stretch:
     return Stretch(low, high, back + ahead, False, max(fast, faster))
 
 
-# How far from its start a plate with a load may come on a track without ends, in sizes of the plate.
+# How far from its start a plate with a load is followed on a track without ends, in sizes of the plate.
 FAR = 1e4
-# A walk along a track without ends begins with so many sizes of the plate, and doubles so often at most: a track may be
-# endless by its parameter and yet have an end (tanh s, 0).
+# A walk along a track without ends begins with this many sizes of the plate, and doubles at most this often: a track
+# with an unlimited parameter may still end (tanh s, 0).
 FIRST, DOUBLINGS = 10.0, 100
 
 
 def _everywhere(case: Case) -> Stretch:
-    """The whole track: a load may take the plate anywhere. Its speed is taken to be what gravity gives in that time."""
+    """The whole track: a load may take the plate anywhere. The top speed is what gravity gives within the duration."""
     track = case.track
     far = FAR * case.plate.reach / float(track.speed(case.start.xi1))
     low, high = (case.start.xi1 - far, case.start.xi1 + far) if track.domain is None else track.domain
@@ -111,12 +112,12 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     elif track.domain:
         far = track.domain[1] - xi1 if way > 0 else xi1 - track.domain[0]
     for _ in range(DOUBLINGS):
-        # 2000 steps to a walk follow every curve whose features its author could draw.
+        # 2000 steps per walk resolve every curve that an author could draw.
         s = xi1 + way * np.linspace(0.0, far, 2001)
         with np.errstate(all="ignore"):
             point, speed = track.point(s), track.speed(s)
             is_track = np.isfinite(point).all(axis=0) & np.isfinite(speed) & (speed > 0.0)
-        if not is_track.all():  # too far out for doubles: it ends before
+        if not is_track.all():  # beyond the range of doubles: stop before
             far, limited = far * max(int(np.argmin(is_track)) - 1, 1) / 2000, True
             continue
         run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * far / 2000
@@ -128,11 +129,11 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     kinetic = energy + gravity(case) @ (centre - centre[:, :1])
     reachable = (kinetic >= 0.0) & (away <= longest)
     if flies:
-        # It may pass what is too high for it through the air: up to the last place that is not.
+        # A plate in flight may pass places that are too high: up to the last reachable one.
         last = int(np.max(np.flatnonzero(reachable), initial=0))
     else:
         last = (len(s) if reachable.all() else max(int(np.argmin(reachable)), 1)) - 1
-    # Between two samples, so that it does not depend on where these lie.
+    # Interpolate between two samples, so that the result does not depend on their positions.
     part = min(_positive_share(kinetic[last : last + 2]), _positive_share(longest - away[last : last + 2]))
     stop = last + part
     run_end = min(float(np.interp(stop, np.arange(len(s)), run)) + margin, float(run[-1]))
@@ -141,8 +142,10 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
 
 
 def _positive_share(values: np.ndarray) -> float:
-    """The part of the way between two samples on which a value stays positive, by a straight line; 1 if all of it, or
-    if there is no second sample."""
+    """The fraction of the interval between two samples on which a linear function stays positive.
+
+    1 if it is positive at both, or if there is no second sample.
+    """
     if len(values) < 2 or values[1] >= 0.0:
         return 1.0
     first, second = max(float(values[0]), 0.0), float(values[1])
@@ -150,8 +153,11 @@ def _positive_share(values: np.ndarray) -> float:
 
 
 def visible_span(case: Case) -> tuple[float, float]:
-    """The stretch of the track that an exported scene shows, by its parameters: all of a track with ends or a period;
-    of others what the plate can reach, at most `FAR` of its sizes to either side, where places still have digits."""
+    """The parameter range of the track that an exported scene contains.
+
+    The whole track if it has ends or a period, else the part that the plate can reach, at most `FAR` of its sizes to
+    either side, where positions still have enough digits.
+    """
     track, xi1 = case.track, case.start.xi1
     if track.domain is not None or track.period:
         return track.span
@@ -191,13 +197,13 @@ def _even(curve: Curve, low: float, high: float, count: int) -> tuple[np.ndarray
 
 
 def polygon(case: Case, count: int) -> np.ndarray:
-    """Corners, shape (2, count), at equal turns of a convex outline's tangent, blown up to the area of the outline.
+    """Corners, shape (2, count), at equal turns of a convex outline's tangent, scaled to the area of the outline.
 
-    Equal turns put the corners where the outline bends most, so that every corner costs the same.
+    Equal turns put the corners where the outline bends most, so that every corner loses the same energy.
     """
     outline = case.plate.outline
     s = np.linspace(*outline.span, 64 * 721)
-    # Where the outline is straight for a while rounding turns the tangent to and fro.
+    # On straight parts of the outline rounding makes the tangent's angle decrease now and then.
     angle = np.maximum.accumulate(outline.tangent_angle(s))
     corners = outline.point(np.interp(angle[0] + 2 * pi * np.arange(count) / count, angle, s))
     return np.sqrt(_area(*outline.point(s[:-1])) / _area(*corners)) * corners
@@ -207,31 +213,31 @@ def _area(x: np.ndarray, y: np.ndarray) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
-# What rounding makes of a curvature of zero, as a part of the outline's sharpest.
+# The rounding of a curvature of zero, relative to the outline's largest curvature.
 _FLAT = 1e-9
 
 
 def is_convex(outline: Curve) -> bool:
-    """Whether the outline is closed and nowhere bends inwards: what a polygon of an engine's can be."""
+    """Whether the outline is closed and nowhere bends inwards, as an engine's polygons require."""
     bend = outline.curvature(np.linspace(*outline.span, 721))
     return bool(outline.period) and bool(bend.min() >= -_FLAT * bend.max())
 
 
 def sees_all(outline: Curve) -> bool:
-    """Whether every point of the outline is in sight of the centre of mass: what a fan of triangles can be."""
+    """Whether every point of the outline is visible from the centre of mass, as a fan of triangles requires."""
     s = np.linspace(*outline.span, 721)
     return bool(np.all(np.sum(outline.point(s) * outline.normal(s), axis=0) < 0.0))
 
 
 def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
-    """How far (m) facets of the track and vertices of the outline stand off the curves; None: the shape is exact."""
+    """The distance (m) of the track's facets and the outline's polygon from the curves; None: the shape is exact."""
     off = 0.0
     if facets:
         part = stretch(case)
         bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()
         off += float(bend) * (part.length / facets) ** 2 / 8
     if vertices and is_convex(case.plate.outline):
-        # A chord of length L over a turn of δ stands off by L δ/8.
+        # A chord of length L over a turn of δ has the sagitta L δ/8.
         corners = polygon(case, vertices)
         longest = float(np.hypot(*(np.roll(corners, -1, axis=1) - corners)).max())
         off += longest * (2 * pi / vertices) / 8

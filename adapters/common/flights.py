@@ -1,4 +1,4 @@
-"""Plates that leave their track and meet it again: where they are nearest to it, which samples of a run are flight."""
+"""Plates that leave their track and meet it again: their nearest points to it, and the samples in flight."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from cases.nearest import nearest
 
 LIFT_OFF_REASON = "The contact stopped pushing and the plate left its track."
 LANDING_REASON = "The plate meets its track again, and the case names no Impact."
-# What a curve may raise where its expression has no value (DoesNotFit is one of them): beyond its domain.
+# Exceptions of a curve where its expression has no value, beyond its domain (DoesNotFit is one of them).
 BEYOND = (ValueError, ArithmeticError)
-# A plate that is off its track by more than this part of its size may be nearer to another place of it.
+# A plate that is farther from its track than this part of its size may be nearer to another place of the track.
 NEAR = 0.1
-# One that is surely off it by this many of its sizes need not be looked for.
+# A plate that is certainly this many of its sizes off the track needs no search.
 FAR = 1.0
 
 
 class Follower:
-    """The contact along a motion that begins at the case's start, each found from the one before.
+    """Finds the contact along a motion that begins at the case's start, each from the previous one.
 
-    A plate that may fly is looked for along the whole track once it is well off it; while it cannot have come back its
-    contact is not looked for at all: parameters NaN, and a gap it surely has.
+    For a plate that may fly the whole track is searched once it is well off it. While it cannot have come back there is
+    no search: the parameters are NaN, and the gap is a lower bound.
     """
 
     def __init__(self, case: Case):
@@ -32,12 +32,12 @@ class Follower:
         start = start_motion(case)
         self.near = (start.xi1, start.xi2)
         self.size = case.plate.reach
-        # Where the plate was last looked for in flight, and how far off it was.
+        # The pose and gap of the last search in flight.
         self.last_pose: tuple[float, float, float] = (nan, nan, nan)
         self.gap = 0.0
 
     def __call__(self, x: float, y: float, theta: float) -> Contact:
-        """The contact of a pose; raises one of BEYOND for a plate that is lost and may not fly."""
+        """The contact of a pose; raises one of BEYOND for a plate that has lost its track and may not fly."""
         if not self.flies:
             return self._at(find(self.case, x, y, theta, self.near))
         x0, y0, theta0 = self.last_pose
@@ -54,7 +54,7 @@ class Follower:
             pass
         other = nearest(self.case, x, y, theta)
         if other is None:
-            # Beyond an end of the track; it is looked for again when it has moved by its own size.
+            # Beyond an end of the track; search again when the plate has moved by its own size.
             other = Contact(nan, nan, self.size)
         else:
             other = self._at(_with_turns(self.case, other, theta))
@@ -67,7 +67,7 @@ class Follower:
 
 
 def _with_turns(case: Case, contact: Contact, theta: float) -> Contact:
-    """Its parameters counted on by whole turns, so that (6) gives θ itself."""
+    """The contact with whole turns added to its parameters, so that (6) gives θ itself."""
     xi1, xi2, gap = contact
     turns = round((float(pose(case, xi1, xi2)[2]) - theta) / (2 * pi))
     if case.plate.outline.period:
@@ -76,10 +76,10 @@ def _with_turns(case: Case, contact: Contact, theta: float) -> Contact:
 
 
 def flights(gap: np.ndarray, pushing: np.ndarray, clear: float) -> list[tuple[int, int]]:
-    """Stretches of samples [start, stop) in flight: from where the track last pressed to where it does again.
+    """Ranges of samples [start, stop) in flight: from the last push of the track to the next one.
 
-    A stretch counts if the gap (m) exceeds `clear` in it: shorter ones are the hops of a contact that is found by its
-    overlap, once a step. `pressed` tells for each sample whether the track pushes.
+    A range counts if the gap (m) exceeds `clear` in it: shorter ones are the hops of a contact that is detected by its
+    overlap, once a step. `pushing`: for each sample, whether the track pushes.
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], ~pushing, [False]]).astype(int)))
     stretches = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)

@@ -1,10 +1,10 @@
-"""For which cases an engine's law of impact is another than the case's. The laws' names are those of `cases.Impact`."""
+"""Cases for which an engine's law of impact differs from the case's. The laws' names are those of `cases.Impact`."""
 
 from __future__ import annotations
 
 from cases import Case, CoulombFriction, Impact, PerfectlyRough
 
-# What engines do that solve for the velocities at a step's end.
+# The law of engines that solve for the velocities at a step's end.
 MOREAU = "Moreau's (Newton's restitution, and Coulomb's law on the velocity after the impact)"
 
 
@@ -13,7 +13,9 @@ def has_friction(case: Case) -> bool:
 
 
 def not_moreaus(case: Case) -> bool:
-    """Whether Moreau's law gives another impact than the case's: without friction, and for a disc about its centre,
-    all laws agree."""
+    """Whether Moreau's law gives another impact than the case's law.
+
+    Without friction, and for a disc about its centre of mass, all laws agree.
+    """
     impact = case.effect(Impact)
     return impact is not None and impact.law != "moreau" and has_friction(case) and case.plate.radius is None

@@ -1,9 +1,10 @@
-"""A process of an engine and what it starts: bounded in resident memory, and ended together.
+"""Supervise an engine's process and its child processes: limit their resident memory, and end them together.
 
-The process that is to be supervised forks. The copy goes on as before; the process itself stays as its supervisor,
-which runs no code of an engine. It is the reaper of all that the copy starts (PR_SET_CHILD_SUBREAPER, prctl(2)): what
-opens a session of its own, or is left by its parent, becomes the supervisor's child, and is ended with it. Linux;
-elsewhere processes that leave their group are not found, and memory is not bounded.
+The process to be supervised forks. The copy continues as before; the original process becomes its supervisor, which
+runs no code of an engine. The supervisor is the reaper of all processes that the copy starts
+(PR_SET_CHILD_SUBREAPER, prctl(2)): a process that opens a session of its own, or whose parent ends, becomes the
+supervisor's child, and is ended with it. Linux only; on other systems processes that leave their group are not found,
+and memory is not limited.
 """
 
 from __future__ import annotations
@@ -20,21 +21,21 @@ from typing import NoReturn
 
 # <linux/prctl.h>
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
-# Seconds between two looks at the copy's memory, and at that of what it started, for which all processes are read, in
-# 3 ms.
+# Seconds between two checks of the copy's memory, and of the memory of its descendants. The latter reads all processes,
+# in 3 ms.
 _LOOK, _LOOK_AT_ALL = 0.25, 1.0
-# Seconds in which processes that are killed are gone; one in the midst of a system call may take that long.
+# Seconds until killed processes have ended; a process inside a system call may take that long.
 _KILL_SECONDS = 5.0
-# By this signal a supervisor ends whose copy held too much memory: no program of ours or of an engine's sends it.
+# The signal by which a supervisor ends if its copy exceeds the memory limit; neither the suite nor an engine sends it.
 TOO_MUCH_MEMORY = signal.SIGRTMAX if hasattr(signal, "SIGRTMAX") else signal.SIGUSR2
 
 
 def supervise(memory: int, first: Callable[[], None] = lambda: None) -> None:
-    """Fork: return in the copy; stay as its supervisor in this process, and end as the copy does.
+    """Fork: return in the copy; supervise it in this process, and end with the copy's exit status.
 
-    When the copy has ended, when this process gets SIGTERM or its parent ends, and when the copy and what it started
-    hold more than `memory` bytes (the supervisor then ends by the signal TOO_MUCH_MEMORY), all of them are ended.
-    `first` is called in the supervisor: to close what is the copy's.
+    All processes are ended when the copy ends, when this process gets SIGTERM or its parent ends, and when the copy and
+    its descendants hold more than `memory` bytes (the supervisor then ends by the signal TOO_MUCH_MEMORY). `first` is
+    called in the supervisor, to close files that belong to the copy.
     """
     signals = {signal.SIGCHLD, signal.SIGTERM}
     before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
@@ -43,7 +44,7 @@ def supervise(memory: int, first: Callable[[], None] = lambda: None) -> None:
     copy = os.fork()
     if copy == 0:
         end_with_parent(own)
-        be_reaper()  # so that it sees what its calls leave behind
+        be_reaper()  # so that it inherits the processes that its calls leave behind
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return
     first()
@@ -51,13 +52,13 @@ def supervise(memory: int, first: Callable[[], None] = lambda: None) -> None:
 
 
 def end_with_parent(parent: int, by: int = signal.SIGKILL) -> None:
-    """Let the system send this process a signal when its parent ends; end it now if that is gone (Linux)."""
+    """Make the system send this process a signal when its parent ends; end it now if the parent has ended (Linux)."""
     if _prctl(_PR_SET_PDEATHSIG, by) and os.getppid() != parent:
         os._exit(1)
 
 
 def be_reaper() -> None:
-    """Become the parent of what the descendants of this process leave behind (Linux)."""
+    """Become the parent of orphaned descendants of this process (Linux)."""
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
@@ -71,7 +72,7 @@ def _prctl(option: int, value: int) -> bool:
 
 
 def _stay(copy: int, memory: int, signals: set[signal.Signals]) -> NoReturn:
-    """Wait for the copy's end, or end it; then this process ends in the same way."""
+    """Wait for the copy's end, or end it; then end this process in the same way."""
     last_scan = time.monotonic()
     while True:
         came = signal.sigtimedwait(signals, _LOOK) if hasattr(signal, "sigtimedwait") else signal.sigwait(signals)
@@ -85,24 +86,24 @@ def _stay(copy: int, memory: int, signals: set[signal.Signals]) -> NoReturn:
         every = time.monotonic() - last_scan > _LOOK_AT_ALL
         last_scan = time.monotonic() if every else last_scan
         family = [copy, *descendants(copy)] if every else [copy]
-        # Pages that processes share count once; that is slower to learn, and asked only where it may matter.
+        # Count shared pages once; this is slower to read, so only where it can decide.
         if _sum(family, _resident) > memory and _sum(family, _share) > memory:
             _end_all()
             _end_as(-TOO_MUCH_MEMORY)
 
 
 def _reap_child(copy: int) -> int | None:
-    """Let children that have ended be gone; the status of the copy if it is among them."""
-    found = None
+    """Reap children that have ended; the status of the copy if it is one of them."""
+    copy_status = None
     with suppress(ChildProcessError):
         while (pid_and_status := os.waitpid(-1, os.WNOHANG))[0]:
             if pid_and_status[0] == copy:
-                found = pid_and_status[1]
-    return found
+                copy_status = pid_and_status[1]
+    return copy_status
 
 
 def _end_all() -> None:
-    """Kill everything below this process, until there is nothing: what is left by its parent becomes its child."""
+    """Kill all descendants of this process, repeatedly: orphans become its children."""
     until = time.monotonic() + _KILL_SECONDS
     while time.monotonic() < until:
         for process in descendants(os.getpid()):
@@ -129,24 +130,24 @@ def _end_as(exitcode: int) -> NoReturn:
     os._exit(1)
 
 
-# --- what the system says of processes --------------------------------------------------------------------------------
+# --- information on processes -----------------------------------------------------------------------------------------
 
 
 def descendants(process: int) -> list[int]:
-    """All processes below one, nearest first; none where the system does not say (it does on Linux)."""
+    """All descendants of a process, nearest first; empty where the system has no /proc (it has on Linux)."""
     below: dict[int, list[int]] = {}
     for entry in Path("/proc").glob("[0-9]*"):
         fields = _fields(entry)
         if fields:
             below.setdefault(int(fields[1]), []).append(int(entry.name))
-    found = list(below.get(process, ()))
-    for each in found:
-        found += below.get(each, ())
-    return found
+    processes = list(below.get(process, ()))
+    for each in processes:
+        processes += below.get(each, ())
+    return processes
 
 
 def _fields(entry: Path) -> list[str]:
-    """The fields of /proc/PID/stat after the program's name, which may hold anything (proc(5)): state, parent, …"""
+    """The fields of /proc/PID/stat after the program's name, which may contain anything (proc(5)): state, parent, …"""
     try:
         return (entry / "stat").read_text(errors="replace").rpartition(")")[2].split()
     except OSError:  # it has ended
@@ -154,13 +155,13 @@ def _fields(entry: Path) -> list[str]:
 
 
 def _resident(process: int) -> int:
-    """Bytes of memory that a process holds, shared pages included."""
+    """The memory of a process in bytes, shared pages included."""
     fields = _fields(Path("/proc") / str(process))
     return int(fields[21]) * os.sysconf("SC_PAGE_SIZE") if fields else 0
 
 
 def _share(process: int) -> int:
-    """Bytes of memory that a process holds, with its share of shared pages (Pss of smaps_rollup)."""
+    """The memory of a process in bytes, with its share of shared pages (Pss of smaps_rollup)."""
     try:
         lines = (Path("/proc") / str(process) / "smaps_rollup").read_text().splitlines()
     except OSError:

@@ -1,7 +1,7 @@
-"""Exudyn's adapter; `adapters.exudyn.adapter` says what it does.
+"""Exudyn's adapter; `adapters.exudyn.adapter` describes it.
 
-The engine is imported as a study would: its build without range checks, which its own wheel brings, and without the
-settings that a user may keep in the home folder. An exudyn that was imported before stays as it is.
+The engine is imported in its build without range checks, which is part of its wheel, and without the settings that a
+user may have in the home folder. An exudyn that was imported before is not changed.
 """
 
 import os
@@ -11,7 +11,7 @@ from io import StringIO
 
 os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
 sys.exudynFast = True  # type: ignore[attr-defined]
-with redirect_stdout(StringIO()):  # it says which build it is
+with redirect_stdout(StringIO()):  # the import prints which build it is
     import exudyn as _  # noqa: F401
 
 from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version, wide_grid  # noqa: E402

@@ -1,9 +1,9 @@
 """Exudyn's constraints: a disc that cannot slip on a straight line, or cannot leave a frictionless guide.
 
 Pure rolling is ObjectJointRollingDisc, which also guides a disc without friction if its tangential part is left out; a
-guide along a circle is a rod from its centre to the disc's (ObjectConnectorDistance). Nothing creeps and nothing gives
-way: the step is the only error. The rod's own output is not the contact's force, so the forces are read from the
-accelerations, for both.
+guide along a circle is a rod from its centre to the disc's (ObjectConnectorDistance). There is neither creep nor
+deflection: the step is the only error. The rod's output is not the contact force, so for both the forces are computed
+from the accelerations.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ from .system import (
 
 
 def suits(case: Case) -> bool:
-    """Whether a constraint is the engine's model of the case, a disc on a line or a circle."""
+    """Whether the engine models the case, a disc on a line or a circle, by a constraint."""
     rough, bilateral = case.effect(PerfectlyRough) is not None, case.effect(Unilateral) is None
     return rough or (bilateral and case.effect(CoulombFriction) is None)
 
 
 def refuses(case: Case) -> str | None:
-    """Why no constraint of the engine models the case, in one sentence, or None."""
+    """The reason, in one sentence, why no constraint of the engine models the case, or None."""
     if case.effect(Flight):
-        return "Exudyn's rolling joint never lets go; a perfectly rough contact that may fly is not among its objects."
+        return "Exudyn's rolling joint never opens; it has no perfectly rough contact for a plate that may fly."
     if case.effect(PerfectlyRough) and as_line(case.track) is None:
-        return "Exudyn's rolling joint is made for straight lines, and this perfectly rough track is none."
+        return "Exudyn's rolling joint is for straight lines only, and this perfectly rough track is none."
     return None
 
 
 def build(case: Case, setting: Setting) -> ExudynSystem:
-    """The disc with its constraint; a unilateral contact is cut by the reader where the joint would have to pull."""
+    """Build the disc with its constraint; the reader ends a unilateral contact where the joint would have to pull."""
     container = exu.SystemContainer()
     system = container.AddSystem()
     node, disc = disc_body(case, start_motion(case), system)
@@ -66,7 +66,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
             )
         )
     else:
-        assert circle is not None, "refuses() lets lines and circles alone pass"
+        assert circle is not None, "refuses() accepts only lines and circles"
         distance = circle.radius - radius if circle.left else circle.radius + radius
         system.AddObject(
             item.ObjectConnectorDistance(markerNumbers=[ground(system, circle.centre), disc], distance=distance)
@@ -80,7 +80,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
 
 
 def _read(case: Case, data: SensorData) -> ExudynContact:
-    """Contact and forces: what acts beside gravity and load is the contact's."""
+    """The contact; its forces are mass times acceleration minus gravity and load."""
     pose, velocity = data.pose, data.velocity
     try:
         xi1, xi2, gap = follow(case, *pose.T)

@@ -1,8 +1,8 @@
-"""Our contact geometry and our contact law in Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver.
+"""The suite's contact geometry and law in Exudyn's ObjectGenericODE2: any plate on any track, the engine's solver.
 
 The law has the form of the engine's own contacts: a spring k and a damper d along the normal, Coulomb friction that
 grows linearly with the slip velocity up to vreg. It acts at the track's contact point. A perfectly rough contact has no
-bound: friction grows on, and what rolls creeps with vreg where friction is the plate's weight.
+bound: friction grows further, and a rolling plate creeps with vreg where friction equals its weight.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class PenaltyState(NamedTuple):
 
 
 class PenaltyContact:
-    """The contact law for one run; it remembers where the contact was last."""
+    """The contact law for one run; it stores the last contact point as the start of the next search."""
 
     def __init__(self, case: Case, setting: Setting):
         self.case, self.k, self.vreg = case, setting["k"], setting["vreg"]
@@ -62,7 +62,7 @@ class PenaltyContact:
         self.slip = case.start.slip
 
     def touch(self, pose, velocity) -> PenaltyState:
-        """The contact of a state; raises one of BEYOND where there is none to be found."""
+        """The contact of a state; raises one of BEYOND where there is none."""
         x, y, theta = pose
         vx, vy, omega = velocity
         xi1, xi2, gap = self.follower(x, y, theta)
@@ -80,7 +80,7 @@ class PenaltyContact:
         return PenaltyState(xi1, xi2, ax, ay, tx, ty, gap, slip, normal_force, share)
 
     def friction_force(self, touch: PenaltyState) -> float:
-        """Along the track's tangent, against the slip velocity."""
+        """The friction force (N) along the track's tangent, against the slip velocity."""
         if self.rough:
             return -self.grip(touch) * touch.share
         return -self.mu * abs(touch.normal_force) * touch.share
@@ -88,7 +88,7 @@ class PenaltyContact:
     def grip(self, touch: PenaltyState) -> float:
         """The friction (N) of a perfectly rough contact that creeps with vreg.
 
-        Where the plate may leave, it fades out with the last hundredth of the weight, so that friction does not end
+        Where the plate may leave, it decreases with the last hundredth of the weight, so that friction does not end
         with a jump.
         """
         return min(self.rough, 100.0 * abs(touch.normal_force)) if self.unilateral else self.rough
@@ -101,7 +101,7 @@ class PenaltyContact:
         return [a + b for a, b in zip(contact, self.load.at(time, *pose, *velocity), strict=True)]
 
     def contact_force(self, pose, velocity) -> list[float]:
-        """The contact's share of them; a plate that lost its track flies."""
+        """The contact's part of the generalised forces; zero for a plate that has lost its track."""
         try:
             touch = self.touch(pose, velocity)
         except BEYOND:
@@ -114,8 +114,8 @@ class PenaltyContact:
     def jacobian(self, _system, _time, _object, pose, velocity, by_pose, by_velocity) -> np.ndarray:
         """The engine's call for −(by_pose ∂f/∂q + by_velocity ∂f/∂q̇), to first order in the penetration.
 
-        It leaves out how the contact point and the tangent turn, which is smaller by penetration over radius, and
-        saves the engine four fifths of its evaluations against differences.
+        It neglects the motion of the contact point and the turn of the tangent, which are smaller by penetration over
+        radius, and saves the engine four fifths of the evaluations that differences need.
         """
         try:
             touch = self.touch(pose, velocity)
@@ -133,7 +133,7 @@ class PenaltyContact:
             viscous = by_velocity * self.mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
             slope = copysign(self.mu, N) * touch.share
             row_axis = (normal[0] - slope * tangent[0], normal[1] - slope * tangent[1], normal[2] - slope * tangent[2])
-        # As two outer products, which NumPy takes four times as long for.
+        # Two outer products; with NumPy they take four times as long.
         return np.array(
             [
                 [spring * (p * n) + viscous * (t * other) for n, other in zip(normal, tangent, strict=True)]
@@ -142,7 +142,7 @@ class PenaltyContact:
         )
 
     def slip_at(self, system) -> Callable[[Any], float]:
-        """The slip velocity (m/s) where a step begins or ends; at its end it is that of the last evaluation."""
+        """A function for the slip velocity (m/s) where a step begins or ends; at its end, of the last evaluation."""
         state, now = system.systemData, exu.ConfigurationType.Current
 
         def slip(configuration) -> float:
@@ -154,7 +154,7 @@ class PenaltyContact:
         return slip
 
     def follow(self, data: SensorData) -> ExudynContact:
-        """The contact along a run that begins at the case's start, as far as it can be found."""
+        """The contact along a run that begins at the case's start, up to the pose where it is lost."""
         self.follower = Follower(self.case)
         rows, failure = [], None
         try:
@@ -169,7 +169,7 @@ class PenaltyContact:
 
 
 def build(case: Case, setting: Setting) -> ExudynSystem:
-    """Three coordinates (x, y, θ), the plate's mass matrix, gravity, and the contact as a user function."""
+    """Build three coordinates (x, y, θ), the plate's mass matrix, gravity, and the contact as a user function."""
     start, plate, law = static_start(case, setting), case.plate, PenaltyContact(case, setting)
     container = exu.SystemContainer()
     system = container.AddSystem()

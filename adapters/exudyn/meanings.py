@@ -1,5 +1,8 @@
-"""What Exudyn's parameters make of friction, restitution and rolling (its manual's items ObjectContactSphereSphere and
-ObjectContactSphereTriangle, whose names stand here; the laws as measured in `tests/adapters`)."""
+"""The laws of friction, restitution and rolling that Exudyn's parameters stand for.
+
+Parameter names are those of its manual's items ObjectContactSphereSphere and ObjectContactSphereTriangle; the laws are
+as measured in `tests/adapters`.
+"""
 
 from cases import CoulombFriction, Impact, PerfectlyRough, RollingResistance
 
@@ -9,23 +12,24 @@ MEANINGS = (
     Meaning(
         CoulombFriction,
         "dynamicFriction of the contact; frictionProportionalZone (m/s)",
-        "Coulomb's, regularised: below the zone's slip velocity friction grows in proportion, so what sticks creeps",
+        "Coulomb's law, regularised: below the zone's slip velocity friction is proportional to it, so stick creeps",
         routes=("native",),
     ),
     Meaning(
         CoulombFriction,
-        "none: the law handed over is this suite's",
-        "of the same form, in Python: only its integration is the engine's",
+        "none: this suite supplies the contact law",
+        "the same form, computed in Python; the engine only integrates it",
         routes=("integrator",),
     ),
-    Meaning(PerfectlyRough, "a constraint on lines (ObjectJointRollingDisc), else friction without bound", "no slip"),
+    Meaning(PerfectlyRough, "a constraint on lines (ObjectJointRollingDisc), else unbounded friction", "no slip"),
     Meaning(
         Impact,
         "restitutionCoefficient with impactModel 2 and minimumImpactVelocity; for e = 0 contactDamping, critical",
-        "a spring and a damper for some periods of the spring; Coulomb's friction along its course; e as a ratio of "
-        "velocities",
+        "a spring and a damper during some periods of the spring, with Coulomb's friction; e is a ratio of velocities",
         routes=("native",),
     ),
-    Meaning(Impact, "none: the law handed over has a damper", "refused", routes=("integrator",)),
-    Meaning(RollingResistance, "none", "refused"),
+    Meaning(
+        Impact, "none: the suite's contact law has a damper and no restitution", "not supported", routes=("integrator",)
+    ),
+    Meaning(RollingResistance, "none", "not supported"),
 )

@@ -32,20 +32,20 @@ from .system import (
     steps_until,
 )
 
-# An impact slower than this (m/s) is damped as if it were as fast: contact that lasts comes to rest.
+# An impact slower than this (m/s) is damped as if it had this speed, so that lasting contact comes to rest.
 SLOWEST_IMPACT = 1e-2
 
 
 def refuses(case: Case) -> str | None:
-    """Why no object of the engine models the case's shapes, in one sentence, or None."""
+    """The reason, in one sentence, why no object of the engine models the case's shapes, or None."""
     if round_plate(case) is None:
-        return "Exudyn has smooth rolling contact for discs alone, and this outline is no circle."
+        return "Exudyn has smooth rolling contact for discs only, and this outline is no circle."
     if as_line(case.track) is None and as_circle(case.track) is None:
-        return "Exudyn has smooth rolling contact on straight lines and circles alone, and this track is neither."
+        return "Exudyn has smooth rolling contact on straight lines and circles only, and this track is neither."
     if constraints.suits(case):
         return constraints.refuses(case)
     if case.effect(Unilateral) is None:
-        return "Exudyn's contacts with friction only push; a track that also pulls (no Unilateral) is not among them."
+        return "Exudyn's contacts with friction only push; it has none for a track that also pulls (no Unilateral)."
     return None
 
 
@@ -61,7 +61,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
         number, contact = _on_line(case, setting, system, disc, line)
         slip = _slip_on_line(case, system, line)
     else:
-        assert circle is not None, "refuses() lets lines and circles alone pass"
+        assert circle is not None, "refuses() accepts only lines and circles"
         number, contact = _on_circle(case, setting, system, disc, circle)
         slip = _slip_on_circle(case, system, circle)
     force = system.AddSensor(
@@ -75,7 +75,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
 
 
 def _slip_on_line(case: Case, system, line: Line) -> Callable[[Any], float]:
-    """The slip velocity (m/s) where a step begins or ends. Plain numbers: it is asked for in every iteration."""
+    """A function for the slip velocity (m/s) where a step begins or ends; in floats, since each iteration calls it."""
     (tx, ty), (px, py) = line.direction.tolist(), line.point.tolist()
     centre_of = _centre_of(case, system)
 
@@ -87,7 +87,7 @@ def _slip_on_line(case: Case, system, line: Line) -> Callable[[Any], float]:
 
 
 def _slip_on_circle(case: Case, system, circle: Circle) -> Callable[[Any], float]:
-    """The same; friction acts in the middle of the overlap, between the two radii."""
+    """The same on a circle; friction acts in the middle of the overlap, between the two radii."""
     (cx, cy), side = circle.centre.tolist(), -1.0 if circle.left else 1.0
     radius, centre_of = disc_circle(case).radius, _centre_of(case, system)
 
@@ -101,7 +101,7 @@ def _slip_on_circle(case: Case, system, circle: Circle) -> Callable[[Any], float
 
 
 def _centre_of(case: Case, system) -> Callable[[Any], tuple[float, float, float, float, float]]:
-    """Place and velocity of the middle of the plate's circle, and its spin, in a configuration of the step."""
+    """A function for position and velocity of the circle's centre, and the spin, in a configuration of the step."""
     poses, velocities = system.systemData.GetODE2Coordinates, system.systemData.GetODE2Coordinates_t
     dx, dy = disc_circle(case).centre.tolist()
 
@@ -134,7 +134,7 @@ def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
         distance = np.hypot(away[:, 0], away[:, 1])
         side = -1.0 if circle.left else 1.0
         gap = side * (distance - circle.radius) - radius
-        # The engine's friction acts in the middle of the overlap; the nominal radius would bias the slip.
+        # The engine's friction acts in the middle of the overlap; with the nominal radius the slip would be biased.
         normal, arm = side * away / distance[:, None], radius + 0.5 * gap
         return _read(case, data, velocity, normal, gap, arm)
 
@@ -164,9 +164,9 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
 
 
 def _contact_law(case: Case, setting: Setting, system) -> dict:
-    """What both contact objects have in common; their data node keeps gap and slip of the last iteration."""
-    # Told of no gap it would let the plate fall for a step before it presses; told of no slip, friction would begin on
-    # the steep branch of its law, with a thousand times its bound.
+    """Parameters that both contact objects share; their data node holds gap and slip of the last iteration."""
+    # Without an initial gap the plate would fall for a step before the contact acts; without an initial slip, friction
+    # would begin on the steep branch of its law, with a thousand times its bound.
     touching, at_rest = start_motion(case), static_start(case, setting, depth=0.0)
     gap = -hypot(at_rest.x - touching.x, at_rest.y - touching.y)
     slip = hypot(at_rest.vx - touching.vx, at_rest.vy - touching.vy) or abs(touching.slip) if gap else 0.0
@@ -174,7 +174,7 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
     impact = case.effect(Impact)
     law: dict = dict(contactDamping=critical_damping(case, setting))
     if impact and impact.restitution > 0.0:
-        # Gonthier's and Carvalho's damping, which the engine mixes so that any restitution comes out to a thousandth.
+        # Gonthier's and Carvalho's damping, which the engine mixes so that any restitution is met to a thousandth.
         law = dict(impactModel=2, restitutionCoefficient=impact.restitution, minimumImpactVelocity=SLOWEST_IMPACT)
     return dict(
         nodeNumber=system.AddNode(data),
@@ -186,7 +186,7 @@ def _contact_law(case: Case, setting: Setting, system) -> dict:
 
 
 def _of_disc(case: Case, data: SensorData) -> tuple[np.ndarray, np.ndarray]:
-    """Place (m) and velocity (m/s) of the middle of the plate's circle along a run, each of shape (n, 2)."""
+    """Position (m) and velocity (m/s) of the circle's centre along a run, each of shape (n, 2)."""
     (dx, dy), theta, omega = disc_circle(case).centre, data.pose[:, 2], data.velocity[:, 2]
     ax, ay = dx * np.cos(theta) - dy * np.sin(theta), dx * np.sin(theta) + dy * np.cos(theta)
     spin_velocity = np.column_stack([-omega * ay, omega * ax])
@@ -194,8 +194,10 @@ def _of_disc(case: Case, data: SensorData) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _read(case: Case, data: SensorData, velocity, normal, gap, arm) -> ExudynContact:
-    """Slip and forces along the track's tangent and normal, from the velocity of the middle of the disc; `arm`: from
-    there to where friction acts."""
+    """Slip and forces along the track's tangent and normal, from the velocity of the disc's centre.
+
+    `arm`: the distance from the centre to the point where friction acts, m.
+    """
     pose, force = data.pose, data.force
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
     slip = np.sum(velocity * tangent, axis=1) + data.velocity[:, 2] * arm
@@ -212,10 +214,10 @@ def _read(case: Case, data: SensorData, velocity, normal, gap, arm) -> ExudynCon
 
 
 def _ground_triangle(case: Case, line: Line) -> list[list[float]]:
-    """A triangle across the plane of motion, around the start and wider than the plate can get in its time."""
+    """A triangle across the plane of motion, around the start and wider than the plate can move within the duration."""
     start, gravity = start_motion(case), case.effect(Gravity)
     fall = 0.5 * gravity.g * case.duration**2 if gravity else 0.0
-    # How far a load may take it is not known; a hundred times as far still has its place to twelve digits.
+    # The range under a load is unknown; at a hundred times the distance positions still have twelve digits.
     reach_alone = 2.0 * (case.plate.reach + hypot(start.vx, start.vy) * case.duration + fall)
     reach = 100.0 * reach_alone if case.effect(Load) else reach_alone
     (x, y), (along_x, along_y) = case.track.point(start.xi1), reach * line.direction

@@ -1,4 +1,4 @@
-"""How a run of Exudyn is read: what its sensors stored as a Trajectory, and what ended the motion."""
+"""Reads a run of Exudyn: its sensor data as a Trajectory, and the event that ended the motion."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ..common.flights import LANDING_REASON, LIFT_OFF_REASON, flights, lands_for
 from ..interface import EngineFailure, Setting
 from .system import ExudynContact, ExudynSystem, SensorData, rough_friction, scales
 
-# Where the normal and the friction force stand in a row of a trajectory; and all that only a contact has.
+# Columns of the normal and the friction force in a row of a trajectory; and all columns that only a contact has.
 _FORCES, _TOUCH = slice(8, 10), slice(7, 12)
 
 
 @dataclass
 class ExudynModel:
-    """A case in the engine; after the run also what it cost and, if the engine gave up, what it said."""
+    """A case in the engine; after the run also its cost and, if the engine gave up, the engine's message."""
 
     case: Case
     route: str
@@ -62,7 +62,7 @@ def read(model: ExudynModel) -> Trajectory:
 
 
 def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
-    """The slip velocity (m/s) of what sticks: none for a constraint, and vreg times friction's share of its scale."""
+    """The slip velocity (m/s) of a sticking contact: zero for a constraint, else vreg times friction over its scale."""
     vreg = float(setting.get("vreg", 0.0))
     if not case.effect(PerfectlyRough):
         return vreg
@@ -70,17 +70,17 @@ def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
 
 
 def _sensor_data(system: ExudynSystem) -> SensorData:
-    """The run's arrays; raises EngineFailure where they are no numbers."""
+    """The run's arrays; raises EngineFailure if they are not finite."""
     pose, velocity = (system.system.GetSensorStoredData(sensor) for sensor in system.motion)
     force = pose[:, :1] if system.force is None else system.system.GetSensorStoredData(system.force)
     # An unstable explicit run ends without an error.
     if not all(np.isfinite(table).all() for table in (pose, velocity, force)):
-        raise EngineFailure("Exudyn's run blew up: its coordinates are not finite numbers.")
+        raise EngineFailure("Exudyn's run diverged: its coordinates are not finite numbers.")
     return SensorData(pose[:, 0], pose[:, 1:4], velocity[:, 1:4], force[:, 1:])
 
 
 class MotionEnd(NamedTuple):
-    """The motion ends between the samples `sample` − 1 and `sample`, after `share` of that step, and why."""
+    """The end of a motion: after the fraction `share` of the step from sample `sample` − 1 to `sample`, and why."""
 
     sample: int
     share: float
@@ -91,19 +91,18 @@ class MotionEnd(NamedTuple):
 def first_ending(
     case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact, stretches: list[tuple[int, int]]
 ) -> MotionEnd | None:
-    """What ends the motion before its time, or None."""
+    """The first event that ends the motion early, or None."""
     endings = [_landing(case, t, contact, stretches) if case.effect(Flight) else lift_off(case, setting, t, contact)]
     endings += [_domain_end("track", case.track, contact.xi1), _domain_end("outline", case.plate.outline, contact.xi2)]
     return min((end for end in endings if end), key=lambda end: end[:2], default=None)
 
 
 def clear_gap(case: Case, setting: Setting) -> float:
-    """A gap (m) that only a plate which has left its track reaches.
+    """A gap (m) that only a plate that has left its track reaches.
 
-    A penalty contact loses touch for an instant when it is set down without its deflection, and by rounding at a
-    release with N = 0. It then rises by about the deflection m a/k, with what gravity and the track's bend ask for at
-    the start, or by what that does in a step, a h²/2; a plate clear of its track by ten times as much has left, and it
-    left where it was last pressed.
+    A penalty contact opens for an instant if it starts without its deflection, and by rounding at a release with N = 0.
+    It then rises by about the deflection m a/k, with the acceleration a of gravity and of the track's curvature at the
+    start, or by a h²/2 within a step. A plate with ten times that gap has left its track, at its last contact force.
     """
     _, acceleration = scales(case)
     start = start_motion(case)
@@ -112,14 +111,14 @@ def clear_gap(case: Case, setting: Setting) -> float:
 
 
 def _flown(case: Case, setting: Setting, contact: ExudynContact) -> list[tuple[int, int]]:
-    """The stretches of samples in flight; none for a contact that may pull."""
+    """The ranges of samples in flight; none for a contact that may pull."""
     if case.effect(Unilateral) is None or "k" not in setting:
         return []
     return flights(contact.gap, contact.normal_force > 0.0, clear_gap(case, setting))
 
 
 def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact) -> MotionEnd | None:
-    """Where the plate, on its way off the track, stops being pressed; None if it stays, or if the track also pulls."""
+    """The lift-off, where the contact force of a leaving plate ends; None if it stays, or if the track also pulls."""
     if case.effect(Unilateral) is None:
         return None
     if "k" not in setting:
@@ -132,15 +131,15 @@ def lift_off(case: Case, setting: Setting, t: np.ndarray, contact: ExudynContact
     share = 0.0
     if index >= 2:
         (t0, t1, t2), (N0, N1) = t[index - 2 : index + 1], contact.normal_force[index - 2 : index]
-        # A force that does not fall there (a bounce) has no zero to extrapolate to; the last press is the end.
+        # A force that does not decrease there (a bounce) has no zero to extrapolate to; the last push is the end.
         share = min(N1 / (N0 - N1) * (t1 - t0) / (t2 - t1), 1.0) if N0 > N1 else 0.0
     return MotionEnd(index, share, "lift_off", LIFT_OFF_REASON)
 
 
 def _landing(case: Case, t: np.ndarray, contact: ExudynContact, stretches: list[tuple[int, int]]) -> MotionEnd | None:
-    """Where a plate that no impact is asked of meets its track again: as the gap closed in the last step of flight.
+    """The landing of a plate without Impact, extrapolated from the last step of flight.
 
-    (In the step that lands the contact brakes the plate already.)
+    (In the step that lands the contact already brakes the plate.)
     """
     landings = [(start, landing) for start, landing in stretches if landing < len(contact.gap)]
     if not landings or not lands_for_good(case):
@@ -154,10 +153,10 @@ def _landing(case: Case, t: np.ndarray, contact: ExudynContact, stretches: list[
 
 
 def _without_contact(model: ExudynModel, rows: np.ndarray, stretches: list[tuple[int, int]]) -> np.ndarray:
-    """The rows with what there is not in flight: no slip and contact parameters, no force.
+    """The rows without contact values in flight: slip and contact parameters are NaN, forces 0.
 
-    An impact has a duration here, some periods of the contact's spring; what lies between two flights for no longer is
-    one, and its force is no contact's of the case.
+    An impact takes some periods of the contact's spring here. A contact between two flights that is no longer than that
+    is an impact, and its force is not a contact force of the case.
     """
     rows, impact = rows.copy(), 4.0 * pi * sqrt(model.case.plate.mass / model.setting["k"])
     for (_, lands), (leaves, _) in pairwise(stretches):
@@ -170,7 +169,7 @@ def _without_contact(model: ExudynModel, rows: np.ndarray, stretches: list[tuple
 
 
 def _pulling(contact: ExudynContact) -> MotionEnd | None:
-    """Where a constraint would begin to pull."""
+    """The end of a unilateral motion, where a constraint would begin to pull."""
     pulling = np.flatnonzero(contact.normal_force < 0.0)
     if not pulling.size:
         return None
@@ -197,12 +196,12 @@ def _domain_end(name: str, curve: Curve, xi: np.ndarray) -> MotionEnd | None:
 
 
 def _until(rows: np.ndarray, end: MotionEnd) -> np.ndarray:
-    """The rows of the motion up to its end, whose own row lies between two of the run's."""
+    """The rows of the motion up to its end, with the end as an interpolated last row."""
     rows_before = rows[: max(end.sample, 1)]
     if end.share <= 0.0:
         return rows_before
     last = rows[end.sample - 1] + end.share * (rows[end.sample] - rows[end.sample - 1])
-    # Where contact ends, or has not begun, nothing presses.
+    # The force is zero where contact ends or begins.
     if end.status in ("lift_off", "landing"):
         last[_FORCES] = 0.0
     return np.vstack([rows_before, last])

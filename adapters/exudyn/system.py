@@ -1,4 +1,4 @@
-"""What the two routes of the Exudyn adapter share: an assembled system, and its contact read back from a run."""
+"""Code that the routes of the Exudyn adapter share: an assembled system, and its contact read from a run."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..interface import Setting
 class ExudynContact:
     """The contact along a run, arrays of one length: parameters, gap (m), slip (m/s), forces on the plate (N).
 
-    Shorter than the run if the plate was lost on the way, for the reason `lost`.
+    Shorter than the run if the plate lost its track, for the reason `failure`.
     """
 
     xi1: np.ndarray
@@ -37,7 +37,7 @@ class ExudynContact:
 
 
 class SensorData(NamedTuple):
-    """What the sensors kept: times (n,), pose and velocity (n, 3), force or acceleration (n, 3), or (n, 0) if none."""
+    """Sensor data: times (n,), pose and velocity (n, 3), force or acceleration (n, 3), or (n, 0) without a sensor."""
 
     t: np.ndarray
     pose: np.ndarray
@@ -49,8 +49,8 @@ class SensorData(NamedTuple):
 class ExudynSystem:
     """An assembled system in the container that owns it.
 
-    `motion` are the sensors of pose and velocity, `force` is one the contact's forces are read from, if there is one;
-    `contact` reads the contact from what they store.
+    `motion`: the sensors of pose and velocity; `force`: the sensor of the contact's forces, if there is one; `contact`:
+    a function that computes the contact from their data.
     """
 
     container: Any
@@ -61,7 +61,7 @@ class ExudynSystem:
 
 
 def node_sensors(system, node: int) -> tuple[int, int]:
-    """Sensors that keep a node's coordinates and velocities in memory."""
+    """Sensors that store a node's coordinates and velocities in memory."""
     pose, velocity = (
         system.AddSensor(item.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
         for kind in (exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t)
@@ -70,22 +70,23 @@ def node_sensors(system, node: int) -> tuple[int, int]:
 
 
 def disc_circle(case: Case) -> Circle:
-    """The circle of a plate that is known to have one."""
+    """The circle of a round plate."""
     circle = round_plate(case)
-    assert circle is not None, "refuses() lets discs alone pass"
+    assert circle is not None, "refuses() accepts only discs"
     return circle
 
 
 def static_start(case: Case, setting: Setting, depth: float = 1.0) -> MotionPoint:
-    """The case's start as the contact's law has it: deeper in the track by its deflection under the first normal force,
-    and with the creep of the first friction.
+    """The start in equilibrium with the contact law.
 
-    A plate that is set down without them falls onto the contact's spring, presses with many times its weight or with
-    nothing for some steps, and its friction rings. Friction acts where `depth` of the deflection is passed, on a lever
-    that is as much shorter: the centre's velocity makes up for it, so that what rolls does not begin with slip.
+    It has the deflection under the initial normal force, and the creep of the initial friction.
+
+    A plate that starts without them falls onto the contact's spring; for some steps the force is many times the weight
+    or zero, and friction oscillates. Friction acts at the fraction `depth` of the deflection, on a lever that is
+    shorter by as much. The centre's velocity is corrected for that, so that a rolling plate does not begin with slip.
     """
     start, k = start_motion(case), setting.get("k")
-    # The engine as it comes is set down by hand.
+    # With default settings the plate starts at the case's own pose.
     if not k or setting.is_default or isnan(start.xi1_dot):
         return start
     force, creep = first_force(case, start, setting["vreg"])
@@ -98,15 +99,15 @@ def static_start(case: Case, setting: Setting, depth: float = 1.0) -> MotionPoin
 
 
 def first_force(case: Case, start: MotionPoint, vreg: float) -> tuple[float, float]:
-    """The normal force (N) at the start, and the slip velocity (m/s) at which the law gives the friction of then.
+    """The normal force (N) at the start, and the slip velocity (m/s) at which the law gives the friction there.
 
-    As for any joint they follow from the motion: the plate's point of contact keeps to the track and, if it sticks,
-    does not slip. With the place c of the contact, its way s along the track, and the lever ρ from the centre of mass
-    to c, the derivatives of its velocity v + ω × ρ along normal and tangent give
+    They follow from the motion: the plate's contact point stays on the track and, if it sticks, does not slip. With the
+    contact's position c, its arc length s along the track, and the lever ρ from the centre of mass to c, the
+    derivatives of its velocity v + ω × ρ along normal and tangent give
 
         n·(a + α × ρ + ω × (ċ − v)) = κ ṡ v_t    and, in stick,    t·(a + α × ρ + ω × (ċ − v)) = 0
 
-    Zero for a contact that would have to pull, and where rigid friction has no one answer (Painlevé).
+    Zero for a contact that would have to pull, and where rigid friction has no unique solution (Painlevé).
     """
     plate, load = case.plate, case.effect(Load)
     (tx, ty), (nx, ny) = case.track.tangent(start.xi1).tolist(), case.track.normal(start.xi1).tolist()
@@ -128,7 +129,7 @@ def first_force(case: Case, start: MotionPoint, vreg: float) -> tuple[float, flo
     coupling = lever_n * lever_t / plate.inertia
 
     def normal_at(friction: float) -> float:
-        """The normal force if friction is so many times as large."""
+        """The normal force if friction is `friction` times as large."""
         ease = normal_ease + friction * coupling
         return -normal_free / ease if ease > 0.0 else 0.0
 
@@ -149,8 +150,10 @@ def first_force(case: Case, start: MotionPoint, vreg: float) -> tuple[float, flo
 
 
 def disc_body(case: Case, start: MotionPoint, system) -> tuple[int, int]:
-    """The plate as a rigid body in the plane at a start, with gravity and load: its node, and a marker at the centre of
-    its circle, which need not be the centre of mass."""
+    """Add the plate as a rigid body in the plane at a start, with gravity and load.
+
+    Returns its node, and a marker at the centre of its circle, which need not be the centre of mass.
+    """
     plate, gravity, load, circle = case.plate, case.effect(Gravity), case.effect(Load), disc_circle(case)
     node = system.AddNode(
         item.NodeRigidBody2D(
@@ -182,13 +185,13 @@ def disc_body(case: Case, start: MotionPoint, system) -> tuple[int, int]:
 
 
 def ground(system, point: np.ndarray) -> int:
-    """A marker of the ground at a point of the plane."""
+    """Add a marker of the ground at a point of the plane."""
     body = system.AddObject(item.ObjectGround(referencePosition=[*point, 0.0]))
     return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
 
 
 def external_forces(case: Case, data: SensorData) -> np.ndarray:
-    """The forces beside the contact's, gravity and load: (F_x, F_y) in N at the stored times, shape (n, 2)."""
+    """Gravity and load, the forces other than the contact's: (F_x, F_y) in N at the stored times, shape (n, 2)."""
     force, gravity, load = np.zeros((len(data.t), 2)), case.effect(Gravity), case.effect(Load)
     if gravity:
         force += case.plate.mass * np.array(gravity.vector)
@@ -198,24 +201,24 @@ def external_forces(case: Case, data: SensorData) -> np.ndarray:
     return force
 
 
-# A part of the weight that is but rounding, as the force of a release on a vertical wall is.
+# Forces below this share of the weight are rounding, such as the force at a release on a vertical wall.
 NOTHING = 1e-9
-# Friction and gravity change the slip at some gravities times 1 + mu; so many are beyond every plate here.
+# Friction and gravity change the slip at some multiples of g (1 + mu); this multiple is above that of every plate.
 MOST_GRAVITIES = 20.0
 
 
 def steps_until(
     case: Case, setting: Setting, system, slip: Callable[[Any], float], speed: Callable[[], float] | None = None
 ) -> None:
-    """With `cut` in the setting: a step in which the slip changes its sign is made again, smaller.
+    """With `cut` in the setting, repeat a step in which the slip changes its sign with a smaller step.
 
-    Friction flips within such a step, and the trapezoidal rule gives either side half of the step wherever the crossing
-    lies: what should stick then slips backward, by up to h/2 of the acceleration, and where the cone is nearly used up
-    it takes many steps to come to rest. The engine lets a user's function ask for another step size, as its contacts do
-    where they close (`SetPostNewtonUserFunction`). Ours asks for the step to where the slip, m/s at the beginning and
-    the end of the step as `slip` tells it, would be zero, down to the share `cut` of h; what is slower than vreg sticks
-    anyway. `speed` tells the size of the slip at less cost, if the engine knows it: what is too fast to be stopped
-    within a step is not looked at any further. (An impact may stop anything; a case that has one does without.)
+    Friction changes sign within such a step, and the trapezoidal rule gives each side half of the step wherever the
+    crossing is: a contact that should stick then slips backward, by up to h/2 of the acceleration, and where friction
+    is near its bound it takes many steps to come to rest. The engine lets a user function request another step size, as
+    its contacts do where they close (`SetPostNewtonUserFunction`). This function requests the step to the zero of the
+    slip, interpolated from `slip` (m/s) at the step's beginning and end, but at least the share `cut` of h; a slip
+    below vreg sticks anyway. `speed` gives the size of the slip at less cost, if the engine has it: a slip too fast to
+    be stopped within a step needs no check. (An impact may stop any slip, so a case with Flight does not use `speed`.)
     """
     if "cut" not in setting:
         return
@@ -226,9 +229,9 @@ def steps_until(
     speed = None if case.effect(Flight) else speed
 
     def ask(_system, time: float) -> list[float]:
-        """[error, step to make it again with], or [0, −1] if it may stand."""
+        """[error, step to repeat with], or [0, −1] to accept the step."""
         nonlocal sign
-        # It is called in every iteration: nearly always it does no more than this.
+        # Called in every iteration; nearly always it ends here.
         if speed and speed() > fast:
             return accept
         slip_after = slip(end)
@@ -239,34 +242,34 @@ def steps_until(
         if slip_before * slip_after >= 0.0 or step <= smallest:
             return accept
         sign = copysign(1.0, slip_before)
-        # Any error above the solver's tolerance of 1 makes it listen.
+        # Any error above the solver's tolerance of 1 makes it repeat the step.
         return [10.0, max(step * abs(slip_before) / (abs(slip_before) + abs(slip_after)), smallest)]
 
     system.SetPostNewtonUserFunction(ask)
 
 
 def friction_coefficient(case: Case) -> float:
-    """mu, zero without friction."""
+    """The friction coefficient mu, zero without friction."""
     friction = case.effect(CoulombFriction)
     return friction.mu if friction else 0.0
 
 
 def critical_damping(case: Case, setting: Setting) -> float:
-    """In N s/m, so that the plate settles on the contact's spring without bouncing, in the spring's own time."""
+    """The damping in N s/m with which the plate settles on the contact's spring without bouncing."""
     return 2.0 * sqrt(setting["k"] * case.plate.mass)
 
 
 def scales(case: Case) -> tuple[float, float]:
-    """A length (m; centre of mass to contact) and an acceleration (m/s²) that the rungs are multiples of."""
+    """The length (m; centre of mass to contact) and acceleration (m/s²) that scale the rungs."""
     start = start_motion(case)
     length = float(np.hypot(*case.plate.outline.point(start.xi2)))
     gravity = case.effect(Gravity)
     speed = max(abs(start.slip), abs(start.omega) * length)
-    # Without gravity the motion itself sets the scale; a plate at rest then stays there, at any scale.
+    # Without gravity the motion sets the scale; a plate at rest stays at rest at any scale.
     acceleration = gravity.g if gravity and gravity.g > 0.0 else speed**2 / length
     return length, acceleration or 1.0
 
 
 def rough_friction(case: Case) -> float:
-    """The friction (N) at which a perfectly rough contact creeps with vreg: the plate's weight, or its like."""
+    """The friction (N) at which a perfectly rough contact creeps with vreg: mass times the scale of acceleration."""
     return case.plate.mass * scales(case)[1]

@@ -1,8 +1,8 @@
-"""The laws of mechanics that adapters are held to: this suite's in its tests, anybody's by `python -m adapters.laws`.
+"""Laws of mechanics that adapters are checked against, in the tests and by the command `python -m adapters.laws`.
 
 `LAWS` maps names to laws, plain functions of a `Route`. A law raises AssertionError, which begins with its name, if the
 route breaks it, `Unsupported` if the route cannot model its scene, and `NotReported` if the route does not report what
-the law is about. `judge` tries them all. For tests of one's own there are the laws themselves
+quantity that the law needs. `judge` checks them all. For tests of other adapters there are the laws themselves
 (`adapters.laws.mechanics`), their scenes, `mirror` and `turn_gravity`, and `hold` with the scales of an error.
 """
 
@@ -35,7 +35,7 @@ LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS}
 
 
 class Verdict(NamedTuple):
-    """What came of one law on one route: "kept", "broken", "refused", "not told" or "failed", and why in a sentence."""
+    """The outcome of one law on one route: "kept", "broken", "refused", "not reported" or "failed", and the reason."""
 
     route: str
     law: str
@@ -44,10 +44,10 @@ class Verdict(NamedTuple):
 
 
 def judge(adapter: Any, laws: Iterable[str] = tuple(LAWS), routes: Iterable[str] | None = None) -> Iterator[Verdict]:
-    """The verdicts of these laws on the routes (default: the adapter's own), one after another.
+    """The verdicts of these laws on the routes (default: all of the adapter), one after another.
 
-    `adapter` is a module, or anything else with an adapter's functions. An exception is a verdict too; what ends the
-    process ends it here.
+    `adapter` is a module, or any object with an adapter's functions. An exception is a verdict too; an adapter that
+    ends the process ends this one.
     """
     laws = tuple(laws)
     for route in adapter.routes if routes is None else routes:
@@ -61,7 +61,7 @@ def _try(law: str, route: Route) -> tuple[str, str]:
     except Unsupported as refusal:
         return "refused", str(refusal)
     except NotReported as silence:
-        return "not told", str(silence)
+        return "not reported", str(silence)
     except AssertionError as violation:
         return "broken", str(violation)
     except Exception as problem:

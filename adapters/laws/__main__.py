@@ -1,4 +1,4 @@
-"""The command `python -m adapters.laws`: hold an adapter to the laws of mechanics, wherever it comes from."""
+"""The command `python -m adapters.laws`: check any adapter against the laws of mechanics."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from cases.command_line import Parser
 from cases.errors import unknown_name
 
 HELP = """\
-ADAPTER is a name that the suite knows (its own adapters, and those of installed packages in the entry-point group
+ADAPTER is the name of an adapter (of the suite, or of an installed package in the entry-point group
 slip_to_roll.adapters), a Python file, an executable, or a module: exudyn, my_engine.py, ./my_engine,
 my_package.my_engine.
 
-Every law is tried on every route, with the finest setting but one of its ladder: kept, broken (and by how much),
-refused (and why), not told (a law about forces, of an engine that tells none), failed with an exception, crashed or
-timed_out (it runs in a process of its own, whose output is not shown). The exit status is 0 if none is broken and none
-failed, else 1; 2 if there is no such adapter, route or law.
+Every law is checked on every route, with the second-finest setting of its ladder: kept, broken (and by how much),
+refused (not supported, and why), not reported (a law about forces, for an engine that reports none), failed with an
+exception, crashed or timed_out (it runs in a process of its own, whose output is not shown). The exit status is 0 if no
+law is broken and none failed, else 1; 2 if there is no such adapter, route or law.
 """
 
 
@@ -34,12 +34,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parser.parse_args(argv)
         return _judge(options.adapter, options.route, options.law)
     except (CaseError, ImportError) as problem:
-        print(f"adapters.laws: {CaseError(str(problem))}", file=sys.stderr)  # whatever an import says is one line
+        print(f"adapters.laws: {CaseError(str(problem))}", file=sys.stderr)  # an import's message becomes one line
         return 2
 
 
 def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None) -> int:
-    from . import LAWS  # SciPy and the scenes take their time, and --help needs none of them
+    from . import LAWS  # a slow import that --help does not need
     from .law_process import AdapterProcess
 
     names_of_laws = {*LAWS, *(law.partition("[")[0] for law in LAWS)}
@@ -57,7 +57,7 @@ def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None)
                 counts[outcome] += 1
                 print(f"{route}  {law}: {outcome}{': ' if reason else ''}{reason}", flush=True)
     print(f"{adapter.face.name}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
-    return 0 if counts.keys() <= {"kept", "refused", "not told"} else 1
+    return 0 if counts.keys() <= {"kept", "refused", "not reported"} else 1
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Laws of the effects beside gravity, friction and a track that pushes: load, impact, rough contact, guide, resistance.
+"""Laws of further effects: load, impact, rough contact, bilateral guide, rolling resistance.
 
-Each follows from Newton's laws in a line or two, which its docstring has. `OF_EFFECT` says which laws hold an adapter
-to which effect, so that none is claimed without one. Tolerances are those of `adapters.laws.runs`.
+Each follows from Newton's laws in a line or two, given in its docstring. `OF_EFFECT` lists the laws that check each
+effect, so that no adapter claims an effect without a check. Tolerances are those of `adapters.laws.runs`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LEVEL = Curve(lambda s: (s, 0))
 MASS, RADIUS, INERTIA = 2.0, 0.1, 0.012
 # An inertia of its own keeps the disc from hiding a solver that assumes ½ m r².
 DISC = disc(RADIUS, MASS, inertia=INERTIA)
-# Engines that make impacts of contact forces have their restitution to a hundredth, by what their manuals promise.
+# Engines whose impacts are contact forces have their restitution to a hundredth, according to their manuals.
 RESTITUTION = 1e-2
 
 
@@ -44,7 +44,7 @@ def load(route: Route) -> None:
     push = Load(fx=f"-{drag}*vx", moment=f"{moment}*sin({rate}*t)")
     run = route.run(Case(LEVEL, DISC, (Gravity(G), push, Unilateral()), Start(0.0, slip=initial), duration=1.0))
     t = run.motion.t
-    # What acts, acts a step early or late.
+    # Forces act up to a step early or late.
     tolerance = 2.0 * run.step + 10 * run.rounding * len(t) ** 0.5 + 1e-9
     hold("load", "vx", run.motion.vx - initial * np.exp(-drag * t / MASS), tolerance * drag * initial / MASS)
     exact = moment / (INERTIA * rate) * (1 - np.cos(rate * t))
@@ -58,7 +58,7 @@ def _drop(restitution: float, mu: float, omega: float, duration: float) -> Case:
 
 
 def _fall(case: Case) -> tuple[float, float]:
-    """When the disc meets the line, and how fast."""
+    """The time (s) and speed (m/s) at which the disc meets the line."""
     speed = (2 * G * (start_motion(case).y - RADIUS)) ** 0.5
     return speed / G, speed
 
@@ -99,7 +99,7 @@ def landing(route: Route) -> None:
 
 
 def _check_spin(law: str, run: LawRun, after: np.ndarray, exact, tolerance: float) -> None:
-    """Velocity along the line and spin after an impact: friction gave one as much impulse as it took the other."""
+    """Check the velocity along the line and the spin after an impact: friction's impulse changes both."""
     tolerance += run.kick
     initial = start_motion(run.case)
     hold(law, "vx", run.motion.vx[after] - initial.vx - exact, tolerance)
@@ -134,8 +134,8 @@ def guide(route: Route) -> None:
     hold("guide", "the speed", np.hypot(motion.vx, motion.vy) - speed, 2 * run.kick)
     exact = MASS * G * (3 * np.cos(angle) - 2 * cos(initial))
     if exact.min() > -0.5 * MASS * G:
-        raise AssertionError("guide: the disc does not come to where it has to be pulled")
-    # The first of them may be told before anything moved; a speed that is off by a kick is a force that is.
+        raise AssertionError("guide: the disc does not reach the part where the track has to pull")
+    # The first force may belong to the time before the motion; an error `kick` of the speed is one of the force.
     tolerance = 4 * MASS * run.kick * speed[1:] / length + MASS * run.kick + run.grain
     hold("guide", "the normal force", run.forces[0][1:] - exact[1:], tolerance)
 
@@ -147,7 +147,7 @@ def rolling_resistance(route: Route) -> None:
     run = route.run(Case(LEVEL, DISC, effects, Start(0.0, omega=initial), duration=duration))
     deceleration = G * arm / (RADIUS**2 * (1 + INERTIA / (MASS * RADIUS**2)))
     exact = initial + deceleration * run.motion.t
-    # The couple acts a step early or late, and what rolls may creep.
+    # The couple acts up to a step early or late, and a rolling disc may creep.
     tolerance = (
         2 * deceleration * run.step
         + (run.motion.slip_resolution + 10 * run.rounding * run.speed * len(exact) ** 0.5) / RADIUS
@@ -162,7 +162,7 @@ LAWS: dict[str, Law] = {
     for law in (load, bounce, bounce_with_friction, landing, perfectly_rough, guide, rolling_resistance)
 }
 
-# The laws that hold an adapter to an effect. (A guide is what there is without `Unilateral`.)
+# The laws that check an effect. (Without `Unilateral` the contact is a bilateral guide.)
 OF_EFFECT: dict[type, tuple[str, ...]] = {
     Load: ("load",),
     Impact: ("bounce", "bounce_with_friction", "landing"),

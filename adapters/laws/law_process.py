@@ -1,4 +1,4 @@
-"""Laws tried in a process of its own: an adapter that crashes, hangs or prints costs its own verdict and no other."""
+"""Checks laws in a separate process: an adapter that crashes, hangs or prints affects only its own verdict."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from cases import CaseError
 from ..interface import ReturnsOnce, returns_once
 from ..lookup import find
 
-# Wall seconds that a law may take on a route, and (always) an import: a hundred times what the slowest of ours takes.
+# Wall seconds that a law may take on a route, and (always) an import: a hundred times the slowest of the suite's.
 LIMIT_SECONDS = 300.0
-# So many laws of a route are waited for in vain; each would take as long.
+# After so many time-outs on a route its other laws are not checked; each would take as long.
 MOST_LATE = 3
 
-# What is longer is no answer.
+# Longer answers are invalid.
 _ANSWER_BYTES = 2**20
 
 _SPAWN = multiprocessing.get_context("spawn")
 
 
 class AdapterInfo(NamedTuple):
-    """What an adapter says of itself."""
+    """An adapter's name and routes."""
 
     name: str
     routes: tuple[str, ...]
 
 
 class AdapterProcess:
-    """An adapter in a process of its own, which is begun again when it ended. A context manager.
+    """An adapter in a separate process, which is started again if it has ended. A context manager.
 
-    Raises CaseError or ImportError, as `find` does, for an adapter that is not there.
+    Raises CaseError or ImportError, as `find` does, for an adapter that does not exist.
     """
 
     def __init__(self, name: str, limit: float | None = None):
@@ -56,7 +56,7 @@ class AdapterProcess:
         late = 0
         for law in laws:
             if late == MOST_LATE:
-                yield law, "timed_out", f"not tried: {late} other laws had no answer on this route"
+                yield law, "timed_out", f"not checked: {late} other laws timed out on this route"
                 continue
             outcome, reason = self._ask(route, law)
             late += outcome == "timed_out"
@@ -66,7 +66,7 @@ class AdapterProcess:
         self.number = 0
         self.here, there = _SPAWN.Pipe()
         self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
-        resource_tracker.ensure_running()  # it lets Ctrl-C through again once it has begun
+        resource_tracker.ensure_running()  # starting it later would unblock Ctrl-C
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks
         try:
             self.process.start()
@@ -89,11 +89,11 @@ class AdapterProcess:
             self.number += 1
             self.here.send((self.number, route, law))
         except (ImportError, CaseError, OSError) as problem:
-            return "crashed", f"its process could not be begun again: {problem}"
+            return "crashed", f"its process could not be started again: {problem}"
         return self._answer(self.limit)
 
     def _answer(self, limit: float) -> Any:
-        """What comes under the number of the last question."""
+        """The answer with the number of the last request."""
         until = time.monotonic() + limit
         try:
             while self.here.poll(max(0.0, until - time.monotonic())):
@@ -102,7 +102,7 @@ class AdapterProcess:
                     return answer
             self._end()
             return "timed_out", f"no answer within {limit:g} s"
-        except Exception:  # the pipe is closed, or holds what is no answer
+        except Exception:  # the pipe is closed, or holds an invalid answer
             self.process.join(1.0)
             self._end()
             return "crashed", f"its process ended with exit code {self.process.exitcode}"
@@ -113,11 +113,11 @@ class AdapterProcess:
 
 
 def _serve(name: str, there: Connection) -> None:
-    """The adapter's process: says what there is, then tries what it is asked to."""
+    """The adapter's process: report the adapter's name and routes, then check the requested laws."""
     from . import judge
 
     quiet = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(quiet, 1)  # what an engine prints is no verdict
+    os.dup2(quiet, 1)  # the output of an engine is discarded
     os.dup2(quiet, 2)
     own, number = os.getpid(), 0
 

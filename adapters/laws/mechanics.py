@@ -1,8 +1,8 @@
-"""Laws of mechanics that every adapter is held to, as plain functions of one route of an adapter.
+"""Laws of mechanics that every adapter is checked against, as plain functions of one route of an adapter.
 
 `LAWS` names them all. A law raises AssertionError, which begins with the law's name, if the route breaks it, and
-Refused if the route cannot model the law's scene. Nothing here compares one solver with another: each law follows from
-Newton's and Coulomb's laws, or from a symmetry of theirs. Tolerances are those of `adapters.laws.runs`.
+Unsupported if the route cannot model the law's scene. No law compares solvers: each follows from Newton's and Coulomb's
+laws, or from a symmetry of theirs. Tolerances are those of `adapters.laws.runs`.
 """
 
 from __future__ import annotations
@@ -38,9 +38,8 @@ def _elliptic_plate() -> Plate:
     return Plate(Curve(lambda s: (a * curves.cos(s), b * curves.sin(s))), 1.0, (a * a + b * b) / 4)
 
 
-# A disc and a plate that is none, let go on the wall of a circle. An inertia of its own keeps the disc from hiding a
-# solver that assumes ½ m r².
-# In the valley the curvature changes: a solver that bends its tracks to circles is found there.
+# A disc and an ellipse, released on the wall of a circle. The disc's inertia is not ½ m r², so that a solver which
+# assumes that fails. In the valley the curvature changes: a solver that approximates its tracks by circles fails there.
 SCENES = {
     "disc in a circle": _case_on_circle(disc(0.1, 2.0, inertia=0.012), Start(-2.6, slip=0.3, omega=1.0)),
     "ellipse in a circle": _case_on_circle(_elliptic_plate(), Start(-2.6, xi2=-1.2, slip=0.3)),
@@ -57,7 +56,7 @@ def _slope(angle: float, mu: float, **how) -> Case:
 
 
 def mirror(case: Case) -> Case:
-    """The case seen in a mirror that swaps left and right; parameters run backwards so that left stays left."""
+    """The case mirrored left to right; parameters are reversed so that the plate stays on the left."""
     start, gravity = start_motion(case), case.effect(Gravity)
     assert gravity is not None
     others = tuple(effect for effect in case.effects if effect is not gravity)
@@ -112,46 +111,47 @@ def friction_torque(route: Route) -> None:
     )
     run = route.run(case)
     exact = -mu * G * run.motion.t * mass * radius / inertia
-    # Friction's kick, through the same lever.
+    # The kick of friction, with the same lever.
     tolerance = mu * run.kick * mass * radius / inertia
     hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, tolerance)
 
 
 def cone(route: Route, scene: Case) -> None:
-    """|T| ≤ μ N at every sample: friction never exceeds Coulomb's bound, nor acts where nothing presses."""
+    """|T| ≤ μ N at every sample: friction never exceeds Coulomb's bound, nor acts without a normal force."""
     run = route.run(scene)
     normal, friction = run.forces
     mu = _mu(scene)
-    # A push along a direction that is off by `tilt` has this share along the tangent; 1e-9 of the weight is rounding.
+    # A normal force whose direction has the error `tilt` has this part along the tangent; 1e-9 of the weight is
+    # rounding.
     nothing = 1e-9 * scene.plate.mass * G + run.grain
     hold("cone", "friction beyond zero", friction, (mu + run.tilt) * np.abs(normal) + nothing)
     hold("cone", "the normal force below zero", np.minimum(normal, 0.0), run.tilt * np.abs(friction) + nothing)
 
 
 def friction_opposes_slip(route: Route, scene: Case) -> None:
-    """T = −μ N sign(v) where the plate surely slips: the force's direction, and its size in the mean."""
+    """T = −μ N sign(v) where the plate certainly slips: the force's direction, and its mean size."""
     run, mu = route.run(scene), _mu(scene)
     motion = run.motion
-    # Slip that a step can reverse is left out: friction acts on both of its sides there.
+    # Slip that a step can reverse is left out: friction acts in both directions there.
     sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * _ease(scene.plate)
     sure[0] = False
     if sure.sum() < 10:
         raise Unsupported("the plate hardly slips in this scene")
     normal, friction = run.forces
     against, push = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
-    # On facets the force of one step is noise, its sum is not.
+    # On facets the force of one step is noise, but the sum is not.
     hold("friction opposes slip", "the sum of friction", against.sum() / push.sum() - mu, run.tilt + 1e-6)
 
 
 def sticking_threshold(route: Route) -> None:
-    """A disc rolls down an incline up to tan = 3μ and slips beyond: told apart 0.1 % on either side."""
+    """A disc rolls down an incline up to tan = 3μ and slips beyond; checked 0.1 % on either side."""
     mu, off, duration = 0.1, 1e-3, 1.0
     for share, slips in ((1 - off, False), (1 + off, True)):
         angle = atan(3 * mu * share)
         run = route.run(_slope(angle, mu, duration=duration))
         # m r²/J = 2, so slip grows with g (sin − 3 μ cos), if it grows.
         exact = G * (sin(angle) - 3 * mu * cos(angle)) * duration if slips else 0.0
-        # Half of the slip there is on the other side tells the two apart.
+        # Half of the slip on the other side distinguishes the two.
         tolerance = 0.5 * G * 3 * mu * off * cos(angle) * duration
         side = "above" if slips else "below"
         hold("sticking threshold", f"slip 0.1 % {side} tan = 3 mu", run.motion.slip[-1] - exact, tolerance)
@@ -163,9 +163,8 @@ def no_friction_no_spin(route: Route) -> None:
     omega = run.motion.omega
     from scipy.integrate import trapezoid  # slow to import
 
-    # Nothing acts on the spin, so there is nothing a step could misplace: rounding of a thousand steps or more, and of
-    # the lever of the normal force.
-    # (A force that is not told has no rounding to allow for.)
+    # No moment acts, so a step cannot act early or late: only rounding remains, of a thousand steps or more and of the
+    # lever of the normal force. (A force that is not reported adds no rounding.)
     force = np.nan_to_num(run.motion.normal_force)
     plate, push = run.case.plate, float(trapezoid(np.abs(force), run.motion.t))
     tolerance = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * push / plate.inertia
@@ -173,7 +172,7 @@ def no_friction_no_spin(route: Route) -> None:
 
 
 def energy_conservation(route: Route, scene: Case) -> None:
-    """Without friction the energy is what it was."""
+    """Without friction the energy is constant."""
     frictionless = replace(scene, effects=(Gravity(G), Unilateral()))
     run = route.run(frictionless)
     total = energy(frictionless, run.motion)
@@ -181,7 +180,7 @@ def energy_conservation(route: Route, scene: Case) -> None:
 
 
 def energy_never_grows(route: Route, scene: Case) -> None:
-    """With friction and no load the energy falls or stays."""
+    """With friction and no load the energy never increases."""
     run = route.run(scene)
     total = energy(scene, run.motion)
     hold("energy never grows", "the energy, above its least so far,", energy_growth(total), _swing(run))
@@ -207,11 +206,11 @@ def turn_frame(route: Route, scene: Case) -> None:
 
 
 def on_its_track(route: Route, scene: Case) -> None:
-    """The plate touches the track that it was given, at the parameters that are told, with the slip that is told."""
+    """The plate touches the case's track, at the reported parameters, with the reported slip."""
     run = route.run(scene)
     motion, reach = run.motion, scene.plate.reach
     gap = follow(scene, motion.x, motion.y, motion.theta)[2]
-    # What a step of travel, the corners' sagitta, and the overlap that engines leave alone make of a distance.
+    # The displacement in a step, the corners' sagitta, and the overlap that engines do not correct.
     tolerance = run.kick * run.step + reach * run.corners**2 / 8 + 1e-3 * reach
     hold("on its track", "the gap", gap, tolerance)
     slip = slip_velocity(scene, motion.x, motion.y, motion.vx, motion.vy, motion.omega, motion.xi1)
@@ -219,7 +218,7 @@ def on_its_track(route: Route, scene: Case) -> None:
 
 
 def momentum_balance(route: Route, scene: Case) -> None:
-    """m v and J ω grow by what the reported forces and gravity sum up to: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
+    """m v and J ω change by the integrals of the reported forces: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
     from scipy.integrate import cumulative_trapezoid  # slow to import
 
     run, motion, plate = route.run(scene), route.run(scene).motion, scene.plate
@@ -233,7 +232,7 @@ def momentum_balance(route: Route, scene: Case) -> None:
         return cumulative_trapezoid(rate, motion.t, initial=0.0)
 
     lever = float(np.hypot(*arm).max())
-    # Where on a facet the force acts is not reported; the arm is known to its length.
+    # The point on a facet where the force acts is not reported; the arm is known to the facet's length.
     doubt = lever * run.corners * sum_up(np.abs(normal_force))[-1]
     for what, change, force, tolerance in (
         ("m vx", plate.mass * (motion.vx - motion.vx[0]), fx, plate.mass * run.kick),
@@ -249,7 +248,7 @@ def momentum_balance(route: Route, scene: Case) -> None:
 
 
 def lift_off(route: Route) -> None:
-    """A frictionless disc let go near the top of a circle leaves it where N vanishes: at ⅔ of its first cos φ."""
+    """A frictionless disc released near the top of a circle leaves it where N vanishes: at ⅔ of its initial cos φ."""
     # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
     track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
     case = Case(track, disc(0.1, 2.0), (Gravity(G), Unilateral()), Start(0.2), duration=1.2)
@@ -259,7 +258,7 @@ def lift_off(route: Route) -> None:
         raise AssertionError(f"lift-off: the motion should end with lift_off, and its status is {motion.status}")
     exact = 2 / 3 * cos(0.2)
     speed = (G * length * exact) ** 0.5
-    # A step of travel, and N = m (g cos φ − v²/L) read with a speed that is off by a kick.
+    # The displacement in a step, and N = m (g cos φ − v²/L) with an error `kick` of the speed.
     tolerance = run.step * speed / length + 2 * speed * run.kick / (3 * G * length)
     hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, tolerance)
 
@@ -272,8 +271,8 @@ def free_fall(route: Route) -> None:
     run, start_state = route.run(case), start_motion(case)
     motion, t = run.motion, run.motion.t
     hold("free fall", "the end of the motion", float(t[-1]) - case.duration, 2 * run.step)
-    # Gravity acts up to a step early or late, and a turn is off by that of a step; 1e-9 is rounding, as a random walk
-    # of single precision is.
+    # Gravity acts up to a step early or late, and the angle has an error of one step's turn; 1e-9 is rounding, and so
+    # is the random walk of single precision.
     turn = start_state.omega**2 * run.step * case.duration
     grain = 10 * run.rounding * run.speed * len(t) ** 0.5
     for what, values, exact, tolerance in (
@@ -293,25 +292,27 @@ def _mu(case: Case) -> float:
 
 
 def _ease(plate: Plate) -> float:
-    """How much of a kick on the centre reaches the contact point: 1 + m ρ²/J with the largest lever ρ."""
+    """The ratio of the contact point's velocity change to the centre's: 1 + m ρ²/J with the largest lever ρ."""
     return 1 + plate.mass * plate.reach**2 / plate.inertia
 
 
 def _swing(run: LawRun) -> float:
-    """By how much the energy of a sample, J, may be off if its velocity is off by a kick."""
+    """The error of a sample's energy, J, if its velocity has the error `kick`."""
     return run.case.plate.mass * run.speed * run.kick
 
 
 def _common(here: LawRun, there: LawRun) -> tuple[Trajectory, Trajectory]:
-    """Both motions at the times of the first, up to the end of the shorter: an engine that chooses its steps may choose
-    others in another frame, by a rounding."""
+    """Both motions at the times of the first, up to the end of the shorter.
+
+    An engine that chooses its steps may choose others in another frame because of rounding.
+    """
     a, b = here.motion, there.motion
     times = a.t[a.t <= b.t[-1] + 1e-9]
     return tuple(replace(each, dense=None, t=times, **each(times)._asdict()) for each in (a, b))  # type: ignore[return-value]
 
 
 def _hold_same_motion(law: str, run: LawRun, a: Trajectory, b: Trajectory) -> None:
-    # A velocity that is off by a kick, for as long as the motion lasts.
+    # An error `kick` of the velocity during the whole motion.
     drift = run.kick * float(a.t[-1])
     hold(law, "the end of the motion", float(a.t[-1]) - run.case.duration, 2 * run.step)
     hold(law, "the centre", np.hypot(a.x - b.x, a.y - b.y), drift)

@@ -1,14 +1,14 @@
 """One run of a route for the laws of mechanics, and the scales of its error.
 
-Tolerances. They follow from the rung that is run (the finest but one) and from the case, never from what was measured:
+Tolerances. They follow from the rung that is run (the second finest) and from the case, never from measured errors:
 
 - `kick`, a·h: the velocity that the case's accelerations give within one step of h. Every engine here is at least of
   first order, and a first-order step acts up to one step early or late.
-- `loss`, ½ m (a h)²·T/h: what is lost if every step removes a velocity a·h that it had let grow.
-- `tilt`: by how much a facet's direction, or the direction a step goes by, is off the curve's: the track's and the
-  plate's turn within a step, and 2π over the `vertices` or `facets` where the setting names them.
-- `grain`, the force that the rounding of velocities looks like: engines in single precision say so by `ROUNDING`.
-- `motion.slip_resolution`: the creep that a solver declares it cannot tell from stick.
+- `loss`, ½ m (a h)²·T/h: the energy lost if every step removes a velocity a·h that it had added.
+- `tilt`: the largest angle between the direction of a facet, or of a step, and the curve's: the turn of track and plate
+  within a step, and 2π over the `vertices` or `facets` where the setting has them.
+- `grain`: the force that corresponds to the rounding of velocities; engines in single precision define `ROUNDING`.
+- `motion.slip_resolution`: the creep that a solver cannot distinguish from stick, as it reports.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from cases.mechanics import gravity
 from ..interface import Setting, other_laws
 
 G = 9.81
-# The finest rung is what an engine's own tests look at; the one before costs half and every tolerance follows it.
+# Each engine's own tests use the finest rung; the one before costs half, and every tolerance follows it.
 RUNG = -2
-# Polygons of more vertices than this take minutes a run; their ladder is taken to end before them.
+# Polygons of more vertices than this take minutes per run; such rungs are left out.
 MOST_VERTICES = 500
 
 
@@ -37,24 +37,24 @@ class Unsupported(Exception):
 
 
 class NotReported(Exception):
-    """The route tells nothing of what the law is about; the text says of what. It is neither kept nor broken."""
+    """The route does not report a quantity of the law, which the text names. The law is neither kept nor broken."""
 
 
 @dataclass(frozen=True)
 class Route:
-    """One route of an adapter, `adapter` being a module or anything else with its functions."""
+    """One route of an adapter; `adapter` is a module or any object with an adapter's functions."""
 
     adapter: Any
     name: str
 
     def run(self, case: Case) -> LawRun:
-        """The motion at the finest rung but one; raises Refused."""
+        """The motion at the second-finest rung; raises Unsupported."""
         return _run(self.adapter, self.name, case)
 
 
 @dataclass(frozen=True, eq=False)
 class LawRun:
-    """A motion, what was asked and with which setting, and the scales of its error (see the module)."""
+    """A motion, its case and setting, and the scales of its error (see the module)."""
 
     case: Case
     setting: Setting
@@ -63,10 +63,10 @@ class LawRun:
 
     @property
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Normal and friction force, N; raises NotTold if the route tells none."""
+        """Normal and friction force, N; raises NotReported if the route reports none."""
         for name in ("normal_force", "friction_force"):
             if not np.isfinite(getattr(self.motion, name)).any():
-                raise NotReported(f"it tells no {name.replace('_', ' ')}")
+                raise NotReported(f"it reports no {name.replace('_', ' ')}")
         return self.motion.normal_force, self.motion.friction_force
 
     @property
@@ -82,39 +82,39 @@ class LawRun:
 
     @property
     def bend(self) -> float:
-        """The largest curvature of the track that was passed, 1/m."""
+        """The largest curvature of the traversed track, 1/m."""
         bends = np.abs(self.case.track.curvature(self.motion.xi1))
         return float(bends[np.isfinite(bends)].max(initial=0.0))
 
     @property
     def acceleration(self) -> float:
-        """Gravity and what the track's bend asks for, m/s²."""
+        """The acceleration by gravity and by the track's curvature, m/s²."""
         return float(np.hypot(*gravity(self.case))) + self.speed**2 * self.bend
 
     @property
     def kick(self) -> float:
-        """m/s."""
+        """The velocity that the acceleration gives in one step, m/s."""
         return self.acceleration * self.step
 
     @property
     def loss(self) -> float:
-        """J."""
+        """The energy lost if every step removes the velocity `kick`, J."""
         return 0.5 * self.case.plate.mass * self.kick**2 * float(self.motion.t[-1]) / self.step
 
     @property
     def grain(self) -> float:
-        """N: a force read as a difference of velocities over a step, each off by a few roundings."""
+        """The rounding of a force that is a difference of velocities over a step, N."""
         return 10 * self.rounding * self.case.plate.mass * self.speed / self.step
 
     @property
     def corners(self) -> float:
-        """The part of `tilt` that facets have, rad."""
+        """The part of `tilt` due to facets, rad."""
         setting = self.setting
         return sum(2 * pi / float(setting[name]) for name in ("vertices", "facets") if name in setting)
 
     @property
     def tilt(self) -> float:
-        """rad."""
+        """The largest error of a direction, rad."""
         turn = self.speed * self.bend + float(np.abs(self.motion.omega).max())
         return turn * self.step + self.corners
 
@@ -138,8 +138,10 @@ def _run(adapter, route: str, case: Case) -> LawRun:
 
 
 def hold(law: str, what: str, error, tolerance) -> None:
-    """Raises AssertionError, with the law's name, where the error (a number or an array) exceeds its tolerance or is no
-    number."""
+    """Raise AssertionError, with the law's name, if the error exceeds its tolerance or is not finite.
+
+    Error and tolerance are numbers or arrays.
+    """
     error, tolerance = np.broadcast_arrays(np.abs(np.asarray(error, dtype=float)), tolerance)
     not_finite = ~np.isfinite(error - tolerance)
     if not_finite.any():

@@ -1,4 +1,4 @@
-"""pymunk's adapter; `adapters.pymunk.adapter` says what it does."""
+"""pymunk's adapter; `adapters.pymunk.adapter` describes it."""
 
 from .adapter import NAME, bare_run, build, grid, ladder, read, refuses, routes, run, version, wide_grid
 from .meanings import MEANINGS

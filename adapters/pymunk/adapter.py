@@ -1,10 +1,10 @@
 """pymunk (Chipmunk/Munk2D): a game engine's semi-implicit Euler step with Coulomb friction as clamped impulses.
 
-Positions stand at k·h and velocities at (k+½)·h, if the first step is a half one (start backed up by v₀·h/2, then
+Positions are at k·h and velocities at (k+½)·h, if the first step is a half one (start moved back by v₀·h/2, then
 `step(h/2)`): `common.half_steps` reads them.
 
-Routes: `native` (the engine's circles, segments and polygons; order 1), `assisted` (the engine is told the exact
-contact point, normal and the normal velocity that follows the curve; inertia, cone, stick and push are its own;
+Routes: `native` (the engine's circles, segments and polygons; order 1), `assisted` (the adapter sets the exact contact
+point, normal and the normal velocity that follows the curve; inertia, cone, stick and normal force are the engine's;
 order 2).
 """
 
@@ -31,53 +31,55 @@ __all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run"
 
 NAME = "pymunk"
 routes = ("native", "assisted")
-# Tried: 6.11.1 natively, 7.2 and 7.3 by both routes.
+# Tested: 6.11.1 with the native route, 7.2 and 7.3 with both routes.
 KNOWN = "pymunk>=6.11"
 
-# What this adapter has told the engine how to do; an effect that is not here is refused by its name.
+# The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 
 def version() -> str:
-    """pymunk's version with that of the library inside it."""
+    """pymunk's version and that of the Chipmunk library in it."""
     return f"{pymunk.version} (Chipmunk {pymunk.chipmunk_version.partition('-')[0]})"
 
 
 def refuses(case: Case, route: str) -> str | None:
-    """Why pymunk cannot model the case by that route, in one sentence, or None."""
+    """The reason, in one sentence, why the route does not support the case, or None."""
     if route == "assisted" and not hasattr(pymunk.Space, "on_collision"):
-        return f"This route needs the callbacks of pymunk 7 (Space.on_collision); here is {pymunk.version}."
+        return f"This route needs the callbacks of pymunk 7 (Space.on_collision); {pymunk.version} is installed."
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
-        return f"pymunk has nothing for {' and '.join(missing)}."
+        return f"pymunk does not support {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.mu:
         return "pymunk has one friction coefficient for slip and stick."
     impact = case.effect(Impact)
     if impact and impact.restitution > 0.0 and route == "assisted":
-        return "A contact that pymunk is told closes without restitution; Impact(0) is all it can do."
+        return "A contact set by this route closes without restitution; it supports only Impact(0)."
     return _refuses_natively(case) if route == "native" else None
 
 
 def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
-        return "pymunk's contacts only push, and this plate is guided from both sides (the case has no Unilateral)."
+        return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
     endless = not case.track.period and not case.track.domain
     if case.effect(Load) and endless and facets.track_kind(case) == "chain":
-        return "pymunk's chain of segments must have ends, and a Load may take the plate anywhere on this track."
+        return (
+            "pymunk's chain of segments must have ends, and a Load may move the plate anywhere on this endless track."
+        )
     return None
 
 
 # --- settings --------------------------------------------------------------------------------------------------------
 
-# Steps in seconds, the first a game's: 60 a second. A case longer than the usual one has longer steps, at most three
-# times as long: that bounds a ladder's cost and keeps every step below the game's.
+# Steps in seconds; the first is typical of games, 60 a second. A case longer than the usual duration has longer steps,
+# at most three times as long: this limits a ladder's cost and keeps every step below the first.
 STEPS = {
     "chain": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
     "line": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
     "hill": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
     "polygon": (1 / 60, 5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4),
-    # A polygon meets hundreds of facets in every step, and every corner of it is looked at each time.
+    # A polygon overlaps hundreds of facets in every step, and all of its corners are tested each time.
     "polygon on chain": (1 / 60, 5e-3, 4e-3, 2e-3, 1e-3, 5e-4),
     "assisted": (1 / 60, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
 }
@@ -87,9 +89,9 @@ USUAL_DURATION, MOST_STRETCH = 2.5, 3.0
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine.
 
-    The first is the engine as it comes, 60 steps a second. Native: its slop, bias and iterations, 64 thick facets that
-    do not know their neighbours; the others correct all overlap beyond a hundred-thousandth of the plate at once, and
-    tighten step and facets together. Assisted: the step, and the sweeps of the solver where they matter.
+    The first has the engine's defaults, 60 steps a second. Native: default slop, bias and iterations, 64 thick facets
+    without information on their neighbours; the others correct all overlap beyond a hundred-thousandth of the plate at
+    once, and refine step and facets together. Assisted: the step, and the solver's iterations where they matter.
     """
     first, *others = STEPS["assisted" if route == "assisted" else native.scene_kind(case)]
     stretch = min(MOST_STRETCH, max(1.0, case.duration / USUAL_DURATION))
@@ -101,19 +103,19 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     return (defaults, *(Setting.of(h=h, **native.shape_knobs(case, h), **native.space_knobs(case)) for h in steps))
 
 
-# The grid's steps, coarse to fine: a game's beside those at which a facet's, a corner's and a sweep's part show.
+# The grid's steps, coarse to fine: a typical one of games, and those at which facets, corners and iterations matter.
 GRID_STEPS = (1e-2, 3e-3, 1e-3, 3e-4)
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
-    """Step times model: facets and whether they know their neighbours, corners, slop, or sweeps of the solver."""
+    """Combinations of step and model: facets with or without neighbours, corners, slop, or solver iterations."""
     if route == "assisted":
         return tuple(Setting.of(h=h, iterations=n) for h in GRID_STEPS for n in (1, 2, 5, 10))
     return tuple(Setting.of(h=h, **knobs) for h in GRID_STEPS for knobs in native.model_grid(case, GRID_STEPS))
 
 
 def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
-    """Every step of the ladder but the finest with shapes for four times, one time and a quarter of the step."""
+    """Every step of the ladder but the finest, with shapes for four times, one time and a quarter of the step."""
     if route == "assisted":
         return grid(case, route)
     rungs = ladder(case, route)[1:-1]
@@ -132,10 +134,10 @@ _RECORD_FIELDS = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | 
 
 @dataclass
 class PymunkModel:
-    """One run: the space, its moving body, the step in seconds and how many, the recorded rows.
+    """One run: the space, its moving body, the step (s), the number of steps, the recorded rows.
 
-    `drive`: its load; `rough`: sagitta in metres of the facets that stand for the curves; `guide`: what gives the
-    assisted route its contacts.
+    `drive`: its load; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of the
+    assisted route's contacts.
     """
 
     case: Case
@@ -146,19 +148,19 @@ class PymunkModel:
     drive: Drive | None = None
     rough: float = 0.0
     guide: assisted.ContactGuide | None = None
-    # What the engine itself notes after every step, six numbers for the plate and then as many for the track's body.
-    # Reading them one by one in Python takes longer than a native step.
+    # The engine's own record after every step: six numbers for the plate, then six for the track's body. Reading them
+    # one by one in Python takes longer than a native step.
     buffer: Buffer = field(default_factory=Buffer)
 
     @property
     def rows(self) -> np.ndarray:
         """(x, y, theta, vx, vy, omega) of the plate after every step, shape (n, 6)."""
-        # A copy: the engine's memory goes with the model.
+        # A copy: the engine's memory is freed with the model.
         return np.frombuffer(self.buffer.float_buf()).reshape(-1, _BODIES, 6)[:, 0].copy()
 
 
 def build(case: Case, route: str, setting: Setting) -> PymunkModel:
-    """The space at the start of the case, backed up by half a step. The step divides the duration evenly."""
+    """The space at the start of the case, moved back by half a step. The step divides the duration evenly."""
     return _model(case, route, setting, with_load=case.effect(Load) is not None)
 
 
@@ -181,9 +183,9 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
 
 
 def run(model: PymunkModel) -> None:
-    """Step through the duration, noting pose and velocities after every step."""
+    """Step through the duration and record pose and velocities after every step."""
     space, step, buffer = model.space, model.space.step, model.buffer
-    # The half step moves the plate to its start and gives the velocities half a step's forces.
+    # The half step moves the plate to its start and applies half a step's forces to the velocities.
     step(0.5 * model.h)
     get_space_bodies(space, _RECORD_FIELDS, buffer)
     for _ in range(model.steps):
@@ -192,11 +194,11 @@ def run(model: PymunkModel) -> None:
 
 
 def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable[[], None]:
-    """As many steps as `run` takes, ready to be called: without "notes"; and with the "callback" empty; and without the
-    "binding", by the C function alone.
+    """A function that makes the steps of `run` without parts of its work, to measure their times.
 
-    An empty callback leaves the engine its own contact of two circles that overlap everywhere, one as before; that
-    must not be mended, or they would fly apart at once.
+    `without`: "notes": no recording; "callback": also an empty callback; "binding": also without the binding, by the C
+    function alone. With an empty callback the engine has its own contact of two circles that overlap everywhere; it
+    must not be corrected, or they would separate at once.
     """
     has_load = case.effect(Load) is not None
     model = _model(case, route, setting, with_load=has_load and without == "notes")
@@ -211,13 +213,13 @@ def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable
             body.velocity_func = lambda *now: pymunk.Body.update_velocity(*now)
 
     step, what = (lib.cpSpaceStep, (space._space, h)) if without == "binding" else (space.step, (h,))
-    space.step(h)  # what was added is looked at, and the circles meet
+    space.step(h)  # the engine processes the new shapes and detects the contact
 
     return partial(_step_on, space, step, what, steps)
 
 
 def _step_on(space: pymunk.Space, step: Callable[..., None], what: tuple, steps: int) -> None:
-    """Steps alone, of a space that lives as long as they do."""
+    """Make steps only; the argument keeps the space alive."""
     for _ in range(steps):
         step(*what)
 
@@ -228,7 +230,7 @@ def read(model: PymunkModel) -> Trajectory:
     if drive and drive.problem:
         raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
     if guide and guide.problem:
-        raise EngineFailure(f"The contact could not be given to pymunk: {guide.problem}") from guide.problem
+        raise EngineFailure(f"The contact for pymunk could not be computed: {guide.problem}") from guide.problem
     contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
     return half_steps.read(
         half_steps.StepRecord(model.case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)

@@ -1,9 +1,10 @@
-"""Any plate on any track: we tell the engine where the contact is, the engine does the mechanics.
+"""Any plate on any track: the adapter computes the contact point, the engine the mechanics.
 
-Two circles that overlap everywhere give one arbiter in every step. Before the engine solves it, `Guide.pre_solve`
-writes the exact contact point and normal into it, and the normal velocity with which the plate's next position is on
-the track again; inertia, friction cone, stick and push are the engine's own. That `surface_velocity` may have a part
-along the normal is not in pymunk's manual; it is what Chipmunk's `cpArbiterApplyImpulse` does with it.
+Two circles that overlap everywhere give one arbiter in every step. Before the engine solves it,
+`ContactGuide.pre_solve` writes the exact contact point and normal into it, and the normal velocity with which the
+plate's next position is on the track again; inertia, friction cone, stick and normal force are the engine's. That
+`surface_velocity` may have a part along the normal is not in pymunk's manual; it follows from Chipmunk's
+`cpArbiterApplyImpulse`.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from ..interface import Setting
 from .load import Drive, Torsor
 from .native import friction_coefficient
 
-# Radius in metres of the circles that only have to overlap: far beyond any track, far below the loss of digits.
+# Radius in metres of the overlapping circles: much larger than any track, small enough to lose no digits.
 EVERYWHERE = 1e6
 
 # A normal velocity in m/s at which a contact may open or close without a push.
@@ -34,10 +35,10 @@ _TRACK, _PLATE = 1, 2
 
 
 class ContactGuide:
-    """The geometry the engine is told, step by step, and the contacts it was told.
+    """Sets the engine's contact geometry in each step, and records the contacts.
 
-    `lost` is true from the moment when no point of the track is near the plate; `problem` is the first exception
-    raised inside the callback, where the engine would print and drop it.
+    `off_track` is true once no point of the track is near the plate; `problem` is the first exception raised inside the
+    callback, which the engine would print and drop.
     """
 
     def __init__(self, case: Case, body: pymunk.Body, h: float, drive: Drive | None):
@@ -50,11 +51,11 @@ class ContactGuide:
         self._before = _velocities(start_motion(case))
         gx, gy = gravity(case)
         self._gravity, self._drive = (float(gx), float(gy)), drive
-        # What acts tells how the velocities change in the first, half step; from then on they tell themselves.
+        # Gravity and load give the change of the velocities in the first, half step; later, the previous step does.
         self._change: Torsor | None = None
 
     def pre_solve(self, arbiter: Arbiter, space: pymunk.Space, data: object) -> None:
-        """Write contact point, normal and the normal velocity wanted into the arbiter; let go of a lost plate."""
+        """Write contact point, normal and target normal velocity into the arbiter; release a plate off its track."""
         try:
             if not self.off_track:
                 self._set_contact(arbiter)
@@ -72,39 +73,39 @@ class ContactGuide:
         vx, vy, omega = self._predict()
         ahead = self._ahead(x + h * vx, y + h * vy, theta + h * omega)
         if isnan(contact.xi1) or isnan(ahead.xi1):
-            # A collision that is not processed once is not processed again; one that may open this fast never pushes.
+            # A collision that is skipped once is skipped for good; with this normal velocity it never pushes instead.
             here = Vec2d(x, y)
             arbiter.contact_point_set = ContactPointSet(Vec2d(0.0, 1.0), (ContactPoint(here, here, 0.0),))
             arbiter.surface_velocity = Vec2d(0.0, FREELY)
             return
-        # In numbers: the engine's vectors, whose every product asks what it is multiplied by, take twice the time.
+        # Floats: the engine's vectors check types in every product and take twice the time.
         X, Y, tx, ty = _frame(track, contact.xi1)
-        # With the predicted velocities the plate would land off the track by the gap: so much less, or more, is wanted.
+        # With the predicted velocities the plate would be off the track by the gap: the target corrects for it.
         ux, uy = vx - omega * (Y - y), vy + omega * (X - x)
         target = ux * -ty + uy * tx - ahead.gap / h
-        # Slip is that of the middle of the step. The engine, which looks at the step's beginning, is told the change.
+        # The slip is that of the middle of the step; the engine uses the step's beginning, so it gets the change.
         middle_x, middle_y, along_x, along_y = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
-        # The plate is there off the middle of its chord, by an eighth of what the step's change would take it.
+        # The plate is there off the middle of its chord, by an eighth of the displacement by the step's change.
         (ax, ay), half = self._bend(), 0.5 * h
         lever_x, lever_y = middle_x - x - half * vx + ax, middle_y - y - half * vy + ay
         change = (vx - omega * lever_y) * along_x + (vy + omega * lever_x) * along_y - (ux * tx + uy * ty)
         velocity = Vec2d(change * tx - target * -ty, change * ty - target * tx)
         point, normal = Vec2d(X, Y), Vec2d(-ty, tx)
-        # A guide on both sides pushes from the one that is needed; without a push there is no friction either, so the
-        # free motion alone decides.
+        # A bilateral guide pushes from the side that is needed; without a normal force there is no friction either, so
+        # the free motion decides.
         if self._bilateral and self._free(point).dot(normal) > target:
             normal = -normal
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
         arbiter.surface_velocity = velocity
 
     def _bend(self) -> tuple[float, float]:
-        """How far (m) the chord of this step bulges towards the inside of the path."""
+        """The distance (m) of the path from the chord of this step, towards the inside of the path."""
         assert self._change is not None, "the velocities were predicted before"
         part = 0.125 * self._h if len(self.contacts) > 1 else 0.25 * self._h
         return part * self._change[0], part * self._change[1]
 
     def _free(self, point: Vec2d) -> Vec2d:
-        """The velocity of the plate's point there after this step, if the contact did nothing."""
+        """The velocity of the plate's point there after this step without a contact force."""
         (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
         kick = self._h if len(self.contacts) > 1 else 0.5 * self._h
         ax, ay, turn = self._accelerations()
@@ -112,14 +113,14 @@ class ContactGuide:
         return Vec2d(vx + kick * ax - omega * (point.y - y), vy + kick * ay + omega * (point.x - x))
 
     def _accelerations(self) -> Torsor:
-        """What gravity and load do to the velocities per second, without the contact."""
+        """The accelerations by gravity and load, without the contact."""
         if self._drive is None:
             return (*self._gravity, 0.0)
         (fx, fy, moment), plate = self._drive.torsor(), self._case.plate
         return self._gravity[0] + fx / plate.mass, self._gravity[1] + fy / plate.mass, moment / plate.inertia
 
     def _predict(self) -> tuple[float, float, float]:
-        """The velocities after this step, from their change in the one before."""
+        """The velocities after this step, from their change in the previous one."""
         (vx, vy), omega = self._body.velocity, self._body.angular_velocity
         if len(self.contacts) > 1:
             ratio = 2.0 if len(self.contacts) == 2 else 1.0
@@ -145,15 +146,15 @@ def _velocities(start: MotionPoint) -> tuple[float, float, float]:
 
 
 def iterations(case: Case) -> int:
-    """Sweeps of the engine's solver: its default where normal and friction impulse do not meet (a disc), else more.
+    """Iterations of the engine's solver: its default for a disc, with decoupled normal and friction impulse; else more.
 
-    The two impulses of one contact are solved side by side, and their coupling is damped out sweep by sweep.
+    The two impulses of one contact are solved separately, and the iterations reduce the error of their coupling.
     """
     return 10 if case.plate.radius else 40
 
 
 def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Drive | None, ContactGuide]:
-    """A space with the plate as a body of its mass and inertia, what drives it, and the guide that knows its track."""
+    """Build a space with the plate as a body, the drive of its load, and the guide along its track."""
     space, body = overlapping(case, setting)
     drive = Drive(case, body, h) if case.effect(Load) else None
     guide = ContactGuide(case, body, h, drive)
@@ -162,11 +163,11 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.
 
 
 def overlapping(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
-    """A space with two circles that overlap everywhere, and the body of the second, the plate's."""
+    """Build a space with two circles that overlap everywhere; the second one's body is the plate."""
     space = pymunk.Space()
     gx, gy = gravity(case)
     space.gravity = float(gx), float(gy)
-    # Slop and bias, which mend overlap, find none in the contact that is told; sweeps are all there is to set.
+    # Slop and bias correct overlap, and the contact set by the guide has none; only iterations have an effect.
     if "iterations" in setting:
         space.iterations = setting["iterations"]
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
@@ -178,5 +179,5 @@ def overlapping(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body
 
 
 def listen(space: pymunk.Space, pre_solve: Callable[[Arbiter, pymunk.Space, Any], None]) -> None:
-    """Have the function called in every step before the contact is solved."""
+    """Register a function that is called in every step before the contact is solved."""
     space.on_collision(_TRACK, _PLATE, pre_solve=pre_solve)

@@ -1,4 +1,4 @@
-"""A load in pymunk: a force and a moment set in every step, where the engine updates its velocities."""
+"""A load in pymunk: a force and a moment that are set in every step, when the engine updates its velocities."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ Torsor = tuple[float, float, float]
 
 
 class Drive:
-    """The load of one run; `rows` are (F_x, F_y, M) in N and N m of every step, `problem` what its formula raised.
+    """The load of one run; `rows` are (F_x, F_y, M) in N and N m of every step, `problem` an error of its formula.
 
-    The engine moves its bodies first, then updates their velocities: there the pose is of the step's own time t, while
-    the velocities are half a step behind and are carried on to t by their last change.
+    The engine moves its bodies first, then updates their velocities: at that point the pose belongs to the step's time
+    t, while the velocities are half a step earlier and are extrapolated to t by their last change.
     """
 
     def __init__(self, case: Case, body: pymunk.Body, h: float):
         load = case.effect(Load)
-        assert load is not None, "only a case with a load has something to drive"
+        assert load is not None, "only a case with a load has a drive"
         self.rows: list[Torsor] = []
         self.problem: Exception | None = None
         self._at, self._body, self._h = load.at, body, h
@@ -30,7 +30,7 @@ class Drive:
         body.velocity_func = self._update
 
     def torsor(self) -> Torsor:
-        """(F_x, F_y, M) at the pose the body has now, in N and N m; zero once the formula has failed."""
+        """(F_x, F_y, M) at the body's present pose, in N and N m; zero after an error of the formula."""
         (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
         # The first velocities are the start's, the second half a step away from them.
         part = (0.0, 1.0)[len(self.rows)] if len(self.rows) < 2 else 0.5

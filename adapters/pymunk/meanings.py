@@ -1,7 +1,7 @@
-"""What pymunk's parameters make of friction, restitution and rolling.
+"""The laws of friction, restitution and rolling that pymunk's parameters stand for.
 
-`Shape.friction` and `Shape.elasticity` as pymunk's manual has them; the laws as measured here
-(`tests/adapters/test_impact_laws.py`).
+`Shape.friction` and `Shape.elasticity` as in pymunk's manual; the laws are as measured in
+`tests/adapters/test_impact_laws.py`.
 """
 
 from cases import CoulombFriction, Impact, PerfectlyRough, RollingResistance
@@ -13,12 +13,18 @@ MEANINGS = (
     Meaning(
         CoulombFriction,
         "friction of both shapes, multiplied; here mu and 1",
-        "Coulomb's cone on the impulses of a step, one coefficient for slip and stick",
+        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick",
     ),
     Meaning(PerfectlyRough, "friction", "Coulomb's cone with a coefficient of 1e9"),
     Meaning(
         Impact, "elasticity of both shapes, multiplied; here e and 1", MOREAU, routes=("native",), differs=not_moreaus
     ),
-    Meaning(Impact, "none: what the guide tells closes", f"{MOREAU}, e = 0", routes=("assisted",), differs=not_moreaus),
-    Meaning(RollingResistance, "none", "refused"),
+    Meaning(
+        Impact,
+        "none: a contact that the adapter sets closes without restitution",
+        f"{MOREAU}, e = 0",
+        routes=("assisted",),
+        differs=not_moreaus,
+    ),
+    Meaning(RollingResistance, "none", "not supported"),
 )

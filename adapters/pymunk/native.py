@@ -1,7 +1,7 @@
-"""Scenes out of pymunk's own shapes on a segment, on a circle, or on a chain of segments.
+"""Scenes with pymunk's own shapes on a segment, on a circle, or on a chain of segments.
 
-The plate is a circle, or a polygon if its outline is closed and nowhere bends inwards. Any other is as many segments as
-its outline has facets: one for a straight edge.
+The plate is a circle, or a polygon if its outline is closed and nowhere bends inwards. Any other plate has one segment
+per facet of its outline: one for a straight edge.
 """
 
 from __future__ import annotations
@@ -20,53 +20,53 @@ from cases.shapes import Circle, Line, as_circle, as_line
 from ..common.facets import chain, is_convex, polygon, rim, round_plate, stretch, track_kind
 from ..interface import Setting
 
-# What the track's chain is made of differs from rung to rung only in these; everything else is the engine's default.
+# The space's knobs that differ between rungs; everything else is the engine's default.
 KNOBS = ("collision_slop", "collision_bias", "iterations")
 
 
-# A coefficient no contact here comes near: even a millionth of a newton would hold a plate of a tonne on a wall.
+# A coefficient that no contact here needs: a millionth of a newton would hold a plate of a tonne on a wall.
 ROUGH = 1e9
 
 
 def friction_coefficient(case: Case) -> float:
-    """Of the two shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
+    """The coefficient of both shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
     friction = case.effect(CoulombFriction)
     return ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
 
 
 # --- the shapes' fineness --------------------------------------------------------------------------------------------
 
-# A polygon a person would type in; and the finest whose small overlaps the engine still finds (at 1000 corners an
-# elliptic plate of 0.3 m sank 7 cm into a circle). Every segment that moves is sorted in anew in every step, so that a
-# rim of 800 takes ten times the time of one of 400.
+# A polygon that a person would type in; and the finest one whose small overlaps the engine still detects (at 1000
+# corners an elliptic plate of 0.3 m sank 7 cm into a circle). Every moving segment is sorted again in every step, so
+# that a rim of 800 takes ten times the time of one of 400.
 MODEST, MOST_CORNERS, MOST_SEGMENTS = 64, 800, 400
 
 
 def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
-    """How fine and how thick the shapes are that go with the step h (s); None: a first-time user's.
+    """Number and thickness of the shapes for the step h (s); None: those of a first-time user.
 
-    A facet is as long as the plate's way in one step at its top speed: shorter ones cost time and gain nothing.
+    A facet is as long as the plate's displacement in one step at top speed: shorter ones only cost time.
     """
     kind, knobs = track_kind(case), dict[str, float | int]()
     if kind == "chain":
         part = stretch(case)
         way = part.top_speed * h if h else 0.0
         knobs["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
-        # A facet told of its neighbours does not catch the plate with its end where they meet. Nobody tells it unasked.
+        # A facet with its neighbours set does not catch the plate with its end where they meet. The default has none.
         knobs["neighbors"] = 0 if h is None else 1
     if kind != "hill":
-        # Thick walls catch what sinks into them; thin ones spare the engine's search for overlapping boxes.
+        # Thick walls stop plates that sink in; thin ones reduce the engine's search for overlapping boxes.
         thickness = case.plate.inner * (1.0 if h is None else 0.05)
         knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
     if not round_plate(case) and not as_line(case.plate.outline):
-        # Corners cost energy as facets do; 0.2 s over the step is where they cost as much as the step itself.
+        # Corners lose energy as facets do; with 0.2 s over the step they lose as much as the step itself.
         most = MOST_CORNERS if is_convex(case.plate.outline) else MOST_SEGMENTS
         knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, most))
     return knobs
 
 
 def space_knobs(case: Case) -> dict[str, float | int]:
-    """The space's knobs of every rung but the first: all overlap beyond a small slop is corrected at once."""
+    """The space's knobs for every rung but the first: all overlap beyond a small slop is corrected at once."""
     knobs: dict[str, float | int] = dict(collision_slop=1e-5 * case.plate.inner, collision_bias=0.0)
     if not case.plate.radius:
         knobs["iterations"] = 20
@@ -74,10 +74,10 @@ def space_knobs(case: Case) -> dict[str, float | int]:
 
 
 def model_grid(case: Case, steps: Sequence[float]) -> list[dict[str, float | int]]:
-    """The model's knobs that belong to the steps (s), in every combination, from the coarsest to the finest.
+    """The model's knobs for the steps (s), in every combination, from the coarsest to the finest.
 
-    Corners, or facets and whether they know their neighbours, as fine as each of the steps asks for; a disc on one
-    segment or circle has its slop alone.
+    Corners, or facets with and without neighbours, as fine as for each of the steps; a disc on one segment or circle
+    has only its slop.
     """
     finest = shape_knobs(case, min(steps)) | space_knobs(case)
     choices: dict[str, Sequence[float | int]] = {}
@@ -92,7 +92,7 @@ def model_grid(case: Case, steps: Sequence[float]) -> list[dict[str, float | int
 
 
 def scene_kind(case: Case) -> str:
-    """What decides the cost of a scene: the track's kind for a disc; "polygon" or "polygon on chain" for others."""
+    """The kind of scene, which decides its cost: the track's for a disc, else "polygon" or "polygon on chain"."""
     kind = track_kind(case)
     if round_plate(case):
         return kind
@@ -100,7 +100,7 @@ def scene_kind(case: Case) -> str:
 
 
 def _tightest_hill(case: Case) -> float:
-    """Smallest radius of curvature (m) of the track's bends away from the plate, infinite if there are none."""
+    """The smallest radius of curvature (m) where the track bends away from the plate, infinite if it never does."""
     part = stretch(case)
     bend = float(case.track.curvature(np.linspace(part.low, part.high, 721)).min())
     return -1 / bend if bend < 0.0 else float("inf")
@@ -109,7 +109,7 @@ def _tightest_hill(case: Case) -> float:
 # --- the space -------------------------------------------------------------------------------------------------------
 
 
-# A segment takes 1.2 kilobytes, its share of the engine's tree and the arrays it is made from included.
+# A segment takes 1.2 kilobytes, including its part of the engine's tree and of the arrays it is made from.
 _MOST_FACETS = 1_000_000
 
 
@@ -151,7 +151,7 @@ def _plate_shapes(case: Case, body: pymunk.Body, setting: Setting) -> list[pymun
 
 
 def _rim_thickness(outline: Curve, width: float) -> float:
-    """Of the segments of an outline, m: thin beside the plate, and beside the sharpest of its outward bends."""
+    """The thickness of an outline's segments, m: thin compared with the plate and its smallest outward radius."""
     sharpest = float(outline.curvature(np.linspace(*outline.span, 721)).max())
     return min(0.02 * width, 0.5 / sharpest) if sharpest > 0.0 else 0.02 * width
 
@@ -171,9 +171,9 @@ def _static_circle(space: pymunk.Space, circle: Circle) -> pymunk.Shape:
 
 
 def _line_segment(case: Case, space: pymunk.Space, line: Line, thickness: float) -> pymunk.Shape:
-    """One segment along the stretch, its surface above the line by half the slop the engine allows anyway.
+    """One segment along the stretch, its surface above the line by half the slop that the engine allows.
 
-    The engine finds a contact only where shapes overlap: without that overlap the plate would fall once more.
+    The engine detects a contact only where shapes overlap: without that overlap the plate would fall for one step.
     """
     part = stretch(case)
     normal = np.array([-line.direction[1], line.direction[0]])
@@ -187,7 +187,7 @@ def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Sha
     count, thickness = setting["facets"], setting["thickness"]
     if count > _MOST_FACETS:
         raise NotSupported(
-            f"At this step so near a fit needs {count:,} facets, and a million take more than a gigabyte of memory; "
+            f"At this step the track needs {count:,} facets, and a million take more than a gigabyte of memory; "
             "give a coarser setting."
         )
     points = [(float(x), float(y)) for x, y in chain(case, count, behind=thickness).T]

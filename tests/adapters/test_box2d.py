@@ -233,7 +233,7 @@ def test_perfectly_rough_plate_rolls_down_a_slope_no_friction_would_hold_it_on()
 @pytest.mark.parametrize(
     ("case", "word"),
     [
-        (falling(Load(fx=1.0), start=Start(0.0), duration=1.0), "nothing for Load"),
+        (falling(Load(fx=1.0), start=Start(0.0), duration=1.0), "does not support Load"),
         (
             falling(
                 CoulombFriction(0.1), RollingResistance(0.01), plate=Plate(ellipse(0.2, 0.1), 1.0, 0.0125),

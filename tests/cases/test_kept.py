@@ -185,7 +185,7 @@ def test_a_full_disk_stops_nothing(folder, caplog):
 def test_the_oldest_goes_when_there_is_too_much(folder, monkeypatch):
     monkeypatch.setattr(compile_cache, "LARGEST_BYTES", 4000)
     monkeypatch.setattr(compile_cache, "_LOOK_BYTES", 0)
-    monkeypatch.setattr(compile_cache, "_written", -1)
+    monkeypatch.setattr(compile_cache, "_bytes_since_trim", -1)
     for i in range(8):
         asked(folder, bytes(1000), decided_by=i)
         for file in folder.iterdir():  # a second between one and the next
@@ -203,7 +203,7 @@ def test_files_of_the_users_in_the_folder_stay(folder, monkeypatch):
         file.write_text("precious")
         os.utime(file, (0, 0))
     monkeypatch.setattr(compile_cache, "LARGEST_BYTES", 0)
-    monkeypatch.setattr(compile_cache, "_written", -1)
+    monkeypatch.setattr(compile_cache, "_bytes_since_trim", -1)
     asked(folder, decided_by="another")
     assert sorted(folder.iterdir()) == sorted(theirs)
 

@@ -137,7 +137,7 @@ def test_a_cache_loses_only_files_with_a_name_of_its_own(tmp_path):
     for i, file in enumerate((*ours, *theirs)):
         file.write_text("12345")
         os.utime(file, (1e9 + i, 1e9 + i))
-    owned_folder.remove_longest_unused(tmp_path, name, 15, 3, spared=ours[:1])
+    owned_folder.remove_longest_unused(tmp_path, name, 15, 3, exceptions=ours[:1])
     assert [file.exists() for file in ours] == [True, False, True, True]
     owned_folder.remove_longest_unused(tmp_path, name, 0, 0)
     assert sorted(tmp_path.iterdir()) == sorted(theirs)
