@@ -1,4 +1,4 @@
-"""The question: a plate, its track, the effects that act, how it starts and for how long. Frozen, SI units."""
+"""A case: plate, track, effects, start and duration. Frozen, SI units."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .start import Start
 if TYPE_CHECKING:
     from .pictures.layout import DrawnScene
 
-# Of a case's name, which file names hold.
+# Characters of a case's name, which is part of file names.
 LONGEST_NAME = 100
 
 
@@ -63,11 +63,11 @@ class Case:
 
     @cached_property
     def _hash(self) -> int:
-        # Worked out once: what is derived for a case is kept by case, and looked up at every change of mode.
+        # Computed once: caches of derived results use the case as key, and are read at every change of mode.
         return hash((self.track, self.plate, self.effects, self.start, self.duration, self.name))
 
     def __reduce__(self):
-        """A case travels to another process by value, whether a catalogue knows it or not."""
+        """A case is pickled by value, whether it is in a catalogue or not."""
         return _restore, (self._values(),)
 
     def named(self, name: str, parameters: Mapping[str, float]) -> Case:
@@ -79,12 +79,12 @@ class Case:
         return values | {"parameters": dict(self.parameters)}
 
     def effect(self, kind: type[E]) -> E | None:
-        """The case's effect of that kind, or None if the case does not ask for it."""
+        """The case's effect of that kind, or None if the case has none."""
         return effects.one(self.effects, kind)
 
     @property
     def label(self) -> str:
-        """`name[parameter=value,…]`: the one text that `cases.load` turns back into this case."""
+        """`name[parameter=value,…]`: the text from which `cases.load` makes this case."""
         inside = ",".join(f"{key}={_as_text(value)}" for key, value in self.parameters.items())
         return f"{self.name}[{inside}]" if inside else self.name
 
@@ -99,17 +99,17 @@ class Case:
 
     @property
     def effects_text(self) -> str:
-        """The effects in a line: what of them is not as usual."""
+        """The effects in one line, with the values that differ from the defaults."""
         return ", ".join(map(_text_of, self.effects))
 
     @property
     def start_text(self) -> str:
-        """The start in a line: what of it is not as usual."""
+        """The start in one line, with the values that differ from the defaults."""
         return _text_of(self.start)
 
     @property
     def scene(self) -> DrawnScene:
-        """What a picture of it needs."""
+        """The data that a picture of the case needs."""
         from .pictures.layout import DrawnScene
 
         gravity = self.effect(Gravity)
@@ -125,7 +125,7 @@ class Case:
 
 
 def _check_name(name: object) -> None:
-    """Raises BadValue for a name that cannot stand in file names, tables and `--case`."""
+    """Raise BadValue for a name that cannot be used in file names, tables and `--case`."""
     if not isinstance(name, str) or not name or len(name) > LONGEST_NAME:
         raise BadValue(f"the name of a case is {name!r}; give a text of up to {LONGEST_NAME} characters")
     if not name.isprintable() or name.startswith(".") or set(name) & set("/\\[]<>$\"'`"):
@@ -133,7 +133,7 @@ def _check_name(name: object) -> None:
 
 
 def _check_parameters(parameters: object) -> Mapping[str, float]:
-    """The parameters as they are kept; raises BadValue unless they are numbers by name."""
+    """The parameters in their stored form; raises BadValue unless they are numbers by name."""
     if not isinstance(parameters, Mapping):
         raise BadValue(f"the parameters of a case are {parameters!r}; give a dict of numbers")
     for key, value in parameters.items():
@@ -143,14 +143,14 @@ def _check_parameters(parameters: object) -> Mapping[str, float]:
 
 
 def _restore(values: dict[str, Any]) -> Case:
-    """A case of the values of one that was checked, here or in the process that sent it."""
+    """A case from the values of one that was checked, in this process or the sending one."""
     case = object.__new__(Case)
     vars(case).update(values, parameters=MappingProxyType(values["parameters"]))
     return case
 
 
 def _text_of(record: Any) -> str:
-    """An effect or a start in a few words: what of it is not as usual."""
+    """An effect or a start as text, with the values that differ from the defaults."""
     values = {f.name: (getattr(record, f.name), f.default) for f in fields(record)}
     texts = [f"{name}={_short(value)}" for name, (value, usual) in values.items() if value != usual]
     return f"{type(record).__name__}({', '.join(texts)})"
@@ -161,5 +161,5 @@ def _short(value: Any) -> str:
 
 
 def _as_text(value) -> str:
-    """A number in as few digits as give it back."""
+    """A number with the fewest digits that reproduce it."""
     return f"{value:g}" if float(f"{value:g}") == value else repr(float(value))

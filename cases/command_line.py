@@ -1,4 +1,4 @@
-"""What all commands share: the parser of their words, and how their exit status and their last line come about."""
+"""Code that all commands share: the argument parser, and the exit status with its message."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from typing import NoReturn
 
 from .errors import BadValue, CaseError, unknown_name
 
-# Equations in quadruple precision compile in 1.5 GB of address space. In less than 1 GB the BLAS that SciPy brings
-# waits for ever for its buffers while it is imported.
+# Equations in quadruple precision need 1.5 GB of address space to compile. With less than 1 GB SciPy's BLAS waits for
+# its buffers without end while it is imported.
 _ADDRESS_BYTES = 2 * 2**30
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, by the suite's own error; an option is not guessed from its beginning."""
+    """An argument parser that reports errors as CaseError, in one sentence, and accepts no abbreviated options."""
 
     def __init__(self, **how):
         super().__init__(allow_abbrev=False, **how)
 
     def error(self, message: str) -> NoReturn:
-        """Raises UnknownName for an option that there is not, BadValue for anything else."""
+        """Raise UnknownName for an unknown option, BadValue for anything else."""
         stray = message.removeprefix("unrecognized arguments: ")
         if stray != message:
             options = [o for action in self._actions for o in action.option_strings if o.startswith("--")]
@@ -31,11 +31,14 @@ class Parser(argparse.ArgumentParser):
 
 
 def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence[str] | None) -> int:
-    """The exit status of a command: what its work returns, or 0; 2 if the request makes no sense, 1 if files cannot be
-    read or written, 130 if it was stopped. What went wrong is printed in one line."""
+    """Run a command and return its exit status.
+
+    It is the result of `work`, or 0; 2 for an invalid request, 1 if files cannot be read or written, 130 on Ctrl-C. An
+    error is printed in one line.
+    """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a character that the terminal lacks ends no command
+            stream.reconfigure(errors="backslashreplace")  # so that no character makes a command fail
     try:
         _check_address_space()
         return work(list(sys.argv[1:] if argv is None else argv)) or 0
@@ -46,12 +49,12 @@ def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence
         print(f"{command}: {problem}", file=sys.stderr)
         return 1
     except KeyboardInterrupt as stop:
-        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a bar may stand on the line
+        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a progress bar may be on the line
         return 130
 
 
 def _check_address_space() -> None:
-    """Raises BadValue if the shell allows less address space than the suite needs."""
+    """Raise BadValue if the shell allows less address space than the suite needs."""
     try:
         import resource
     except ImportError:  # not on Windows

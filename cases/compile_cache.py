@@ -1,8 +1,8 @@
-"""What was derived and compiled, on disk for the next process: the user's own folder, where reading it is safe.
+"""A cache on disk for derived and compiled code, in a folder that belongs to the user alone.
 
-To read a pickle is to run code. So the folder must belong to the user and be closed to everybody else, and so must
-every file; whatever it is that does not, it is left alone, and one sentence in the log says so. `SLIP_TO_ROLL_CACHE`
-names another folder, or is "off".
+Loading a pickle executes code. So the folder and every file must belong to the user and be inaccessible to others; any
+other folder or file is not used, and the log has one line about it. `SLIP_TO_ROLL_CACHE` names another folder, or is
+"off".
 """
 
 from __future__ import annotations
@@ -36,37 +36,38 @@ T = TypeVar("T")
 
 VARIABLE = "SLIP_TO_ROLL_CACHE"
 OFF = "off"
-# A report of the whole catalogue keeps 130 MB. What was used longest ago goes first.
+# A report of the whole catalogue writes 130 MB. The files that were used longest ago are removed first.
 LARGEST_BYTES = 512 * 2**20
-# So many files at most: a report keeps two thousand, and a folder of many more is slow to look through.
+# Most files: a report writes two thousand, and a folder of many more is slow to list.
 MOST_FILES = 20_000
-# The folder is looked at when a process has written so much to it, and when it writes first.
+# The folder's size is checked after so many bytes written by a process, and at its first write.
 _LOOK_BYTES, _LOOK_FILES = 32 * 2**20, 1000
 _DIGEST = hashlib.sha256().digest_size
 _SUFFIX = ".kept"
 _FILE = re.compile(rf"[0-9a-f]{{64}}{re.escape(_SUFFIX)}")
 
-# What this process took from the folder and what it put there, by kind.
+# Results that this process loaded from the folder and results that it made, by kind.
 hits: Counter[str] = Counter()
 misses: Counter[str] = Counter()
 _bytes_since_trim = -1
-# What is made and not written yet, inside `withheld`.
+# Results that are not written yet, inside `withheld`.
 _pending: list[tuple[Path, bytes]] | None = None
 
 
 @in_one_thread
 def cached(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
-    """`make()`, or what it returned before in a process of the same code, versions and processor.
+    """`make()`, or its cached result from a process with the same code, versions and processor.
 
-    `decided_by` is all that decides the result: expressions, numbers, texts, types, and tuples or dataclasses of such;
-    `code` is a folder whose modules decide it too, beside those of `cases`. What cannot be kept is made.
+    `decided_by` contains everything that determines the result: expressions, numbers, texts, types, and tuples or
+    dataclasses of these; `code` is a folder whose modules determine it too, in addition to those of `cases`. Results
+    that cannot be cached are made each time.
     """
     folder = place()
     if folder is None:
         return make()
     try:
         key = "\n".join((kind, _as_text(decided_by), _surroundings(), _code(code), _code(Path(__file__).parent)))
-    except OSError as error:  # modules that cannot be read as files cannot be told from others
+    except OSError as error:  # without the source files there is no key
         _log().warning("nothing is kept: %s", error)
         return make()
     file = folder / (hashlib.sha256(key.encode()).hexdigest() + _SUFFIX)
@@ -82,7 +83,7 @@ def cached(kind: str, decided_by: Any, code: Path, make: Callable[[], T]) -> T:
 
 @in_one_thread
 def counters() -> tuple[Counter[str], Counter[str]]:
-    """What was taken and made since it was asked last: how a worker reports to the process that asks it."""
+    """The hits and misses since the last call; workers report them to the process that started them."""
     since = Counter(hits), Counter(misses)
     hits.clear()
     misses.clear()
@@ -90,15 +91,14 @@ def counters() -> tuple[Counter[str], Counter[str]]:
 
 
 def words() -> str:
-    """How much of what this process and its workers compiled came from disk; a report, which others read, does not say
-    from which of the user's folders."""
+    """How many compiled parts came from the cache, for a report; without the folder's path, since others read it."""
     if place() is None:
         return "compiled parts were neither kept nor taken from disk"
     return f"{hits.total()} compiled parts taken from the cache, {misses.total()} made and kept there"
 
 
 def place() -> Path | None:
-    """The folder, made if need be; None where nothing is kept."""
+    """The cache folder, created if it does not exist; None if there is no cache."""
     text = os.environ.get(VARIABLE)
     if text is None:
         above = os.environ.get("XDG_CACHE_HOME", "")
@@ -108,7 +108,7 @@ def place() -> Path | None:
 
 @contextmanager
 def off() -> Iterator[None]:
-    """Inside, everything is derived and compiled anew: for what tells how long that takes."""
+    """Disable the cache inside the block, to measure how long derivation and compilation take."""
     before = os.environ.get(VARIABLE)
     os.environ[VARIABLE] = OFF
     try:
@@ -121,9 +121,11 @@ def off() -> Iterator[None]:
 
 @contextmanager
 def withheld() -> Iterator[Callable[[], None]]:
-    """Inside, what is made is not written; the function that is given writes it, if it is called before the end. For a
-    process in which third-party code runs: other processes take what is kept, so it is looked first whether this one
-    still computes as it should."""
+    """Delay writing inside the block; the yielded function writes all results, if it is called before the end.
+
+    For a process in which third-party code runs: other processes load the cache, so it is checked first whether this
+    process still computes correctly.
+    """
     global _pending
     _pending = []
     try:
@@ -134,15 +136,15 @@ def withheld() -> Iterator[Callable[[], None]]:
 
 @lru_cache(maxsize=8)
 def _safe_folder(text: str) -> Path | None:
-    """The folder if it is safe to read from; else the log says once what is wrong."""
+    """The folder if it is safe to read from; else None, with one warning in the log."""
     folder = Path(text)
     try:
         folder = folder.expanduser().absolute()
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
-        # Not what a link leads to: who may change the link could lead it elsewhere.
+        # Check the folder itself, not the target of a link, which others might change.
         problem = _not_ours(folder.lstat(), stat.S_ISDIR, "a folder", 0o077)
-    except (OSError, RuntimeError) as error:  # of RuntimeError: a user without a home directory
+    except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home directory
         problem = str(error)
     if not problem:
         return folder
@@ -154,7 +156,7 @@ def _safe_folder(text: str) -> Path | None:
 
 
 def _not_ours(about: os.stat_result, is_kind: Callable[[int], bool], kind: str, closed: int) -> str:
-    """What is wrong with a file or folder that has to be the user's alone, "" if nothing."""
+    """Why a file or folder is not private to the user, "" if it is."""
     if not is_kind(about.st_mode):
         return f"it is not {kind}"
     if not hasattr(os, "geteuid") or about.st_uid != os.geteuid():
@@ -163,7 +165,7 @@ def _not_ours(about: os.stat_result, is_kind: Callable[[int], bool], kind: str, 
 
 
 def _read(file: Path) -> tuple[Any] | None:
-    """What the file holds, in a tuple; None if there is none, or it is not whole, or not ours."""
+    """The file's value, in a tuple; None if there is no file, or it is incomplete or not private."""
     try:
         with open(os.open(file, os.O_RDONLY | os.O_NOFOLLOW), "rb") as stream:
             problem = _not_ours(os.fstat(stream.fileno()), stat.S_ISREG, "a file", 0o077)
@@ -176,13 +178,13 @@ def _read(file: Path) -> tuple[Any] | None:
         return (pickle.loads(rest),)
     except FileNotFoundError:
         return None
-    except Exception as error:  # whatever a pickle may raise: what it holds can be made anew
+    except Exception as error:  # a pickle may raise anything; the value can be made again
         _log().warning("%s is made anew: %s", file, error)
         return None
 
 
 def _write(file: Path, value: Any) -> None:
-    """Put it there at once and whole, or not at all; inside `withheld`, later."""
+    """Write the value to the file atomically; inside `withheld`, later."""
     stream = BytesIO()
     try:
         _Pickler(stream, protocol=5).dump(value)
@@ -207,13 +209,13 @@ def _put(file: Path, content: bytes) -> None:
         if _bytes_since_trim < 0 or _bytes_since_trim > _LOOK_BYTES:
             _bytes_since_trim = 0
             _trim(file.parent)
-        _bytes_since_trim += max(len(content), _LOOK_BYTES // _LOOK_FILES)  # small files count, too
+        _bytes_since_trim += max(len(content), _LOOK_BYTES // _LOOK_FILES)  # so that small files count too
     except OSError as error:
         _log().warning("%s could not be kept: %s", file, error)
 
 
 def _trim(folder: Path) -> None:
-    """If the folder holds more than it may, leave three quarters of that: the files that were used last."""
+    """If the folder exceeds its limits, remove the least recently used files down to three quarters of them."""
     files = owned_folder.files_in(folder, _FILE)
     part = 0.75 if len(files) > MOST_FILES or sum(about.st_size for _, about in files) > LARGEST_BYTES else 1.0
     owned_folder.remove_longest_unused(folder, _FILE, part * LARGEST_BYTES, part * MOST_FILES)
@@ -223,11 +225,11 @@ def _log() -> logging.Logger:
     return logging.getLogger("cases")
 
 
-# --- what decides a result --------------------------------------------------------------------------------------------
+# --- keys -------------------------------------------------------------------------------------------------------------
 
 
 def _as_text(part: Any) -> str:
-    """All of it, in the order in which it stands: SymPy's own text sorts sums, and rounding depends on the order."""
+    """A text of all its parts in their order: SymPy's own text sorts sums, and rounding depends on the order."""
     if isinstance(part, sp.Basic):
         inner = ",".join(map(_as_text, part.args))
         return f"{type(part).__name__}({inner})" if part.args else sp.srepr(part)
@@ -240,7 +242,7 @@ def _as_text(part: Any) -> str:
 
 @lru_cache(maxsize=8)
 def _code(folder: Path) -> str:
-    """A digest of the modules of a folder and of what lies in it, but for the catalogue's cases and the pictures."""
+    """A digest of the modules of a folder and its subfolders, without the catalogue's cases and the pictures."""
     digest = hashlib.sha256()
     for file in sorted(folder.rglob("*.py")):
         if not {"catalogue", "pictures"} & {*file.relative_to(folder).parts}:
@@ -250,7 +252,7 @@ def _code(folder: Path) -> str:
 
 @lru_cache(maxsize=1)
 def _surroundings() -> str:
-    """Versions and the processor: machine code serves the processor it was made for."""
+    """Versions and the processor, since machine code is specific to the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         processor = sorted({line for line in lines if line.startswith(("model name", "flags", "Features", "CPU"))})
@@ -259,11 +261,11 @@ def _surroundings() -> str:
     return "\n".join([sys.version, sp.__version__, np.__version__, platform.machine(), *processor])
 
 
-# --- functions that SymPy wrote ---------------------------------------------------------------------------------------
+# --- functions made by SymPy ------------------------------------------------------------------------------------------
 
 
 class _Pickler(pickle.Pickler):
-    """Takes functions that lambdify made as their code and the functions they call."""
+    """Pickles functions made by lambdify as their code and the functions that they call."""
 
     def reducer_override(self, thing):
         if isinstance(thing, FunctionType) and thing.__code__.co_filename.startswith("<lambdifygenerated"):

@@ -1,6 +1,6 @@
-"""The geometry every solver is judged by, asked of a case: where its plate touches its track, and how it slips.
+"""The contact geometry of a case, by which all solvers are judged: contact points and slip velocity.
 
-Nothing here knows a solver. `cases.geometry` has the mathematics, and says what each function gives and raises.
+Independent of solvers. `cases.geometry` has the mathematics, and documents results and exceptions.
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]
 
 
 def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(xi1, xi2, gap) along a sequence of poses that begins at the case's start, each found from the one before.
+    """(xi1, xi2, gap) along a sequence of poses that begins at the case's start, each from the previous one.
 
-    Raises DoesNotFit where the plate loses its track; the arrays all have the poses' length.
+    Raises DoesNotFit where the plate loses its track; all arrays have the length of the poses.
     """
     start = start_motion(case)
     near, rows = (start.xi1, start.xi2), []
@@ -74,8 +74,7 @@ def clearance(case: Case, xi1, xi2):
 def overlap(case: Case, x: float, y: float, theta: float, near: float | None = None) -> float | None:
     """A track parameter that lies inside the plate in that pose, or None.
 
-    `near`: a parameter near which the plate is (None: that of the start), which says how far to look on a track
-    without ends.
+    `near`: a parameter near the plate (None: that of the start); it limits the search on a track without ends.
     """
     xi1 = np.array([case.start.xi1 if near is None else near])
     overlapping = first_overlap(case.track, case.plate.outline, np.array([x]), np.array([y]), np.array([theta]), xi1)

@@ -1,8 +1,8 @@
-"""One thread at a time derives: a lock for everything that SymPy works out, and for what is then shared by all threads.
+"""A lock for all derivations by SymPy, and for the results that all threads share: one thread at a time.
 
-SymPy is not made for threads: it stores the answers to its questions about an expression (is it positive?), and an
-unknown before them, in the expression itself, where another thread reads them (github.com/sympy/sympy/pull/30088).
-Two threads that derive the same equations at once may get different formulas, whose motions differ in the last digits.
+SymPy is not thread-safe: it stores assumptions about an expression (is it positive?), and before them an unknown, in
+the expression itself, where another thread reads them (github.com/sympy/sympy/pull/30088). Two threads that derive the
+same equations at once may get different formulas, whose motions differ in the last digits.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from typing import Any, Generic, ParamSpec, TypeVar, overload
 P = ParamSpec("P")
 T = TypeVar("T")
 
-# One lock for all, so that no two threads can wait for each other; a derivation asks for others, so it is reentrant.
+# One lock for all, so that no two threads can wait for each other; derivations are nested, so it is reentrant.
 LOCK = threading.RLock()
 
-if hasattr(os, "register_at_fork"):  # a copy of the process must not begin with a lock that nobody will release
+if hasattr(os, "register_at_fork"):  # a forked process must not begin with a lock that nothing releases
     os.register_at_fork(before=LOCK.acquire, after_in_parent=LOCK.release, after_in_child=LOCK.release)
 
 
 def in_one_thread(function: Callable[P, T]) -> Callable[P, T]:
-    """The same function, which only one thread at a time is in."""
+    """The function, executed by only one thread at a time."""
 
     @wraps(function)
     def alone(*args: P.args, **kwargs: P.kwargs) -> T:
@@ -35,10 +35,10 @@ def in_one_thread(function: Callable[P, T]) -> Callable[P, T]:
 
 
 class derived(Generic[T]):
-    """An attribute that is worked out, by one thread for all, when it is first read.
+    """A cached attribute, computed by one thread when it is first read.
 
-    (Of `functools.cached_property` each attribute holds a lock of its own in Python 3.11: a thread that holds that one
-    and a thread that holds `LOCK` would wait for each other.)
+    (In Python 3.11 each `functools.cached_property` has a lock of its own: a thread that holds it and a thread that
+    holds `LOCK` would wait for each other.)
     """
 
     def __init__(self, make: Callable[[Any], T]) -> None:
@@ -53,7 +53,7 @@ class derived(Generic[T]):
         if instance is None:
             return self
         with LOCK:
-            attributes = vars(instance)  # once the value is there Python finds it before it comes here
+            attributes = vars(instance)  # once the value is stored, Python does not call this
             if self._name not in attributes:
                 attributes[self._name] = self._make(instance)
             return attributes[self._name]

@@ -9,15 +9,15 @@ from numbers import Integral
 
 from .derivation import LOCK
 
-# A sentence longer than this is cut in its middle, where a long input was quoted.
+# A longer sentence is shortened in its middle, where a long input is quoted.
 LONGEST = 500
 
 
 class CaseError(ValueError):
-    """Base of every error a wrong question raises; its text is one sentence that says what to change."""
+    """Base of all errors of invalid input; its text is one sentence that says what to change."""
 
     def __init__(self, text: str):
-        # What a terminal or a page would act on, or cannot write (control characters, half surrogates), is no text.
+        # Replace characters that a terminal or a page would interpret or cannot write (control, lone surrogates).
         line = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in " ".join(str(text).split()))
         half = LONGEST // 2
         super().__init__(line if len(line) <= LONGEST else f"{line[:half]} … {line[-half:]}")
@@ -35,7 +35,7 @@ def describe(problem: BaseException) -> str:
 
 
 class BadValue(CaseError):
-    """A number or a type that no scene can have (NaN, a negative mass, a word where a number belongs)."""
+    """A number or a type that no scene can have (NaN, a negative mass, a word instead of a number)."""
 
 
 class BadCurve(CaseError):
@@ -43,7 +43,7 @@ class BadCurve(CaseError):
 
 
 class DoesNotFit(CaseError):
-    """A plate that cannot touch its track as the start asks."""
+    """A plate that cannot touch its track as the start requires."""
 
 
 class UnknownName(CaseError):
@@ -51,18 +51,18 @@ class UnknownName(CaseError):
 
 
 class NotSupported(CaseError):
-    """A well-posed question this solver has no equations for."""
+    """A valid case that the solver has no equations for."""
 
 
-# More names than a reader takes in at a glance are counted.
+# Names shown in a message; of a longer list the message gives the total.
 MOST_NAMES = 16
 
 
 def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
-    """The error for a name that is not there: the nearest known names, or all of them where none is near."""
+    """The error for a name that does not exist, with the most similar names, or all names if none is similar."""
     choices = sorted(names)
     near = difflib.get_close_matches(name, choices, n=3, cutoff=0.5)
-    # A short list is shown whole: the nearest spelling is seldom the best guess for names of one or two letters.
+    # A short list is shown completely: the nearest spelling is seldom right for names of one or two letters.
     if near and len(choices) > 8:
         return UnknownName(f"there is no {kind} {name!r}; did you mean {' or '.join(near)}?")
     if not choices:
@@ -73,14 +73,14 @@ def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
 
 def real(value: object) -> float | None:
     """A real number of any type as a float (Python's own, Fraction, Decimal, NumPy's, SymPy's), infinite if it is too
-    large for one; None for anything else: text, a truth value, a complex number, an array, a formula."""
+    large; None for anything else: text, a truth value, a complex number, an array, a formula."""
     if isinstance(value, bool | str | bytes | bytearray) or not hasattr(value, "__float__"):
         return None
-    # Of NumPy's types integers and floats alone; times and truth values have a float, too.
+    # Only NumPy's integers and floats: its times and truth values can also be converted to float.
     if getattr(getattr(value, "dtype", None), "kind", "f") not in "iuf" or getattr(value, "ndim", 0) != 0:
         return None
     try:
-        with LOCK:  # a number of SymPy's is worked out for it
+        with LOCK:  # SymPy evaluates its number here
             return float(value)
     except OverflowError:
         return inf
@@ -91,7 +91,7 @@ def real(value: object) -> float | None:
 def finite(what: str, value: object) -> float:
     """`value` as a float; raises BadValue unless it is a finite real number."""
     if type(value) is float and isfinite(value):
-        return value  # at a quarter of the price: scenes are made again and again
+        return value  # four times as fast: scenes are made many times
     number = real(value)
     if number is None:
         raise BadValue(f"{what} is {value!r}; give a number")
@@ -125,8 +125,10 @@ def between(what: str, value: object, least: float, most: float) -> float:
 
 
 def parameter(what: str, value: object) -> float:
-    """A case's parameter as it is kept and written: a whole number as an int, any other as a float; raises BadValue
-    unless it is a finite real number, or a truth value, which counts as 1 or 0."""
+    """A case's parameter in its stored form: a whole number as an int, any other as a float.
+
+    Raises BadValue unless it is a finite real number, or a truth value, which counts as 1 or 0.
+    """
     if isinstance(value, bool):
         return value
     number = finite(what, value)

@@ -1,7 +1,7 @@
-"""Ctrl-C is said in one sentence, whatever a command is at; imports are most of the first second of all of them.
+"""Every command ends with one line on Ctrl-C, also during imports, which take most of its first second.
 
-Each room imports this first of all. It does nothing but where Python was started with `-m` or as the console command:
-in a script, a notebook or a test, Ctrl-C is theirs.
+Each room imports this module first. It has an effect only where Python was started with `-m` or as the console command,
+not in a script, a notebook or a test.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import signal
 import sys
 from types import FrameType, TracebackType
 
-# While `python -m` imports the packages of what it is to run, this stands where the program's name will.
+# While `python -m` imports packages, this is in the place of the program's name.
 _IMPORTING = "-m"
 # The name of the file that pip makes of the console command.
 _CONSOLE = "slip-to-roll"
 
 
 def say_so(command: str) -> None:
-    """Let an interrupt that nobody catches end this process with a line that names the command."""
+    """Make an uncaught interrupt end this process with a line that names the command."""
     usual, came = sys.excepthook, False
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -28,7 +28,7 @@ def say_so(command: str) -> None:
 
     def hook(kind: type[BaseException], problem: BaseException, trace: TracebackType | None) -> None:
         interrupt = _interrupt_behind(problem)
-        if interrupt is not None or came:  # modules in C may forget it over an error of their own
+        if interrupt is not None or came:  # modules in C may replace it by an error of their own
             print(f"\n{command}: stopped{f'; {interrupt}' if str(interrupt or '') else ''}", file=sys.stderr)
         else:
             usual(kind, problem, trace)
@@ -36,12 +36,12 @@ def say_so(command: str) -> None:
     sys.excepthook = hook
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, note)
-        # What comes while Python takes itself down comes after the command's last word.
+        # Ignore an interrupt while Python shuts down, after the command's last output.
         atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
 def _interrupt_behind(problem: BaseException | None) -> KeyboardInterrupt | None:
-    """The interrupt that brought a problem about: modules in C make an ImportError of one."""
+    """The interrupt that caused an exception: modules in C turn one into an ImportError."""
     while problem is not None and not isinstance(problem, KeyboardInterrupt):
         problem = problem.__cause__ or problem.__context__
     return problem

@@ -1,11 +1,11 @@
-"""The cases that a word of a command line means. Every command finds them here:
+"""The cases that an argument of a command line selects. All commands use this module:
 
     NAME                    of the catalogue, or of NAME.py in the working folder
     NAME[parameter=value,…] one variant
     FILE.py                 every case of a file
     FILE.py:FUNCTION        one case of a file, also with [parameter=value,…]
 
-A file of cases is Python code: this is for what a user types, not for words from elsewhere (`cases.load` is for those).
+A file of cases is Python code that is executed: use this only for input that the user types, else `cases.load`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ T = TypeVar("T")
 
 
 class CaseName(NamedTuple):
-    """What a word names: cases of the catalogue, what its brackets hold (None: it has none), and the file it is in."""
+    """The cases that an argument names, the text in its brackets (None: no brackets), and the file of the cases."""
 
     text: str
     names: tuple[str, ...]
@@ -33,14 +33,16 @@ class CaseName(NamedTuple):
     file: Path | None
 
     def one(self, changes: Sequence[str] = ()) -> Case:
-        """The one case, with `changes` such as "mu=0.3"; raises CaseError in one sentence if there are several, or it
+        """The only case, with `changes` such as "mu=0.3"; raises CaseError in one sentence if there are several, or it
         cannot be made."""
         label = self.label(changes)
         return _try(f"the case {label}", self.names[0], partial(registry.load, label))
 
     def every(self, long: bool = False) -> list[Case]:
-        """Every variant of every case, or the one variant; with `long` those that take minutes, too. Raises CaseError
-        in one sentence."""
+        """Every variant of every case, or the one variant; with `long` also those that take minutes.
+
+        Raises CaseError in one sentence.
+        """
         if self.inside is not None:
             return [self.one()]
         results: list[Case] = []
@@ -49,7 +51,7 @@ class CaseName(NamedTuple):
         return results
 
     def label(self, changes: Sequence[str] = ()) -> str:
-        """The one case, with `changes`, as `name[parameter=value,…]`; raises BadValue if there are several."""
+        """The only case, with `changes`, as `name[parameter=value,…]`; raises BadValue if there are several."""
         if len(self.names) > 1:
             cases = f"{len(self.names)} cases, {', '.join(self.names)}"
             raise BadValue(f"{self.text} has {cases}; give one: {self.file}:{self.names[0]}")
@@ -58,8 +60,10 @@ class CaseName(NamedTuple):
 
 
 def case_name(text: str) -> CaseName:
-    """What a word names; a file that it names is tried and brought into the catalogue. Raises CaseError in one
-    sentence."""
+    """The cases that an argument names; a file is first run in a copy of the process, then loaded into the catalogue.
+
+    Raises CaseError in one sentence.
+    """
     head, bracket, rest = text.strip().partition("[")
     if bracket and not rest.endswith("]"):
         raise BadValue(f"{text!r} is not a case; write name or name[parameter=value,…]")
@@ -79,20 +83,22 @@ def case_name(text: str) -> CaseName:
 
 
 def load_file(file: str | Path) -> list[str]:
-    """Bring the cases of a file into the catalogue, once it has been tried; their names. Raises CaseError in one
-    sentence with the place in the file."""
+    """Load the cases of a file into the catalogue after a trial run in a copy of the process; returns their names.
+
+    Raises CaseError in one sentence with the line of the file.
+    """
     path = user_files.existing("case file", file)
     return _make(f"the case file {path}", path, partial(registry.load_file, path))
 
 
 def _try(what: str, name: str, make: Callable[[], T]) -> T:
-    """What `make` returns of the case `name`, tried first if the case is not the suite's own."""
+    """The result of `make` for the case `name`, with a trial run first if the case is not the suite's own."""
     entry = registry.entry(name)
     return make() if entry.is_own or entry.file is None else _make(what, entry.file, make)
 
 
 def _make(what: str, file: Path, make: Callable[[], T]) -> T:
-    """What `make` returns, tried first; raises BadValue with the place in the author's file."""
+    """The result of `make`, with a trial run first; raises BadValue with the line of the author's file."""
     trial(what, make, explain=lambda problem: _sentence(file, problem))
     try:
         return make()
@@ -101,23 +107,23 @@ def _make(what: str, file: Path, make: Callable[[], T]) -> T:
 
 
 def _sentence(file: Path, problem: BaseException) -> str:
-    """What is wrong, and where in the author's file."""
+    """The description of a problem, with its place in the author's file."""
     place, text = _place(file, problem), describe(problem)
     return text if text.startswith(place) or (place == _display(file) and place in text) else f"{place}: {text}"
 
 
 def _file(text: str) -> Path | None:
-    """The file that a word names; None if it is a name of the catalogue, or nothing that is there."""
+    """The file that an argument names; None for a name of the catalogue, or if there is no file."""
     if text.endswith(".py"):
         return user_files.existing("case file", text)
     if text in registry.names():
         return None
-    beside = user_files.place("case", f"{text}.py")
-    return beside if beside.is_file() else None
+    path = user_files.place("case", f"{text}.py")
+    return path if path.is_file() else None
 
 
 def _place(file: Path, problem: BaseException) -> str:
-    """path:line of the innermost place in the author's file that a problem came through, or the path alone."""
+    """path:line of the innermost frame of a problem in the author's file, or the path alone."""
     causes: list[BaseException] = [problem]
     while causes[-1].__cause__:
         causes.append(causes[-1].__cause__)
@@ -133,6 +139,6 @@ def _place(file: Path, problem: BaseException) -> str:
 
 
 def _display(file: Path) -> str:
-    """The file as it is named from the working folder."""
+    """The file's path relative to the working folder, if it is below it."""
     here = Path.cwd()
     return str(file.relative_to(here) if file.is_relative_to(here) else file)

@@ -1,4 +1,4 @@
-"""The mechanics of a plate's motion that follow from the case alone, whoever solved it: gravity and energy.
+"""Gravity and energy of a plate's motion, which follow from the case alone, for any solver.
 
 A motion is anything with x, y, vx, vy, omega in SI units, numbers or arrays: a Trajectory, a State, a start.
 """
@@ -35,5 +35,5 @@ def energy(case: Case, motion):
 
 
 def energy_growth(total: np.ndarray) -> np.ndarray:
-    """By how much each of a series of energies exceeds the least before it: zero where nothing but friction acts."""
+    """The excess of each energy of a series over the least one before it: zero where only friction acts."""
     return total - np.minimum.accumulate(total)

@@ -1,7 +1,7 @@
-"""Files and folders that the suite writes: a file is whole or absent; no file of the user's is deleted or overwritten.
+"""Files and folders that the suite writes: files are written atomically, and no user file is deleted or overwritten.
 
 `atomic_path` and `write` make one file, a `TemporaryFolder` serves one process, an `OwnedFolder` holds results and a
-list of those files that are ours. Locks are the system's (flock, POSIX) and end with their process, however it ends.
+list of the files that belong to the suite. Locks are the system's (flock, POSIX) and end with their process.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from .errors import BadValue, CaseError
 LIST = "slip-to-roll.sha256"
 _LARGEST_LIST = 100 * 2**20  # bytes: a million files
 _ENTRY = re.compile(r"([0-9a-f]{64})  (\S|\S.*\S)")
-# Unfinished files and folders. Nobody else uses such names.
+# Names of unfinished files and folders, which no other program uses.
 _PARTIAL = re.compile(r"\.slip-to-roll-[0-9a-f]{16}\.partial(\.\w+)?")
-# Where a file system has no locks, what is unfinished belongs to a running process while it is younger than this (s):
-# no command takes a day.
+# On a file system without locks, an unfinished file belongs to a running process if it is younger than this (s): no
+# command takes a day.
 _TEMPORARY_NAME = 86400.0
 # Seconds to wait for another process that puts finished files into a folder: to rename a thousand takes one.
 _PATIENCE = 60.0
@@ -41,7 +41,7 @@ _PATIENCE = 60.0
 
 
 def check_new(path: Path, force: bool = False) -> None:
-    """Raise BadValue if something is in the place of a new file; with `force`, an ordinary file may be there."""
+    """Raise BadValue if the path of a new file exists; with `force`, it may be a regular file."""
     if path.is_dir():
         raise BadValue(f"{path} is a folder; give another name")
     if os.path.lexists(path) and not (force and _is_file(path)):
@@ -51,7 +51,7 @@ def check_new(path: Path, force: bool = False) -> None:
 
 
 def write(path: Path, content: str | bytes, replace: bool = True, **how: Any) -> None:
-    """Write a file at once, as `atomic_path` does; text in UTF-8."""
+    """Write a file atomically, as `atomic_path` does; text in UTF-8."""
     with atomic_path(path, replace, **how) as partial:
         partial.write_bytes(content if isinstance(content, bytes) else content.encode(errors="backslashreplace"))
 
@@ -91,7 +91,7 @@ def _move(partial: Path, path: Path, replace: bool) -> None:
         os.replace(partial, path)
         return
     try:
-        os.link(partial, path)  # fails if the file exists, which no renaming does
+        os.link(partial, path)  # fails if the file exists; renaming would not
     except OSError:
         if os.path.lexists(path):
             raise FileExistsError(f"{path} exists already") from None
@@ -99,7 +99,7 @@ def _move(partial: Path, path: Path, replace: bool) -> None:
 
 
 def _is_file(path: Path) -> bool:
-    """Whether it is an ordinary file, and no link to one."""
+    """Whether it is a regular file, and no link to one."""
     with suppress(OSError, ValueError):
         return stat.S_ISREG(path.lstat().st_mode)
     return False
@@ -116,7 +116,7 @@ def _sync(path: Path) -> None:
         os.close(handle)
 
 
-# --- what is unfinished -----------------------------------------------------------------------------------------------
+# --- unfinished files -------------------------------------------------------------------------------------------------
 
 
 class TemporaryFolder:
@@ -132,7 +132,7 @@ class TemporaryFolder:
         self.remove()
 
     def remove(self) -> None:
-        """Remove the folder with all that is in it. May be called again."""
+        """Remove the folder and its content. May be called again."""
         shutil.rmtree(self.path, ignore_errors=True)
         if self._lock >= 0:
             os.close(self._lock)
@@ -142,7 +142,7 @@ class TemporaryFolder:
 def remove_leftovers(folder: Path | None = None) -> None:
     """Remove the unfinished files and folders that killed processes of this user left in a folder."""
     for path, about in files_in(folder or Path(tempfile.gettempdir()), _PARTIAL):
-        with suppress(OSError):  # it is gone meanwhile, or cannot be removed: it does no harm
+        with suppress(OSError):  # it no longer exists, or cannot be removed: harmless
             if about.st_uid != os.getuid() or not (stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode)):
                 continue
             handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
@@ -168,8 +168,8 @@ def _claim(folder: Path, suffix: str, make: Callable[[Path], None]) -> tuple[Pat
 
 
 def _locks(handle: int, wait: bool, otherwise: bool = True) -> bool:
-    """Lock an open file or folder; whether it is locked now, and `otherwise` where the file system has no locks."""
-    import fcntl  # POSIX only, and needed by nothing that only reads
+    """Lock an open file or folder; returns whether it is locked, or `otherwise` on a file system without locks."""
+    import fcntl  # POSIX only, and not needed for reading
 
     try:
         fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -184,7 +184,7 @@ def _locks(handle: int, wait: bool, otherwise: bool = True) -> bool:
 
 
 def files_in(folder: Path, name: re.Pattern[str]) -> list[tuple[Path, os.stat_result]]:
-    """What is in a folder under such a name; nothing if there is no folder."""
+    """Paths and status of a folder's entries with such a name; empty if there is no folder."""
     files = []
     with suppress(OSError):
         for entry in os.scandir(folder):
@@ -197,8 +197,10 @@ def files_in(folder: Path, name: re.Pattern[str]) -> list[tuple[Path, os.stat_re
 def remove_longest_unused(
     folder: Path, name: re.Pattern[str], most_bytes: float, most_files: float, exceptions: Iterable[Path] = ()
 ) -> None:
-    """Remove the files with such a name that were unused for the longest time, until the others are within the bounds;
-    and what killed processes left."""
+    """Remove the least recently used files with such a name until the others are within the limits.
+
+    Also removes unfinished files of killed processes. Files in `exceptions` are kept.
+    """
     remove_leftovers(folder)
     files = sorted((f for f in files_in(folder, name) if stat.S_ISREG(f[1].st_mode)), key=lambda f: f[1].st_mtime_ns)
     size, count, exceptions = sum(about.st_size for _, about in files), len(files), set(exceptions)
@@ -215,8 +217,9 @@ def remove_longest_unused(
 
 
 class OwnedFolder:
-    """A folder that one command writes, with a list of our files and their digests. All other files are the user's, and
-    so is a file of ours whose content has changed: none of them is ever touched.
+    """A folder that one command writes, with a list of its files and their digests.
+
+    All other files are the user's, and so is a listed file whose content has changed: none of them is ever touched.
 
     `kind`: what it is, for example "report". `claims`: patterns of all names that may be written. `last`: files without
     which the folder counts as unfinished. `unread`: a pattern of listed files that `check` does not read, because they
@@ -229,8 +232,7 @@ class OwnedFolder:
         self._is_locked = False
 
     def check(self) -> None:
-        """Raise BadValue unless the folder is new, empty, or of this kind with no file of the user's in the place of
-        ours."""
+        """Raise BadValue unless the folder is new, empty, or of this kind without user files in the place of ours."""
         if os.path.lexists(self.path) and not self.path.is_dir():
             raise BadValue(f"--out is {self.path}, which is a file; give a folder")
         remove_leftovers(self.path)
@@ -247,11 +249,11 @@ class OwnedFolder:
 
     @property
     def is_empty(self) -> bool:
-        """Whether none of our files is in it; known inside `locked`."""
+        """Whether it has none of our files; valid inside `locked`."""
         return not self._digests
 
     def names(self) -> list[str]:
-        """The names of our files; raises BadValue if one of them is missing or is not as it was written."""
+        """The names of our files; raises BadValue if one of them is missing or has changed."""
         if not self._read():
             raise BadValue(f"{self.path} holds no {self.kind}")
         for name in self._digests:
@@ -263,12 +265,14 @@ class OwnedFolder:
 
     @contextmanager
     def locked(self, patience: float = _PATIENCE) -> Iterator[None]:
-        """Make the folder and check it; inside, no other process writes to it. Raises BadValue if one still does after
-        so many seconds, and as `check`."""
+        """Create, check and lock the folder: inside, no other process writes to it.
+
+        Raises BadValue if another process still holds the lock after `patience` seconds, and as `check`.
+        """
         if self._is_locked:
             yield
             return
-        with suppress(FileExistsError):  # a file: `check` says so
+        with suppress(FileExistsError):  # a file: `check` reports it
             self.path.mkdir(parents=True, exist_ok=True)
         handle, deadline = os.open(self.path, os.O_RDONLY), time.monotonic() + patience
         try:
@@ -286,11 +290,11 @@ class OwnedFolder:
             os.close(handle)
 
     def write(self, name: str, content: bytes) -> None:
-        """Write one of our files. Raises BadValue if a file of the user's is in its place."""
+        """Write one of our files. Raises BadValue if a user file is in its place."""
         with self.locked():
             self._check_free(name)
             content_digest = hashlib.sha256(content).hexdigest()
-            # Listed first: whenever the process ends, no file of ours is taken for the user's.
+            # List it first: whenever the process ends, none of our files is mistaken for the user's.
             _append(self.path / LIST, f"{content_digest}  {name}\n".encode())
             (self.path / name).parent.mkdir(parents=True, exist_ok=True)
             write(self.path / name, content, inside=self.path)
@@ -298,10 +302,10 @@ class OwnedFolder:
 
     @contextmanager
     def staged(self, whole: bool = False) -> Iterator[Path]:
-        """A folder to write files into; when the block ends well they are moved to their places, else removed.
+        """A temporary folder to write files into; they are moved to their places if the block succeeds, else removed.
 
-        `whole`: they are all that the folder is to hold; the other files of ours are removed. Raises BadValue if a file
-        of the user's is in the place of one: then nothing is moved.
+        `whole`: these are all files of the folder; our other files are removed. Raises BadValue if a user file is in
+        the place of one of them: then nothing is moved.
         """
         is_new = not self.path.exists()
         self.path.mkdir(parents=True, exist_ok=True)
@@ -316,7 +320,7 @@ class OwnedFolder:
             raise
 
     def remove(self, names: Iterable[str]) -> None:
-        """Remove those of our files, and the folders in which nothing is left then."""
+        """Remove these of our files, and folders that become empty."""
         with self.locked():
             for name in [*names]:
                 if not self._is_foreign(name):
@@ -350,15 +354,15 @@ class OwnedFolder:
             self._digests |= digests
             self.remove(self._digests.keys() - new.keys() if whole else ())
 
-    # The list: a head that says whose it is, and the digests of each file, those of its earlier content until the new
-    # one is in its place.
+    # The list: a heading with the kind of folder, and the digests of each file; those of earlier content stay until the
+    # new file is in its place.
 
     @property
     def _head(self) -> str:
         return f"# slip-to-roll {self.kind}"
 
     def _read(self) -> bool:
-        """Read the list; whether there is one, of a folder of this kind."""
+        """Read the list; returns whether there is one for this kind of folder."""
         self._digests = {}
         try:
             lines = user_files.text("list of files", self.path / LIST, _LARGEST_LIST).split("\n")
@@ -381,7 +385,7 @@ class OwnedFolder:
             raise BadValue(f"{self.path / name} {what}; move it, or give another --out")
 
     def _is_foreign(self, name: str) -> bool:
-        """Whether anything but a file of ours, unchanged, is in the place of that name."""
+        """Whether the path of that name holds anything but one of our unchanged files."""
         path = self.path / name
         above = [self.path / folder for folder in PurePosixPath(name).parents if folder.name]
         if not _is_inside(name) or any(os.path.lexists(p) and (p.is_symlink() or not p.is_dir()) for p in above):
@@ -393,13 +397,13 @@ class OwnedFolder:
 
 
 def _is_inside(name: str) -> bool:
-    """Whether a name is that of a file below a folder, in the form in which we write it."""
+    """Whether a name is a normalised relative path of a file below a folder, and not that of the list."""
     parts = PurePosixPath(name).parts
     return str(PurePosixPath(name)) == name and not {"/", "//", ".."} & {*parts} and parts not in ((), (LIST,))
 
 
 def _append(file: Path, line: bytes) -> None:
-    """Add a line to a file, whole or not at all."""
+    """Append a line to a file, completely or not at all."""
     with file.open("ab", buffering=0) as stream:
         before = stream.tell()
         try:

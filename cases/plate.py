@@ -1,4 +1,4 @@
-"""The rigid plate: its outline, mass and inertia, and what follows from them."""
+"""The rigid plate: its outline, mass and inertia, and derived sizes."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Plate:
 
     @property
     def reach(self) -> float:
-        """The largest distance of the outline from the centre of mass, m: it turns a spin into a speed."""
+        """The largest distance of the outline from the centre of mass, m."""
         return _sizes(self.outline).reach
 
     @property
@@ -78,8 +78,8 @@ class _Sizes(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _sizes(outline: Curve) -> _Sizes:
-    """What of a plate depends on its outline alone, about the outline's origin."""
-    # Half a degree apart; distances are level at their extremes, so that these are off by 1e-5 or so.
+    """The sizes of a plate that depend only on its outline, about the outline's origin."""
+    # Half a degree apart; distances are stationary at their extremes, so the error is about 1e-5.
     points = outline.point(np.linspace(*outline.span, 721))
     away = np.hypot(*points)
     return _Sizes(float(away.min()), float(away.max()), float(np.ptp(points, axis=1).max()), _radius(outline))

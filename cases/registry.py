@@ -26,7 +26,7 @@ from .point_fit import paths_count_from
 class CatalogueEntry:
     """A registered case function with its documented variants.
 
-    `hard` says in a sentence what breaks solvers there ("" for an ordinary case), `outcome` what is right. `long` are
+    `hard`: a sentence on what makes solvers fail there ("" for an ordinary case); `outcome`: the right result; `long`:
     further variants that take a solver minutes.
     """
 
@@ -39,7 +39,7 @@ class CatalogueEntry:
 
     @cached_property
     def file(self) -> Path | None:
-        """The file that holds the function; None for a callable that was written in no file."""
+        """The file that defines the function; None for a callable without a file."""
         try:
             file = inspect.getsourcefile(self.function)
         except TypeError:
@@ -48,7 +48,7 @@ class CatalogueEntry:
 
     @property
     def folder(self) -> Path:
-        """The folder of that file: relative paths of the function count from there."""
+        """The folder of that file: relative paths in the function start there."""
         return self.file.parent if self.file else Path()
 
     @property
@@ -80,8 +80,8 @@ def case(
 ):
     """Mark a function as a case. `variants` names the parameter sets that `--case NAME` runs.
 
-    A case of the atlas of hard scenes says in `hard` what makes it hard and in `outcome` what is right; `long` are
-    parameter sets for whoever has minutes.
+    For a case of the atlas of hard scenes, `hard` says what makes it hard and `outcome` what the right result is;
+    `long` are parameter sets that take minutes.
     """
 
     def register(function):
@@ -90,7 +90,7 @@ def case(
         if other and inspect.getsourcefile(other.function) != inspect.getsourcefile(function):
             raise BadValue(f"there is already a case {name!r}; give this function another name")
         if bool(hard) != bool(outcome):
-            raise BadValue(f"the hard case {name!r} says only half; give both hard= and outcome=")
+            raise BadValue(f"the hard case {name!r} has only one of hard= and outcome=; give both")
         short, minutes = (tuple(dict(v) for v in some) for some in (variants, long))
         _entries[name] = CatalogueEntry(name, function, short, hard, outcome, minutes)
         return function
@@ -109,7 +109,7 @@ def entry(name: str) -> CatalogueEntry:
 
 
 def names(hard: bool | None = None) -> list[str]:
-    """Every case's name, in alphabetical order; only those of the hard atlas, or only the others, if asked."""
+    """The names of all cases in alphabetical order; with `hard`, only those of the hard atlas or only the others."""
     _import_catalogue()
     return sorted(name for name, item in list(_entries.items()) if hard is None or bool(item.hard) == hard)
 
@@ -141,9 +141,9 @@ def load(name: str, **parameters) -> Case:
 
 
 def select(text: str, long: bool = False) -> list[Case]:
-    """What `--case TEXT` means: all variants of a bare name, or the one case of "name[parameter=value]".
+    """The cases of `--case TEXT`: all variants of a bare name, or the one case of "name[parameter=value]".
 
-    With `long` a bare name's variants that take minutes come too.
+    With `long` the variants of a bare name include those that take minutes.
     """
     bare, changes = parse(text)
     if changes or "[" in text:
@@ -153,7 +153,7 @@ def select(text: str, long: bool = False) -> list[Case]:
 
 
 class _UncachedLoader(importlib.machinery.SourceFileLoader):
-    """Reads the source each time: Python's bytecode cache takes an edit in the same second for none if the size is."""
+    """Reads the source each time: Python's bytecode cache misses an edit in the same second that keeps the size."""
 
     def get_code(self, fullname):
         path = self.get_filename(fullname)
@@ -162,7 +162,7 @@ class _UncachedLoader(importlib.machinery.SourceFileLoader):
 
 @in_one_thread
 def load_file(path: str | Path) -> list[str]:
-    """Bring the case functions of a Python file into the catalogue; returns their names.
+    """Load the case functions of a Python file into the catalogue; returns their names.
 
     Raises CaseError, in one sentence, if the file cannot be read, fails, or holds no case.
     """
@@ -170,7 +170,7 @@ def load_file(path: str | Path) -> list[str]:
     before = dict(_entries)
     if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
-    name, place = f"case_file_{path.stem}", path.resolve()  # workers look for it from other folders
+    name, place = f"case_file_{path.stem}", path.resolve()  # workers use it from other folders
     spec = importlib.util.spec_from_loader(name, _UncachedLoader(name, str(place)))
     assert spec is not None and spec.loader is not None
     try:

@@ -1,4 +1,4 @@
-"""Recognising lines and circles, for solvers that have shapes of their own and no general curve."""
+"""Recognise lines and circles, for solvers with such shapes and without general curves."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SAMPLES, _ROUNDING = 17, 1e-12
 
 
 def as_line(curve: Curve) -> Line | None:
-    """The line that the curve is, or None."""
+    """The curve as a line, or None if it is none."""
     s = np.linspace(*curve.span, _SAMPLES)
     tangents = curve.tangent(s)
     if np.abs(tangents - tangents[:, :1]).max() > _ROUNDING:
@@ -39,7 +39,7 @@ def as_line(curve: Curve) -> Line | None:
 
 
 def as_circle(curve: Curve) -> Circle | None:
-    """The circle (or arc of one) that the curve is, or None."""
+    """The curve as a circle (or an arc of one), or None if it is none."""
     s = np.linspace(*curve.span, _SAMPLES)
     bend = curve.curvature(s)
     if bend[0] == 0.0 or np.ptp(bend) > _ROUNDING * abs(bend[0]):

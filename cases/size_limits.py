@@ -1,7 +1,7 @@
-"""Sizes beyond which doubles have no digits left to answer with: refused when a case is made.
+"""Sizes beyond which doubles have too few digits for an answer: rejected when a case is made.
 
-Only what does not depend on the choice of coordinates is bounded: extents, ratios, the distance of the contact from
-the origin in sizes of the plate.
+Only quantities independent of the choice of coordinates are bounded: extents, ratios, and the distance of the contact
+from the origin in sizes of the plate.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from .errors import BadValue
 from .plate import Plate
 from .start import Start
 
-# A slip on a curve presses by a power of the coefficient. At 1e4 both integrators agree on what happens on a circle, at
-# 1e5 they do not. Rubber on dry concrete has about 1.
+# On a curve the normal force of a slip grows with a power of the coefficient. At 1e4 both integrators agree on the
+# motion on a circle, at 1e5 they do not. Rubber on dry concrete has about 1.
 STRONGEST_FRICTION = 1e4
-# m. Nothing in mechanics has a size, root finders and searches have: on the paper's disc both integrators agree from
+# m. Mechanics has no length scale, but root finders and searches have: on the paper's disc both integrators agree from
 # 1e-16 to 1e10 m, and do not at 1e12 m.
 SMALLEST, LARGEST = 1e-9, 1e9
 # Ratios enter the equations with their squares: 1e12 leaves four digits of sixteen.
 RATIO = 1e6
-# Positions are kept from the origin: so many sizes away from it, half of their digits are left for the contact.
+# Positions are relative to the origin: so many sizes away from it, half of their digits remain for the contact.
 FURTHEST = 1e8
-# Speeds and accelerations enter with their squares, times and lengths with them; 1e308 is a double's end. In m, s, kg.
+# Speeds and accelerations enter as squares, multiplied by times and lengths; doubles end at 1e308. In m, s, kg.
 TINY, ENORMOUS = 1e-60, 1e60
 
 
 def _check_load(track: Curve, plate: Plate, load: Load | None, start: Start) -> None:
-    """Raises BadValue for a load that has no value at the start, or one beyond all bounds."""
+    """Raise BadValue for a load that is not finite or too large at the start."""
     if load is None:
         return
     state = start.motion(track, plate.outline)
@@ -45,7 +45,7 @@ def _check_load(track: Curve, plate: Plate, load: Load | None, start: Start) -> 
 
 
 def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: Start, duration: float) -> None:
-    """Raises BadValue, with one sentence, for a number with which no solver keeps its digits."""
+    """Raise BadValue, with one sentence, for a number at which solvers lose their digits."""
     friction, resistance, gravity = (
         one(effects, CoulombFriction),
         one(effects, RollingResistance),

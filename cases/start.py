@@ -1,4 +1,4 @@
-"""How a motion begins: where and how the plate touches its track, and which beginnings make sense."""
+"""The start of a motion: position and velocity of the plate at its track, and their checks."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Start:
         return _motion(self, track, outline)
 
     def check(self, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> None:
-        """Raises DoesNotFit or BadValue if it is no admissible contact, or asks for an effect that is not there."""
+        """Raise DoesNotFit or BadValue for an inadmissible contact, or a start that needs an effect the case lacks."""
         xi1, domain = self.xi1, track.domain
         if domain and not track.period and not domain[0] <= xi1 <= domain[1]:
             raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
@@ -75,7 +75,7 @@ class Start:
 # Contact speeds are divided by the difference of the curvatures: 1e10 leaves six digits of it.
 NARROW = 1e10
 
-# What follows depends on the curves and the start alone, and scenes are made again and again with another friction.
+# These results depend only on the curves and the start, and scenes are often made again with another friction.
 
 
 @lru_cache(maxsize=1024)
@@ -94,7 +94,7 @@ def _motion(start: Start, track: Curve, outline: Curve) -> geometry.MotionPoint:
 
 @lru_cache(maxsize=1024)
 def _check_place(start: Start, track: Curve, outline: Curve) -> None:
-    """Raises DoesNotFit where the plate has no room (an error is not kept, and raised again)."""
+    """Raise DoesNotFit where the plate has no room (exceptions are not cached)."""
     xi1, xi2 = start.xi1, _outline_parameter(start, track, outline)
     if start.gap == 0.0 and not geometry.clearance(track, outline, xi1, xi2) > 0.0:
         raise DoesNotFit(
@@ -109,7 +109,7 @@ def _check_place(start: Start, track: Curve, outline: Curve) -> None:
             f"differ by less than a {NARROW:g}th, and the contact's speed is a difference divided by theirs; give a "
             "smaller plate or a wider track"
         )
-    state = _motion(start, track, outline)  # only where the plate fits: it divides by the difference of the curvatures
+    state = _motion(start, track, outline)  # only if the plate fits: divides by the difference of the curvatures
     x, y, theta, near = (np.array([value]) for value in (state.x, state.y, state.theta, xi1))
     overlap = first_overlap(track, outline, x, y, theta, near)
     if overlap:

@@ -1,4 +1,4 @@
-"""The form of every answer, whichever solver gave it. SI units; components along the track as in `cases.contact`."""
+"""The form of the answers of all solvers. SI units; components along the track as in `cases.contact`."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from .pictures.animation import Animation
     from .pictures.plots import Picture
 
-# A motion that is known at every time is drawn and written at so many even times.
+# Number of evenly spaced times at which a motion with dense output is drawn and written.
 EVEN_TIMES = 1001
-# More changes than a reader takes in at a glance are counted.
+# Changes listed in words; the text gives the total of a longer list.
 _MOST_CHANGES = 4
 
 
 class Mode(StrEnum):
-    """What the contact does."""
+    """The state of the contact."""
 
     SLIDE = "slide"  # without friction
     SLIP_FORWARD = "slip_forward"  # the plate's point moves along the track's increasing parameter
@@ -49,7 +49,7 @@ _DOES = {
 
 @dataclass(frozen=True)
 class Transition:
-    """One change of mode: when (s), from what to what, where on the two curves, and why (one phrase).
+    """One change of mode: time (s), modes before and after, contact parameters, and the cause (one phrase).
 
     An impact after which the plate flies is a change from flight to flight. It is listed if it closes with at least
     7e-4 of the greatest closing speed since the plate last lay on its track, whatever its rebound is. Slower ones
@@ -69,7 +69,7 @@ class Transition:
 
 @dataclass(frozen=True)
 class Cost:
-    """What an answer cost: seconds of CPU and wall for the run alone, set-up apart; steps and evaluations."""
+    """The cost of an answer: CPU and wall seconds of the run, of the set-up separately; steps and evaluations."""
 
     cpu_s: float = np.nan
     wall_s: float = np.nan
@@ -79,7 +79,7 @@ class Cost:
 
 
 class State(NamedTuple):
-    """Everything at one instant (numbers), or at many (arrays of one length)."""
+    """The state at one instant (numbers), or at many (arrays of one length)."""
 
     x: np.ndarray | float
     y: np.ndarray | float
@@ -107,14 +107,13 @@ _SAMPLES = ("t", *State._fields)
 class Trajectory:
     """A motion, sampled at times `t` (increasing; two equal times mark both sides of a jump), arrays of one length.
 
-    `x`, `y`, `theta`: pose of the centre of mass; `vx`, `vy`, `omega`: its velocities; `slip`: slip velocity along
-    the track's tangent; `normal_force`, `friction_force`: along its left normal and tangent, NaN where a solver
-    cannot tell; `xi1`, `xi2`: contact parameters. In flight there is no contact: both forces are 0, and slip and
-    contact parameters NaN.
-    `status` is "completed" or names what ended the motion early; `reason` says it in one sentence.
-    `slip_resolution` (m/s) is the creep below which this solver cannot tell stick from slip (0: exact).
-    `dense` maps a time or an array of times inside the range to a State; without it the samples are interpolated.
-    `case`, where it is known, is what moves: `plot` and `animate` draw it.
+    `x`, `y`, `theta`: pose of the centre of mass; `vx`, `vy`, `omega`: its velocities; `slip`: slip velocity along the
+    track's tangent; `normal_force`, `friction_force`: along its left normal and tangent, NaN where a solver does not
+    report them; `xi1`, `xi2`: contact parameters. In flight there is no contact: both forces are 0, and slip and
+    contact parameters NaN. `status` is "completed" or names the reason why the motion ended early; `reason` is a
+    sentence about it. `slip_resolution` (m/s) is the creep below which this solver cannot distinguish stick from slip
+    (0: exact). `dense` maps a time or an array of times inside the range to a State; without it the samples are
+    interpolated. `case`, if known, is the case of the motion: `plot` and `animate` draw it.
     """
 
     t: np.ndarray
@@ -140,17 +139,19 @@ class Trajectory:
 
     @classmethod
     def on_demand(cls, sample: Callable[[], tuple[np.ndarray, State]], **rest) -> Trajectory:
-        """A trajectory whose samples, times and State, are made when one of them is first asked for; `rest`: all other
-        fields. Who asks for its transitions alone does not pay for samples."""
+        """A trajectory whose samples, times and State, are computed on first access; `rest`: all other fields.
+
+        Access to its transitions alone computes no samples.
+        """
         motion = object.__new__(cls)
         others = {f.name: f.default for f in fields(cls) if f.default is not MISSING}
         vars(motion).update(others | rest, _sample=sample)
         return motion
 
-    if not TYPE_CHECKING:  # a checker knows the fields by their types
+    if not TYPE_CHECKING:  # type checkers use the declared fields
 
         def __getattr__(self, name):
-            # Only what is not there comes here: samples on demand, or a mistake.
+            # Called only for missing attributes: samples on demand, or an error.
             attributes = vars(self)
             sample = attributes.get("_sample") if name in _SAMPLES else None
             if sample is not None:
@@ -164,7 +165,7 @@ class Trajectory:
             return attributes[name]
 
     def __getstate__(self) -> dict[str, Any]:
-        """A trajectory travels and is kept with its samples, and with its dense output where that can be pickled."""
+        """A trajectory is pickled with its samples, and with its dense output if that can be pickled."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def __post_init__(self):
@@ -175,10 +176,10 @@ class Trajectory:
 
     def __call__(self, t) -> State:
         """The state at a time, or at each of an array (n,) of times; raises BadValue outside the motion's span and for
-        what is no time."""
+        values that are no times."""
         try:
             array = np.asarray(t)
-            if array.size and array.dtype.kind not in "iufO":  # a word or a truth value is a slip of the pen
+            if array.size and array.dtype.kind not in "iufO":  # a text or a truth value is a mistake
                 raise TypeError
             times = array.astype(float)
         except (TypeError, ValueError, OverflowError):
@@ -216,7 +217,7 @@ class Trajectory:
 
     def in_words(self) -> str:
         """The modes one after the other with their durations, and how the motion ends: "slides forward for 0.34 s,
-        then rolls to the end of 1 s". A motion whose modes nobody has told is counted in samples."""
+        then rolls to the end of 1 s". For a motion with unknown modes, the number of samples."""
         end, changes = float(self.t[-1]), self.transitions
         starts = [0.0, *(t.time for t in changes)]
         modes = [self.first_mode or (changes[0].before if changes else None), *(t.after for t in changes)]
@@ -230,8 +231,11 @@ class Trajectory:
         return ", then ".join([*phases, f"{does} to the end of {end:.3g} s"])
 
     def times(self, count: int | None = None) -> np.ndarray:
-        """Times to look at, s, growing: `count` even ones. Without a count, as many as a picture needs of a motion that
-        is known at every time, its transitions' among them; else the samples' own."""
+        """Increasing times, s, for pictures and tables: `count` evenly spaced ones.
+
+        Without a count: for a motion with dense output as many as a picture needs, including its transitions, else the
+        times of the samples.
+        """
         if count is not None:
             return np.linspace(self.t[0], self.t[-1], count)
         if self.dense is None:
@@ -247,7 +251,7 @@ class Trajectory:
         return pd.DataFrame({"t": times, **self(times)._asdict()})
 
     def to_csv(self, path: str | Path, count: int | None = None) -> Path:
-        """Write that table, all digits, with an empty cell for what is not there (slip in flight); returns the path.
+        """Write that table with all digits, and an empty cell for a missing value (slip in flight); returns the path.
 
         `python -m reports.compare` and `--trajectory` read such files."""
         with atomic_path(Path(path)) as partial:
@@ -255,10 +259,12 @@ class Trajectory:
         return Path(path)
 
     def plot(self, *quantities: str, colour: str | None = None) -> Picture:
-        """The scene, where the case is known, beside quantities against time: columns of State, or slip velocity,
-        normal force, x and y. The picture shows itself in a notebook; its `savefig` writes SVG, PDF or PNG.
+        """A picture of the scene, if the case is known, and of quantities against time.
 
-        Raises UnknownName for a quantity there is not.
+        They are columns of State, by default slip velocity, normal force, x and y. The picture shows itself in a
+        notebook; its `savefig` writes SVG, PDF or PNG.
+
+        Raises UnknownName for an unknown quantity.
         """
         from .pictures.plots import PLATE, plot
 
@@ -269,12 +275,10 @@ class Trajectory:
         """The motion as a film, which shows itself in a notebook and whose `save` writes GIF or MP4.
 
         `factor`: seconds of the motion in a second of film (None: a round number for a film of a few seconds);
-        `quantity`: the column of State drawn beside it. Raises BadValue where the case is not known.
+        `quantity`: the column of State drawn next to it. Raises BadValue if the case is not known.
         """
         from .pictures.animation import Animation
 
         if self.case is None:
-            raise BadValue(
-                "the motion does not say of which case it is; give it one: dataclasses.replace(…, case=case)"
-            )
+            raise BadValue("the motion has no case; give it one: dataclasses.replace(…, case=case)")
         return Animation(self, self.case.scene, self.case.weight, factor, quantity)

@@ -1,5 +1,7 @@
-"""An author's own code is first run in a copy of this process: there it may end the process, never end, or leave
-threads behind, and is reported in one sentence."""
+"""Run an author's code first in a copy of this process, and report it in one sentence if it fails there.
+
+The code may end the process, never return, or leave threads behind.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +20,9 @@ from .errors import BadValue, describe
 
 # Seconds. A case of the catalogue takes milliseconds, the worst formula that is accepted half a minute to derive.
 SECONDS = 60.0
-# Seconds in which a thread of the author's has to end once the author's code has returned.
+# Seconds in which an author's thread has to end after the author's code has returned.
 _THREAD_SECONDS = 1.0
-# What is printed before a process ends itself is quoted up to this length.
+# Characters that are quoted of the last line printed before a process ends itself.
 _QUOTE_CHARACTERS = 200
 
 
@@ -52,7 +54,7 @@ def trial(
             with open(reading, "rb", buffering=0) as pipe:
                 answer, late = _answer(pipe, child, time.monotonic() + seconds)
         finally:
-            with suppress(ProcessLookupError, PermissionError):  # it may not have a group of its own yet
+            with suppress(ProcessLookupError, PermissionError):  # it may have no process group yet
                 os.killpg(child, signal.SIGKILL)
             os.kill(child, signal.SIGKILL)
             code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
@@ -68,19 +70,19 @@ def trial(
 def _child(
     writing: int, output: IO[bytes], seconds: float, make: Callable[[], Any], explain: Callable[[BaseException], str]
 ) -> None:
-    """The copy: it writes one byte and the sentence to raise, "" for none, and ends."""
+    """Run in the copy: write one byte and the sentence to raise, "" for none, and end the process."""
     sentence = "its problem cannot be described"
     try:
         os.setsid()
-        signal.alarm(int(seconds) + 10)  # in case the other process is gone
+        signal.alarm(int(seconds) + 10)  # in case the parent has ended
         nothing = os.open(os.devnull, os.O_RDONLY)
         for own, standard in ((nothing, 0), (output.fileno(), 1), (output.fileno(), 2)):
             os.dup2(own, standard)
-        sys.stdin = open(nothing, closefd=False)  # what was read ahead from a terminal is not the author's
+        sys.stdin = open(nothing, closefd=False)  # input buffered from a terminal is not for the author's code
         sys.stdout = sys.stderr = open(output.fileno(), "w", 1, errors="backslashreplace", closefd=False)
         make()
         sentence = _threads()
-    except BaseException as problem:  # whatever an author's code raises is described
+    except BaseException as problem:  # the author's code may raise anything
         sentence = explain(problem)
     finally:
         os.write(writing, b"." + sentence.encode("utf-8", "backslashreplace")[:4000])
@@ -88,7 +90,7 @@ def _child(
 
 
 def _threads() -> str:
-    """A sentence if a thread is left that Python waits for at its end; "" else."""
+    """A sentence if a running thread would keep Python from ending; "" else."""
     for thread in threading.enumerate():
         if thread is not threading.current_thread() and not thread.daemon:
             thread.join(_THREAD_SECONDS)
@@ -98,9 +100,9 @@ def _threads() -> str:
 
 
 def _answer(pipe: IO[bytes], child: int, deadline: float) -> tuple[str | None, bool]:
-    """The sentence that the copy wrote, None if it ended without one; and whether it had not ended by the deadline."""
+    """The sentence that the copy wrote, None if it ended without one; and whether the deadline has passed."""
     while time.monotonic() < deadline:
-        # A process that the copy left behind may hold the pipe open, so that the copy's own end is looked for, too.
+        # A process that the copy left behind may hold the pipe open, so check also whether the copy has ended.
         is_over = os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
         if select.select([pipe], [], [], 0.0 if is_over else 0.05)[0] and (message := pipe.read(5000)):
             return message[1:].decode(), False

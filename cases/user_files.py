@@ -1,4 +1,4 @@
-"""Files that people name: looked at before they are read, read up to a bound, what is wrong told in a sentence."""
+"""Read files that a user names: checked before reading, limited in size, with errors in one sentence."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .errors import BadValue, UnknownName
 
 
 def place(what: str, path: object) -> Path:
-    """The path with ~ written out; raises BadValue, in a sentence that calls it `what`, if no file can have it."""
+    """The path with ~ expanded; raises BadValue, in a sentence that calls it `what`, if it is no valid path."""
     try:
         file = Path(path).expanduser()  # type: ignore[arg-type]
         file.exists()
@@ -22,7 +22,7 @@ def place(what: str, path: object) -> Path:
 
 
 def existing(what: str, path: object) -> Path:
-    """The path of an ordinary file that is there; raises BadValue or UnknownName."""
+    """The path of an existing regular file; raises BadValue or UnknownName."""
     file = place(what, path)
     if not file.exists():
         raise UnknownName(f"there is no {what} {_display_path(path)}")
@@ -32,7 +32,7 @@ def existing(what: str, path: object) -> Path:
 
 
 def content(what: str, path: object, most: int) -> bytes:
-    """All of a file of at most `most` bytes; raises BadValue or UnknownName."""
+    """The content of a file of at most `most` bytes; raises BadValue or UnknownName."""
     file = existing(what, path)
     try:
         with file.open("rb") as stream:
@@ -45,7 +45,7 @@ def content(what: str, path: object, most: int) -> bytes:
 
 
 def text(what: str, path: object, most: int) -> str:
-    """The same as text in UTF-8, with or without a byte-order mark."""
+    """The content of a file as UTF-8 text, without a byte-order mark; raises BadValue or UnknownName."""
     try:
         decoded_text = content(what, path, most).decode("utf-8-sig")
     except UnicodeDecodeError as problem:

@@ -1,9 +1,9 @@
-"""The motion out of an engine whose positions stand at k·h and velocities half a step later: pymunk, Box2D, pybullet.
+"""Reads motions of engines with positions at k·h and velocities half a step later: pymunk, Box2D, pybullet.
 
 That is semi-implicit Euler, the step of game engines, after a first step of h/2 (with substeps, one that is half a
-substep short). Velocities at the positions' times are interpolated between their neighbours; forces are what the
-contact added to the momentum in a step, over its length. On facets the force of a single step is noise about the true
-one: only its mean counts. Nothing here knows an engine.
+substep short). Velocities at the positions' times are interpolated between their neighbours; a force is the momentum
+that the contact adds in a step, over the step's length. On facets the force of a single step is noise about the true
+one, and only its mean is meaningful. Independent of any engine.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights,
 
 @dataclass(frozen=True)
 class StepRecord:
-    """What a run noted: rows (x, y, theta, vx, vy, omega) at every step of `h` s, `steps` + 1 if it ran to its end.
+    """The record of a run: rows (x, y, theta, vx, vy, omega) at every step of `h` s, `steps` + 1 if it is complete.
 
-    `contacts`: those of the rows if the engine was given them, else they are looked for. `load`: what the case's Load
-    did in each step, (F_x, F_y, M) in N and N m, shape (n, 3). `rough`: how far (m) the engine's shapes stand off the
-    curves. `lever`: what share of the gap the engine puts between the plate and the point where friction acts.
-    `rounding`: relative, of its numbers. `rest`: what the first step was short of, over h.
+    `contacts`: the rows' contacts if the adapter set them, else they are computed. `load`: the case's Load in each
+    step, (F_x, F_y, M) in N and N m, shape (n, 3). `rough`: distance (m) of the engine's shapes from the curves.
+    `lever`: the fraction of the gap between the plate and the point where the engine's friction acts. `rounding`: the
+    relative rounding of its numbers. `rest`: the part of h by which the first step was shorter.
     """
 
     case: Case
@@ -47,7 +47,7 @@ class StepRecord:
 
 
 def rest(substeps: int) -> float:
-    """What the first step is short of, over its length: half a substep."""
+    """The part of a step by which the first one is shorter: half a substep."""
     return 0.5 / substeps
 
 
@@ -55,9 +55,9 @@ def rest(substeps: int) -> float:
 class _MotionSamples:
     """Samples at the poses' times, arrays of one length.
 
-    `t` (s); `pose`, `rates` (n, 3); `force` (n, 2) of the contact, N, and whether it `pressed`; contact parameters and
-    gap (m); `aloft` where no contact is. `falling`: the velocities there if nothing has touched the plate since the
-    ones before, `rising`: if nothing touches it until the ones `after`.
+    `t` (s); `pose`, `rates` (n, 3); `force` (n, 2) of the contact, N, and whether it is `pushing`; contact parameters
+    and gap (m); `aloft`: samples in flight. `falling`: the velocities if there was no contact since the previous
+    sample; `rising`: the velocities if there is none until the next ones, `after`.
     """
 
     t: np.ndarray
@@ -74,12 +74,12 @@ class _MotionSamples:
     aloft: np.ndarray
 
     def __getitem__(self, places) -> _MotionSamples:
-        """The samples at these places."""
+        """The samples at these indices."""
         return replace(self, **{name: getattr(self, name)[places] for name in self.__dataclass_fields__})
 
 
 class _SampleEnd(NamedTuple):
-    """How many samples belong to the motion, and what ended it; `time` (s) if that lies before the last of them."""
+    """The number of samples of the motion, and why it ended; `time` (s) if the end is before the last sample."""
 
     length: int
     status: str = Trajectory.status
@@ -88,9 +88,9 @@ class _SampleEnd(NamedTuple):
 
 
 def read(record: StepRecord) -> Trajectory:
-    """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion.
+    """The motion at the poses' times, cut where the plate leaves its track. Raises EngineFailure if it is no motion.
 
-    Where the case has Flight the plate's leaving is no end.
+    With Flight leaving the track does not end the motion.
     """
     case, samples = record.case, _samples(record)
     hop = _hop(record, samples)
@@ -118,10 +118,10 @@ def read(record: StepRecord) -> Trajectory:
 
 
 def _samples(record: StepRecord) -> _MotionSamples:
-    """Everything at the poses' times, up to the first pose without contact; nothing is aloft yet."""
+    """All samples at the poses' times, up to the first pose without contact; `aloft` is still False everywhere."""
     case, h, rows = record.case, record.h, record.rows
     if len(rows) < 3:
-        raise EngineFailure("The engine gave fewer than three steps.")
+        raise EngineFailure("The engine returned fewer than three steps.")
     if not np.isfinite(rows).all():
         when = h * int(np.argmin(np.isfinite(rows).all(axis=1)))
         raise EngineFailure(f"The engine's numbers are not finite from {when:.4g} s on.")
@@ -134,7 +134,7 @@ def _samples(record: StepRecord) -> _MotionSamples:
     force = (case.plate.mass * (after - before) / (late + ahead) - external)[:, :2]
     rates = rates_at_poses(before, after, case.plate.reach, record.rest)
     contacts = (record.contacts or _follow(case, pose))[: len(rows)]
-    # As one row of numbers: NumPy takes nine times as long to look into tuples with names.
+    # As one flat sequence: NumPy takes nine times as long to convert named tuples.
     xi1, xi2, gap = np.fromiter(chain.from_iterable(contacts), dtype=float).reshape(-1, 3).T
     length = slice(len(gap))
     return _MotionSamples(
@@ -146,13 +146,12 @@ def _samples(record: StepRecord) -> _MotionSamples:
 
 
 def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float, rest: float = 0.5) -> np.ndarray:
-    """Velocities at the poses' times from those `rest` of a step before and the rest of it after, arrays (n, 3); the
-    first is the start's.
+    """Velocities at the poses' times, interpolated from those `rest` of a step before and 1 − `rest` of a step after.
 
-    What lies between the two is off by rest (1 − rest)/2 h² of the second derivative, as much as the engine itself;
-    that is taken off by the smaller of the second differences to either side, so that none reaches across a jump of
-    the acceleration. (All three from one side: only together do they make a slip velocity. Spin counts by the plate's
-    `size`, m.)
+    Arrays (n, 3); the first row is the start's. Linear interpolation has an error of rest (1 − rest)/2 h² times the
+    second derivative, as large as the engine's own. It is corrected by the smaller of the second differences to either
+    side, so that none extends across a jump of the acceleration. (All three components use the same side, because a
+    slip velocity combines them. Spin is scaled by the plate's `size`, m.)
     """
     bend = np.diff(after, 2, axis=0)
     earlier, later = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
@@ -166,9 +165,9 @@ def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float, rest: flo
 
 
 def _pushing(record: StepRecord, force: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Where the contact pushed.
+    """Which samples have a contact force.
 
-    A force is a difference of velocities over h: ten roundings of the velocity bound what it is off by.
+    A force is a difference of velocities over h: ten roundings of the velocity bound its error.
     """
     speed, strength = float(np.abs(rates[:, :2]).max()), np.hypot(*force.T)
     return strength > 1e-9 * strength.max() + 10 * record.rounding * record.case.plate.mass * speed / record.h
@@ -186,11 +185,11 @@ def _follow(case: Case, poses: np.ndarray) -> list[Contact]:
 
 
 def _both_sides(samples: _MotionSamples) -> _MotionSamples:
-    """The samples with two for every landing: as the plate flew there, and as it goes on; the last only as it flew.
+    """The samples with two for every landing: before it, in flight, and after it; the last sample only in flight.
 
-    An impact has no duration, and the velocities to either side of it have no mean. Where the next sample flies, it
-    bounced; else it stays, with a force that a step's impulse does not tell, and the velocities of the next step: some
-    engines only close what is left of the gap in the step that lands.
+    An impact has no duration, and the velocities before and after it have no mean. If the next sample is in flight, the
+    plate bounced; else it stays, with an unknown force, since a step's impulse does not give it, and the velocities of
+    the next step: some engines only close the remaining gap in the step that lands.
     """
     count = len(samples.t)
     at = np.flatnonzero(samples.aloft[:-1] & ~samples.aloft[1:]) + 1
@@ -210,7 +209,7 @@ def _table(record: StepRecord, samples: _MotionSamples) -> np.ndarray:
     case, up, xi1 = record.case, samples.aloft, samples.xi1
     nx, ny = case.track.normal(xi1)
     (x, y, _), (vx, vy, omega), force = samples.pose.T, samples.rates.T, samples.force
-    # With the centre moved by what the engine leaves between plate and contact, the lever is the engine's.
+    # Moving the centre by the engine's distance between plate and contact gives the engine's lever.
     lever = (1.0 - record.lever) * samples.gap
     slip = slip_velocity(case, x - lever * nx, y - lever * ny, vx, vy, omega, xi1)
     normal_force = force[:, 0] * nx + force[:, 1] * ny
@@ -224,7 +223,7 @@ def _table(record: StepRecord, samples: _MotionSamples) -> np.ndarray:
 
 
 def _with_end(table: np.ndarray, time: float) -> np.ndarray:
-    """The table with its last row moved to that time, s; where contact ends, or has not begun, nothing presses."""
+    """The table with its last row moved to that time, s; the forces are zero where contact ends or begins."""
     before, last = table[-2], table[-1]
     share = (time - before[0]) / (last[0] - before[0])
     last = before + share * (last - before)
@@ -233,7 +232,7 @@ def _with_end(table: np.ndarray, time: float) -> np.ndarray:
 
 
 def _ending(record: StepRecord, samples: _MotionSamples, stretches: list[tuple[int, int]], hop: float) -> _SampleEnd:
-    """The first of the things that end a motion, or the end of its time."""
+    """The first event that ends the motion, or the end of its duration."""
     case, there, whole_run, gap = record.case, len(samples.t), record.steps + 1, samples.gap
     endings = [_SampleEnd(whole_run)]
     through = gap < -case.plate.inner
@@ -241,7 +240,7 @@ def _ending(record: StepRecord, samples: _MotionSamples, stretches: list[tuple[i
         endings.append(_SampleEnd(int(np.argmax(through)), "fell_through", "The plate passed through its track."))
     for name, curve, xi in (("track", case.track, samples.xi1), ("outline", case.plate.outline, samples.xi2)):
         if curve.domain and not curve.period:
-            # Where there was no contact any more, the next one would have been about as far ahead as the last.
+            # After the last contact, extrapolate the next one linearly.
             xi = np.append(xi, 2 * xi[-1] - xi[-2]) if 1 < there < whole_run else xi
             up = np.append(samples.aloft, np.zeros(len(xi) - there, dtype=bool))
             outside = ~up & ((xi < curve.domain[0]) | (xi > curve.domain[1]))
@@ -259,11 +258,12 @@ def _ending(record: StepRecord, samples: _MotionSamples, stretches: list[tuple[i
 
 
 def _lift_off(record: StepRecord, samples: _MotionSamples, surely: int) -> _SampleEnd:
-    """The lift-off where the force vanishes, after the last sample that pressed, before that `surely` off the track.
+    """The lift-off where the force vanishes: after the last sample with a push, before that `surely` off the track.
 
-    The weaker a contact, the more steps lie between two that push; the force over a hop is the push over its steps. It
-    is extrapolated by a line through the last six, for no longer than the last hop: another push would have come.
-    (An engine with drag of its own never stops pushing; its plate leaves where it is surely off.)
+    The weaker a contact, the more steps are between two pushes; the mean force over a hop is the push over its steps.
+    It is extrapolated by a line through the last six, at most over the last hop, where another push would have
+    occurred. (An engine with drag of its own never stops pushing; its plate leaves where it is certainly off the
+    track.)
     """
     last = np.flatnonzero(samples.pushing[: surely + 1])[-7:]
     ending = _SampleEnd(int(last[-1]) + 1 if last.size else 1, "lift_off", LIFT_OFF_REASON)
@@ -278,10 +278,10 @@ def _lift_off(record: StepRecord, samples: _MotionSamples, surely: int) -> _Samp
 
 
 def _landing(record: StepRecord, gap: np.ndarray, landing: int) -> _SampleEnd:
-    """The landing where the gap closes, as it closes between the last sample in flight and the first that pressed.
+    """The landing: the gap's zero by the samples before and after it, the last in flight and the first with a push.
 
-    A contact that is given to the engine presses at the beginning of the step in which the plate would land; it lands
-    at its end.
+    A contact that the adapter sets acts at the beginning of the step in which the plate would land; the plate lands at
+    its end.
     """
     before, after = gap[landing - 1 : landing + 1]
     share = min(before / (before - after), 2.0) if before > after else 1.0
@@ -291,10 +291,10 @@ def _landing(record: StepRecord, gap: np.ndarray, landing: int) -> _SampleEnd:
 def _hop(record: StepRecord, samples: _MotionSamples) -> float:
     """A gap in metres that only a plate in flight reaches.
 
-    An engine lets a plate go for a step and catches it in the next: such hops are about ½ a h² with the acceleration a
-    of gravity or contact; and facets stand off the curve. Four times that, and a millionth of the plate or a thousand
-    roundings of it, is a flight. The strongest force of a plate that flies is an impact's; what the bends of track and
-    outline ask for takes its place.
+    An engine may lose the contact in one step and regain it in the next: such hops are about ½ a h² with the
+    acceleration a of gravity or contact; and facets have a distance from the curve. Four times that, plus a millionth
+    of the plate or a thousand roundings of its size, is a flight. With Flight the largest force is an impact's, so the
+    acceleration by the curvatures of track and outline is used instead.
     """
     case, plate = record.case, record.case.plate
     if case.effect(Flight):
@@ -307,23 +307,23 @@ def _hop(record: StepRecord, samples: _MotionSamples) -> float:
     return max(1e-6, 1e3 * record.rounding) * plate.inner + 2.0 * strongest * record.h**2 + 4.0 * record.rough
 
 
-# --- what is left where the engine sticks -----------------------------------------------------------------------------
+# --- the creep of a sticking contact ----------------------------------------------------------------------------------
 
 
 def _creep(record: StepRecord, samples: _MotionSamples, normal_force: np.ndarray) -> float:
-    """The slip velocity (m/s) that remains where the engine sticks, in all but one step in a hundred.
+    """The slip velocity (m/s) that remains where the engine sticks; 99th percentile over the steps.
 
-    It sticks with the velocities of a half step, along a tangent that turns by some angle a in a step: the mean of
-    two such velocities misses by v a²/8 at the centre, and by as much at the contact, whose lever turns too; doubled
-    for plates whose outline bends more than the track. And on facets the normal force scatters from step to step:
-    where it falls short, so does friction, for one step.
+    The engine sticks with the velocities of a half step, along a tangent that turns by an angle a in a step: the mean
+    of two such velocities has an error v a²/8 at the centre, and as much at the contact, whose lever turns too; doubled
+    for plates whose outline bends more than the track. On facets the normal force also scatters from step to step:
+    where it is too small, friction is too small for one step.
     """
     case, h = record.case, record.h
-    # Only from one step to the next: a flight between two samples turns by much.
+    # Only between consecutive steps: the tangent may turn much during a flight.
     next_step = np.diff(samples.t) <= 1.5 * h
     turns = np.abs(np.diff(case.track.tangent_angle(samples.xi1)))[next_step]
     turn = float(turns[np.isfinite(turns)].max(initial=0.0))
-    # Half the difference of two neighbours is their distance from what they scatter about; the rarest are jumps.
+    # Half the difference of two neighbours is their distance from the mean; the rarest are jumps.
     scatter = 0.5 * _usual(np.abs(np.diff(normal_force))[next_step])
     friction, plate = case.effect(CoulombFriction), case.plate
     ease = 1 / plate.mass + plate.reach**2 / plate.inertia
@@ -334,10 +334,10 @@ def _creep(record: StepRecord, samples: _MotionSamples, normal_force: np.ndarray
 
 
 def _lag(case: Case, samples: _MotionSamples) -> np.ndarray:
-    """The slip velocity (m/s) that the lever leaves from each sample to the next, where the engine finds the contact.
+    """The slip velocity (m/s) by the lever's change from each sample to the next, if the engine finds the contact.
 
-    It sticks with the lever of the step's beginning. Along the normal that of a plate that is no disc grows or
-    shrinks, and in the middle of the step it differs by half of its change.
+    The engine sticks with the lever of the step's beginning. The lever along the normal of a plate that is no disc
+    changes, and in the middle of the step it differs by half of its change.
     """
     normal = case.track.normal(samples.xi1)
     lever = np.sum((case.track.point(samples.xi1) - samples.pose[:, :2].T) * normal, axis=0)
@@ -345,6 +345,6 @@ def _lag(case: Case, samples: _MotionSamples) -> np.ndarray:
 
 
 def _usual(values: np.ndarray) -> float:
-    """What all but one in a hundred stay below; 0 where there are none."""
+    """The 99th percentile of the finite values; 0 if there are none."""
     values = values[np.isfinite(values)]
     return float(np.percentile(values, 99)) if values.size else 0.0

@@ -157,7 +157,7 @@ def test_what_the_engine_lacks_is_refused_by_name():
     sticky = Case(circle, disc(0.1, 1.0), (G, CoulombFriction(0.1, mu_static=0.2), PUSH), Start(0.0), 1.0)
     edge = Plate(Curve(lambda s: (s, 0), domain=(-1, 1)), 1.0, 0.1)
     straight = Case(Curve(lambda s: (curves.sin(s), curves.cos(s))), edge, (G, PUSH), Start(0.0, 0.0), 1.0)
-    assert "both sides" in box2d.refuses(guided, "native")
+    assert "bilateral guide" in box2d.refuses(guided, "native")
     assert "coefficient" in box2d.refuses(sticky, "native")
     assert "convex" in box2d.refuses(straight, "native")
     with pytest.raises(cases.errors.UnknownName, match="native"):

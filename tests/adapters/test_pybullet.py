@@ -63,7 +63,7 @@ def test_plate_that_is_no_disc_and_bilateral_guide_are_refused():
     guided = Case(circle, disc(0.1, 1.0), (Gravity(9.81),), Start(0.0), 1.0)
     plate = cases.Plate(ellipse(0.2, 0.1), 1.0, 0.0125)
     elliptic = Case(circle, plate, (Gravity(9.81), Unilateral()), Start(0.0, xi2=0.0), 1.0)
-    assert "both sides" in pybullet.refuses(guided, "assisted")
+    assert "bilateral guide" in pybullet.refuses(guided, "assisted")
     assert "no circle" in pybullet.refuses(elliptic, "assisted")
 
 

@@ -99,7 +99,7 @@ def test_what_the_engine_lacks_is_refused_in_one_sentence_that_names_it(route):
 
 
 def test_native_refuses_a_guide_on_both_sides():
-    assert "both sides" in adapter.refuses(disc_on_hill(), "native")
+    assert "bilateral guide" in adapter.refuses(disc_on_hill(), "native")
     assert adapter.refuses(disc_on_hill(), "assisted") is None
 
 
