@@ -36,7 +36,7 @@ def _film(case: Case, path: Path, force: bool) -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """The command; returns its exit status."""
+    """Run the command; returns its exit status."""
     return status(COMMAND, run, argv)
 
 

@@ -100,7 +100,7 @@ def _time_text(motion: Trajectory, time: float) -> float:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """The command; returns its exit status."""
+    """Run the command; returns its exit status."""
 
     def work(words: list[str]) -> None:
         positional = {

@@ -250,7 +250,7 @@ def _manifest(file: Path) -> dict[str, Any]:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """The command; returns its exit status."""
+    """Run the command; returns its exit status."""
 
     def work(words: list[str]) -> int:
         positional = {"A": "the folder of a report", "B": "the folder of another"}

@@ -1,10 +1,11 @@
-"""`python -m reports.publish REPORT`: keep a report with the release it was made of, in docs/results/VERSION.
+"""`python -m reports.publish REPORT`: publish a report with its release, in docs/results/VERSION.
 
-The tables are copied as they are; the page, too, but without its links to the figures of single cases, which are twice
-as large as all else and made again by one command. The data package gets version, licence and digests, constraints.txt
-says what was installed. In a clone the README's first picture and numbers are written from it. Nothing is run.
+The tables and the page are copied; links to the figures of single cases are removed from the page, because these are
+twice as large as all other files, and one command makes them again. The data package gets version, licence and digests;
+constraints.txt lists the installed packages. In a clone, the README's first picture and numbers are updated
+from the report. Nothing is run.
 
-Exit status: 0; 2, with one sentence, if the folder holds no report that may stand for a release; 1 if files cannot be
+Exit status: 0; 2, with one sentence, if the folder contains no report suitable for a release; 1 if files cannot be
 written.
 """
 
@@ -34,13 +35,13 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
 PACKAGE = "tables/datapackage.json"
 CONSTRAINTS = "constraints.txt"
-# Of what the suite makes: docs/licences.md.
+# Licence of the results: docs/licences.md.
 LICENCE = {
     "name": "CC-BY-4.0",
     "title": "Creative Commons Attribution 4.0 International",
     "path": "https://creativecommons.org/licenses/by/4.0/",
 }
-# The paper's application, and who stands in the README: as they come, but for the reference.
+# The case in the README: the paper's application. Its engines run with default settings.
 CASE = "disc_in_circle[mu=0.2]"
 PICTURE = "figures/headline.png"
 _FIGURES = (PICTURE, "figures/headline.svg")
@@ -48,9 +49,9 @@ BEGIN, END = "<!-- written by `python -m reports.publish` -->", "<!-- until here
 
 
 def publish(report: Path, results: Path) -> Path:
-    """Keep the report in `results`/VERSION, in the place of one that is there; returns that folder.
+    """Copy the report to `results`/VERSION, replacing an earlier one; returns that folder.
 
-    Raises BadValue for what may not stand for a release, OSError if the folder cannot be written.
+    Raises BadValue for a report that is not suitable for a release, OSError if the folder cannot be written.
     """
     names = folder.of_report(report).names()
     manifest = _manifest(report)
@@ -73,18 +74,18 @@ def publish(report: Path, results: Path) -> Path:
 
 
 def releases(results: Path = RESULTS) -> list[Path]:
-    """The folders of published reports, the last release last."""
+    """The folders of published reports, the latest release last."""
     from packaging.version import Version
 
     folders = [path.parent for path in results.glob("*/manifest.json")]
     return sorted(folders, key=lambda path: Version(path.name))
 
 
-# --- what may be published --------------------------------------------------------------------------------------------
+# --- conditions of publication ----------------------------------------------------------------------------------------
 
 
 _AGAIN = "give a report that `python -m reports.build` wrote"
-_LARGEST = 100 * 2**20  # bytes of one file that is read here; the largest of a full report is a tenth of it
+_LARGEST = 100 * 2**20  # size limit of a file, bytes; the largest of a full report has a tenth of it
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+!-]*")
 
 
@@ -93,12 +94,12 @@ def _is_line(value: Any) -> bool:
 
 
 def _are_packages(value: Any) -> bool:
-    """Whether these are names and versions, each pair of which becomes a line of the constraints."""
+    """Whether the value maps names of packages to versions, for the lines of the constraints."""
     words = [word for pair in value.items() for word in pair] if isinstance(value, dict) else [None]
     return all(isinstance(word, str) and _NAME.fullmatch(word) for word in words)
 
 
-# A report may come from anybody: what is read of its manifest has the type that a build writes.
+# A report is untrusted input: the values of its manifest must have the types that a build writes.
 _TYPES: dict[str, Callable[[Any], bool]] = {
     **dict.fromkeys(("options", "commit", "python", "command", "made_at"), _is_line),
     **dict.fromkeys(("cases", "solvers"), lambda value: isinstance(value, dict)),
@@ -108,13 +109,13 @@ _TYPES: dict[str, Callable[[Any], bool]] = {
 
 
 def _manifest(report: Path) -> dict[str, Any]:
-    """What the report says of itself; raises BadValue if a value is not of its type."""
+    """The manifest of a report; raises BadValue if a value has a wrong type."""
     manifest = _json(report / folder.MANIFEST)
     if not isinstance(manifest, dict) or manifest.get("made_by") != folder.MADE_BY:
         raise BadValue(f"{report} contains no report; {_AGAIN}")
     wrong = next((name for name, fits in _TYPES.items() if not fits(manifest.get(name))), "")
     if wrong:
-        raise BadValue(f"{wrong} in {report / folder.MANIFEST} is not as a build writes it; {_AGAIN}")
+        raise BadValue(f"{wrong} in {report / folder.MANIFEST} has a wrong type; {_AGAIN}")
     return manifest
 
 
@@ -130,7 +131,7 @@ def _text(file: Path) -> str:
 
 
 def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> None:
-    """Raises BadValue unless it is a whole default report of this version, of a commit, with nothing lost."""
+    """Raises BadValue unless it is a complete default report of a commit of this version, without interrupted calls."""
     absent = [name for name in (folder.PAGE, PACKAGE, *_FIGURES) if name not in names]
     lacking = sorted(
         {case.label for name in cases.names(hard=False) for case in cases.select(name)} - set(manifest["cases"])
@@ -138,51 +139,49 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
     version, commit = manifest["solvers"].get("reference"), manifest["commit"]
     problems = {
         f"is without {', '.join(absent)}": absent,
-        f"is of version {version}, and this is {cases.__version__}": version != cases.__version__,
+        f"is of version {version}, but this is {cases.__version__}": version != cases.__version__,
         f"has no {', '.join(lacking[:3])}": lacking,
         f"was made with {manifest['options']}": manifest["options"],
         "has no timings": "tables/time_to_accuracy.csv" not in names,
-        "lost calls to something outside": manifest["lost"],
-        "does not say which commit it is of": not commit,
-        "was made of files that differ from their commit": commit.endswith("+"),
-        "does not say what was installed": not manifest["installed"],
+        "has calls that were ended from outside": manifest["lost"],
+        "does not name its commit": not commit,
+        "was made from files that differ from their commit": commit.endswith("+"),
+        "does not list the installed packages": not manifest["installed"],
         f"has no headline picture of {CASE}": not absent and CASE not in _text(report / _FIGURES[1]),
     }
     problem = next((words for words, is_so in problems.items() if is_so), "")
     if problem:
-        raise BadValue(f"the report in {report} {problem}; give a whole one: commit, and `python -m reports.build`")
+        raise BadValue(f"the report in {report} {problem}; give a complete one: commit, then `python -m reports.build`")
 
 
-# --- what is written beside it ----------------------------------------------------------------------------------------
+# --- files of the published report ------------------------------------------------------------------------------------
 
 
-# What a page says of figures beside it: those of readers without scripts, links around those inside it, lines of links.
+# References of a page to separate figures: for readers without scripts, links around embedded figures, lines of links.
 _LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as figures of their own\.</p>')
 _LINK = re.compile(r'<a href="figures/[^"]*">(.*?)</a>', re.DOTALL)
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>", re.DOTALL)
-_INSTEAD = (
-    "<noscript><p>Scene and motion are drawn by scripts here, and as figures by a report of your own.</p></noscript>"
-)
+_INSTEAD = "<noscript><p>Scripts draw scene and motion here; a report that you make has them as figures.</p></noscript>"
 _REFERENCE = re.compile(r'(?:href|src)="((?:figures|tables)/[^"]+|[\w.]+)"')
 
 
 def _by_itself(page: str, files: Sequence[str]) -> str:
-    """The page without what it says of figures beside it; raises BadValue if it refers to a file that is not kept."""
+    """The page without references to separate figures; raises BadValue if it refers to a file that is not published."""
     page = _LINK.sub(r"\1", _LINE.sub("", _WITHOUT_SCRIPTS.sub(_INSTEAD, page)))
     missing = sorted({*_REFERENCE.findall(page)} - {*files})
     if missing:
-        raise BadValue(f"the page refers to {missing[0]}, which is not kept; mend what {COMMAND} leaves out")
+        raise BadValue(f"the page refers to {missing[0]}, which is not published; correct {COMMAND}")
     return page
 
 
 def _describe(package: Any, manifest: Mapping[str, Any], place: Path, names: Sequence[str]) -> dict[str, Any]:
-    """The data package with version, licence and the digests of its tables; raises BadValue for one that says anything
-    but which tables there are."""
+    """The data package with version, licence and the digests of its tables; raises BadValue if it contains anything but
+    a list of tables."""
     entries = package.get("resources") if isinstance(package, dict) else None
     if not isinstance(entries, list) or not all(
         isinstance(one, dict) and f"tables/{one.get('path')}" in names for one in entries
     ):
-        raise BadValue(f"{PACKAGE} is not as a build writes it; {_AGAIN}")
+        raise BadValue(f"{PACKAGE} does not have the form that a build writes; {_AGAIN}")
     head = {
         "$schema": "https://datapackage.org/profiles/2.0/datapackage.json",
         "name": package.get("name"),
@@ -201,7 +200,7 @@ def _describe(package: Any, manifest: Mapping[str, Any], place: Path, names: Seq
 
 
 def _constraints(manifest: Mapping[str, Any]) -> str:
-    head = f"# What the report of version {cases.__version__} was made with, by Python {manifest['python']}.\n"
+    head = f"# Packages of the report of version {cases.__version__}, made with Python {manifest['python']}.\n"
     return head + "".join(f"{name}=={version}\n" for name, version in manifest["installed"].items())
 
 
@@ -209,7 +208,7 @@ def _constraints(manifest: Mapping[str, Any]) -> str:
 
 
 def headline(place: Path) -> str:
-    """The README's picture and three numbers, of a published report."""
+    """The README's picture and numbers from a published report."""
     when, bar, pymunk, exudyn = numbers(place)
     at = f"docs/results/{place.name}"
     alt = "Slip velocity of a disc inside a circle, and the error of each solver"
@@ -223,8 +222,8 @@ def headline(place: Path) -> str:
 
 
 def numbers(place: Path) -> tuple[str, str, str, str]:
-    """The time (s) at which the paper's disc begins to roll and its error bar (s), and by how much pymunk and Exudyn,
-    native and as they come, miss it (ms)."""
+    """The time (s) at which the paper's disc starts to roll and its error bar (s), and the errors (ms) of pymunk and
+    Exudyn, native with default settings."""
     when, bar = (_number(place, "truth", name, case=CASE, event="1") for name in ("time", "truth_error_bar"))
     error = {"table": "headline", "column": "default_first_error", "case": CASE, "route": "native"}
     pymunk, exudyn = (abs(_number(place, **error, solver=name)) for name in ("pymunk", "exudyn"))
@@ -232,7 +231,7 @@ def numbers(place: Path) -> tuple[str, str, str, str]:
 
 
 def _number(place: Path, table: str, column: str, **keys: str) -> float:
-    """One number of a table; raises BadValue if it is not there."""
+    """One number of a table; raises BadValue if it is missing."""
     name = f"tables/{table}.csv"
     rows = csv.DictReader(StringIO(_text(place / name), newline=""))
     try:
@@ -243,14 +242,14 @@ def _number(place: Path, table: str, column: str, **keys: str) -> float:
 
 
 def refresh(readme: Path, place: Path) -> None:
-    """Write the README's part that comes from the published report; raises BadValue if it has no room for it."""
+    """Update the README's part from the published report; raises BadValue if the README has no such part."""
     before, after = around(readme)
     write(readme, before + headline(place) + after)
 
 
 def around(readme: Path) -> tuple[str, str]:
-    """The README's text before and after the part that comes from the published report; raises BadValue unless it has
-    exactly one such part."""
+    """The README's text before and after the part from the published report; raises BadValue unless it has exactly one
+    such part."""
     parts = re.split(f"{re.escape(BEGIN)}.*?{re.escape(END)}", readme.read_text(encoding="utf-8"), flags=re.DOTALL)
     if len(parts) != 2:
         raise BadValue(
@@ -260,12 +259,12 @@ def around(readme: Path) -> tuple[str, str]:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """The command; returns its exit status."""
+    """Run the command; returns its exit status."""
 
     def work(words: list[str]) -> None:
         positional = {"REPORT": "the folder of a default report"}
         parser = options.parser(
-            COMMAND, "Keep a report with its release.", "out", words=positional, out="docs/results",
+            COMMAND, "Publish a report with its release.", "out", words=positional, out="docs/results",
             example=f"python -m {COMMAND} report",
         )  # fmt: skip
         arguments = parser.parse_args(words)

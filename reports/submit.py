@@ -49,7 +49,7 @@ def _text(submission: Submission, runs: Sequence[Run]) -> str:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """The command; returns its exit status."""
+    """Run the command; returns its exit status."""
 
     def work(words: list[str]) -> None:
         positional = {"FOLDER": "submissions/ENGINE/VERSION, with submission.toml and a CASE.csv for each case"}

@@ -15,7 +15,7 @@ COMMAND = "reports.sweep"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """The command; returns its exit status."""
+    """Run the command; returns its exit status."""
     return status(COMMAND, _work, argv)
 
 

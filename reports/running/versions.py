@@ -81,9 +81,9 @@ def make(names: Iterable[str], say: Callable[[str], None]) -> None:
         if folder is None or _is_here(needs(name)):
             continue
         if folder.is_dir():
-            say(f"{name}: its environment is taken from {folder}")
+            say(f"{name}: using its environment in {folder}")
             continue
-        say(f"{name}: its environment is made in {folder}, where it is kept; it may be deleted")
+        say(f"{name}: making its environment in {folder}; it may be deleted")
         problem = _make(needs(name), folder)
         if problem:
             owned_folder.write(_failure(folder), problem)

@@ -158,7 +158,7 @@ def test_two_solvers_of_a_report_are_compared_as_one(report, tmp_path, capsys):
     assert "centre_max 1e-15 | 0.125" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("names, hint", [(["a"], "given twice"), (["a", "c"], "nothing of the solver c")])
+@pytest.mark.parametrize("names, hint", [(["a"], "give --solver twice"), (["a", "c"], "no rows of the solver c")])
 def test_a_solver_that_is_not_there_or_alone_is_told(names, hint, report, capsys):
     words = [word for name in names for word in ("--solver", name)]
     assert compare_builds.main([str(report), str(report), *words]) == 2

@@ -145,11 +145,11 @@ def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
     [
         ({"made_by": "somebody"}, "contains no report"),
         ({"commit": "0" * 40 + "+"}, "differ from their commit"),
-        ({"commit": ""}, "which commit"),
+        ({"commit": ""}, "name its commit"),
         ({"options": "--quick"}, "--quick"),
         ({"cases": {}}, "has no "),
-        ({"lost": ["a run"]}, "lost"),
-        ({"installed": {}}, "what was installed"),
+        ({"lost": ["a run"]}, "ended from outside"),
+        ({"installed": {}}, "installed packages"),
         ({"solvers": {"reference": "0.0.1"}}, "is of version 0.0.1"),
     ],
 )

@@ -242,7 +242,7 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path, monk
     (tmp_path / "second").touch()
     status, told = builds.stopped(signal.SIGINT, kept=2)
     assert status == 130
-    assert told.startswith("reports.build: stopped; ") and "the same command goes on from there" in told
+    assert told.startswith("reports.build: stopped; ") and "the same command continues from there" in told
     after_stop = builds.kept()
     assert after_kill == ["wait 0"] and sorted(after_stop) == ["until second", "wait 0"]
     assert not (tmp_path / "report").exists() and list(tmp_path.glob("*.partial")) == []
@@ -259,8 +259,8 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path, monk
         assert build.main(ARGV) == 0
     out = capsys.readouterr().out
     assert "store: 1 run and 1 truth taken from the store" in out
-    assert f"store: could not be read, and made again: 1, such as {damaged.name}" in out
-    assert "store: not its own, and left alone: 1, such as thesis.tex" in out
+    assert f"store: could not be read, and were made again: 1, such as {damaged.name}" in out
+    assert "store: foreign files, not touched: 1, such as thesis.tex" in out
     ran = fake_adapter.runs_in(tmp_path)
     counts = {setting: ran.count(setting) for setting in after_stop}
     assert counts == {setting: 2 if setting == spoilt else 1 for setting in after_stop}

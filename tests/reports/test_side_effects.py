@@ -83,7 +83,7 @@ def test_no_side_effect_of_an_adapter_reaches_another_row(install, tmp_path, mon
 
 def test_no_engine_is_loaded_among_the_references_calls(monkeypatch):
     monkeypatch.setattr(worker_process, "group", "")
-    with pytest.raises(RuntimeError, match="load no engine"):
+    with pytest.raises(RuntimeError, match="must not load an engine"):
         solvers.solver("pymunk")
     monkeypatch.setattr(worker_process, "group", "pymunk")
     assert solvers.solver("pymunk").NAME == "pymunk"

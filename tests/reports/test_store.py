@@ -151,7 +151,7 @@ def test_a_damaged_file_is_told_in_one_line_and_mended_by_running_it_again(damag
     store = Store(tmp_path)
     assert store.get("run", KEY, Run) is None
     (told,) = store.trouble()
-    assert told.startswith("could not be read, and made again: 1, such as run-") and "\n" not in told
+    assert told.startswith("could not be read, and were made again: 1, such as run-") and "\n" not in told
     store.put("run", KEY, RUN, Run)
     mended = Store(tmp_path)
     assert identical(mended.get("run", KEY, Run), RUN) and mended.trouble() == []
@@ -183,7 +183,7 @@ def test_kinds_are_kept_apart_and_what_is_taken_is_told(tmp_path):
     assert store.summary() == {"taken": {"run": 2, "truth": 1}, "oldest_taken": "2020", "kept": {}, "trouble": []}
     assert store.taken_words() == "2 runs and 1 truth taken from the store (since 2020), nothing made now"
     assert first.summary()["kept"] == {"run": 2, "truth": 1}
-    assert Store(tmp_path).taken_words() == "nothing was taken from the store"
+    assert Store(tmp_path).taken_words() == "no result was taken from the store"
 
 
 def test_use_saves_a_result_from_being_the_longest_unused(tmp_path):
@@ -207,8 +207,8 @@ def test_a_folder_in_a_file_s_place_is_told_and_left(tmp_path):
     assert store.get("run", KEY, Run) is None
     store.put("run", KEY, RUN, Run)
     assert [line.partition(":")[0] for line in store.trouble()] == [
-        "could not be read, and made again",
-        "could not be kept",
+        "could not be read, and were made again",
+        "could not be stored",
     ]
     assert [path for path in tmp_path.iterdir() if path.name.startswith(".slip-to-roll")] == []
 
@@ -218,7 +218,7 @@ def test_files_of_others_are_told_and_left(tmp_path):
     store = Store(tmp_path)
     store.put("run", KEY, RUN, Run)
     store.trim(bound=0)
-    assert store.trouble() == ["not its own, and left alone: 1, such as thesis.tex"]
+    assert store.trouble() == ["foreign files, not touched: 1, such as thesis.tex"]
     assert (tmp_path / "thesis.tex").read_text() == "precious"
 
 
@@ -235,7 +235,7 @@ def test_a_full_disk_is_told_and_leaves_no_file(tmp_path):
     assert store.problem() == ""
     with full_disk(free=100):
         store.put("run", KEY, RUN, Run)
-    assert store.trouble()[0].startswith("could not be kept: 1") and not list((tmp_path / "s").glob("*run*"))
+    assert store.trouble()[0].startswith("could not be stored: 1") and not list((tmp_path / "s").glob("*run*"))
 
 
 def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
@@ -244,15 +244,15 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     store.put("run", KEY, RUN, Run)
     assert store.get("run", KEY, Run) is None
     (told,) = store.trouble()
-    assert told.startswith("could not be kept: 1")
+    assert told.startswith("could not be stored: 1")
     assert "cannot be stored: NotADirectoryError" in store.problem() and Store(tmp_path / "good").problem() == ""
-    assert store.kept_words() == "nothing was finished that could be kept"
+    assert store.kept_words() == "no result was stored"
 
 
 def test_who_stops_a_fresh_build_is_told_to_go_on_without_it(tmp_path):
     store = Store(tmp_path, fresh=True)
     store.put("run", KEY, RUN, Run)
-    assert store.kept_words() == f"1 run kept in {tmp_path}; the same command without --fresh goes on from there"
+    assert store.kept_words() == f"1 run stored in {tmp_path}; the same command without --fresh continues from there"
 
 
 @pytest.mark.parametrize(
@@ -274,7 +274,7 @@ def test_what_could_not_be_read_back_is_not_kept_and_told(change, tmp_path):
     store = Store(tmp_path)
     store.put("run", KEY, replace(RUN, **change), Run)
     (told,) = store.trouble()
-    assert told.startswith("could not be kept: 1") and not list(tmp_path.glob("run-*"))
+    assert told.startswith("could not be stored: 1") and not list(tmp_path.glob("run-*"))
 
 
 def test_room_is_made_by_removing_what_was_longest_unused_but_nothing_of_this_build(tmp_path):

@@ -36,7 +36,7 @@ def pack(kind: Any, value: Any) -> tuple[Any, list[bytes]]:
         plain = _pack(value, arrays)
         unpack(kind, plain, arrays)
     except Exception as problem:  # a value of another type can raise anything
-        raise ValueError(f"it cannot be kept as {getattr(kind, '__name__', kind)}: {problem}") from problem
+        raise ValueError(f"it cannot be stored as {getattr(kind, '__name__', kind)}: {problem}") from problem
     return plain, arrays
 
 
@@ -59,7 +59,7 @@ def unpack(kind: Any, data: Any, arrays: Sequence[bytes]) -> Any:
     if _is_record(kind):
         hints = _hints(kind)
         if data.keys() != hints.keys():
-            raise ValueError(f"it is no {kind.__name__}")
+            raise ValueError(f"it is not a {kind.__name__}")
         return kind(**{name: unpack(hints[name], d, arrays) for name, d in data.items()})
     if kind is float and type(data) is int:
         return float(data)
@@ -67,7 +67,7 @@ def unpack(kind: Any, data: Any, arrays: Sequence[bytes]) -> Any:
     if kind is int and type(data) is float and data.is_integer():
         return int(data)
     if type(data) is not kind:
-        raise ValueError(f"{data!r} is no {getattr(kind, '__name__', kind)}")
+        raise ValueError(f"{data!r} is not a {getattr(kind, '__name__', kind)}")
     return data
 
 
@@ -76,14 +76,14 @@ def _unpack_union(kinds: tuple, data: Any, arrays: Sequence[bytes]) -> Any:
         return data
     others = [kind for kind in kinds if kind is not NoneType]
     if len(others) != 1:
-        raise ValueError(f"{data!r} is none of {kinds}")
+        raise ValueError(f"{data!r} has none of the types {kinds}")
     return unpack(others[0], data, arrays)
 
 
 def _array(data: Any, arrays: Sequence[bytes]) -> np.ndarray:
     place, elements, shape = data
     if (dtype := np.dtype(elements)).kind not in _ELEMENTS:
-        raise ValueError(f"an array of {dtype} is never kept")
+        raise ValueError(f"an array of {dtype} is never stored")
     # Raises ValueError if content and shape do not agree. A copy, because an array on a bytes object is read-only.
     return np.frombuffer(arrays[place], dtype).reshape(shape).copy()
 
@@ -105,7 +105,7 @@ def _pack(value: Any, arrays: list[bytes]) -> Any:
         value = list(value.items())
     if isinstance(value, tuple | list):
         return [_pack(v, arrays) for v in value]
-    raise TypeError(f"a {kind.__name__} cannot be kept in a file")
+    raise TypeError(f"a {kind.__name__} cannot be stored in a file")
 
 
 def _is_record(kind: Any) -> bool:

@@ -114,7 +114,7 @@ class Store:
     def taken_words(self) -> str:
         """How many results of the build were reused, as a sentence."""
         if not self._reuse_counts:
-            return "nothing was taken from the store"
+            return "no result was taken from the store"
         reused, new = _count(self._reuse_counts), _count(self._write_counts)
         return f"{reused} taken from the store (since {self._oldest}), {new} made now"
 
@@ -122,22 +122,22 @@ class Store:
         """What is stored if the build stops now, as a sentence."""
         counts = self._reuse_counts + self._write_counts
         if not counts:
-            return "nothing was finished that could be kept"
+            return "no result was stored"
         command = "the same command" + (" without --fresh" if self.fresh else "")
-        return f"{_count(counts)} kept in {self.folder}; {command} goes on from there"
+        return f"{_count(counts)} stored in {self.folder}; {command} continues from there"
 
     def size_words(self) -> str:
         """The size of the store and how to delete it, as a sentence."""
         size = sum(about.st_size for _, about in self._files(_FILE))
-        return f"{self.folder} holds {size / 1e6:.0f} MB and may be deleted; --fresh runs all anew"
+        return f"{self.folder} holds {size / 1e6:.0f} MB and may be deleted; --fresh runs everything again"
 
     def trouble(self) -> list[str]:
         """A line for each kind of problem, and for foreign files in the folder."""
         foreign = [path.name for path, _ in self._files(_FOREIGN)]
         data = {
-            "could not be read, and made again": self._read_errors,
-            "could not be kept": self._write_errors,
-            "not its own, and left alone": foreign,
+            "could not be read, and were made again": self._read_errors,
+            "could not be stored": self._write_errors,
+            "foreign files, not touched": foreign,
         }
         return [f"{fate}: {len(what)}, such as {what[0]}" for fate, what in data.items() if what]
 
