@@ -161,7 +161,9 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
 _LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as figures of their own\.</p>')
 _LINK = re.compile(r'<a href="figures/[^"]*">(.*?)</a>', re.DOTALL)
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>", re.DOTALL)
-_INSTEAD = "<noscript><p>Scripts draw scene and motion here; a report that you make has them as figures.</p></noscript>"
+_INSTEAD = (
+    "<noscript><p>Scene and motion are drawn by scripts here, and as figures by a report of your own.</p></noscript>"
+)
 _REFERENCE = re.compile(r'(?:href|src)="((?:figures|tables)/[^"]+|[\w.]+)"')
 
 
