@@ -176,7 +176,7 @@ def _search_limit_ending(t: float) -> Ending:
     """The ending if the search for landings reaches its limit on work."""
     return "unfinished", (
         f"The search for landings reached the limit of a run at t = {t:.9g} s; end it there, or use slower "
-        "speeds and spins, or at coarser curves."
+        "speeds and spins, or coarser curves."
     )
 
 
