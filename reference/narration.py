@@ -9,7 +9,7 @@ from cases.errors import describe
 from .solve import simulate
 
 # The part of gravity's strength along the track's normal above which it pulls the plate off: a vertical wall has none,
-# but for rounding.
+# except for rounding.
 _PULLS = 1e-9
 
 

@@ -42,8 +42,8 @@ def parser() -> Parser:
 
 
 def main(argv: Sequence[str] | None = None, path: Path = TRUTH) -> int:
-    """Run the command; returns its exit status: 0; 1 if an ordinary case has no certificate, 2 if what was asked for
-    makes no sense, 130 if it was stopped."""
+    """Run the command; returns its exit status: 0, 1 if an ordinary case has no certificate, 2 for invalid arguments,
+    130 if it was interrupted."""
     try:
         options = parser().parse_args(sys.argv[1:] if argv is None else argv)
         labels = _labels(options.only)

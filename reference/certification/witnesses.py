@@ -23,7 +23,7 @@ QUANTITIES = ("x", "y", "theta", "slip", "omega")
 EPS = float(np.finfo(float).eps)
 
 # Least number of steps of the second formulation: with 300 its errors are 1e-14, with the default 60 up to 1e-11.
-LOOKS = 300
+STEPS_PER_TURN = 300
 SECOND = "contact frame"
 # The witness with the fewest steps is the first of these that is available.
 QUICKEST = ("taylor 1e-12", "dop853 1e-13")
@@ -111,12 +111,14 @@ def _witness(name: str, motion: Trajectory) -> Witness:
 def _by_second(case: Case, name: str, rtol: float) -> Witness:
     from .. import contact_frame  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
 
-    answer = contact_frame.solve(case, rtol=rtol, looks=LOOKS, overlaps=True)
+    answer = contact_frame.solve(case, rtol=rtol, steps_per_turn=STEPS_PER_TURN, overlaps=True)
 
     def states(times):
         # Beyond a second contact the equations may be singular; if there was none, the search is not repeated.
         again = answer.status == contact_frame.STOPS["elsewhere"]
-        motions = contact_frame.solve(case, rtol=rtol, times=times, looks=LOOKS, overlaps=again).motions
+        motions = contact_frame.solve(
+            case, rtol=rtol, times=times, steps_per_turn=STEPS_PER_TURN, overlaps=again
+        ).motions
         return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
 
     return Witness(name, answer.transitions, answer.status, answer.end, states)

@@ -30,7 +30,7 @@ RELEASE = 1e-12
 SOON = 1e-4
 
 # Curvatures are sampled at this many places of a track; a track whose values agree to `EVEN` is a line or a circle.
-TRACK_LOOKS, EVEN = 721, 1e-9
+TRACK_SAMPLES, EVEN = 721, 1e-9
 # On a track without ends the places lie between NEAR and FAR from the start, in sizes of the plate, closer together
 # near it; features are included up to FEATURE_RANGE sizes away.
 NEAR, FAR, FEATURE_RANGE = 1e-3, 1e6, 100.0
@@ -116,7 +116,7 @@ class ContactScene:
         self.in_time = [(None, load.features)] if load and load.features else []
         curves = [(0, self.track.features), (1, self.outline.features)]
         self.in_contact = [*self.in_time, *((row, features) for row, features in curves if features)]
-        self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.span, TRACK_LOOKS))).max())
+        self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.span, TRACK_SAMPLES))).max())
         self.is_disc = case.plate.radius is not None
         self.grain = self._grain()
 
@@ -127,7 +127,7 @@ class ContactScene:
         size.
         """
         with np.errstate(all="ignore"):  # far out a curve may be too large for a double
-            bends = np.abs(np.asarray(self.track.curvature(self._looks())))
+            bends = np.abs(np.asarray(self.track.curvature(self._sample_parameters())))
         bends = bends[np.isfinite(bends)]
         bend = float(bends.max())
         if bend * self.reach <= EVEN:
@@ -135,20 +135,20 @@ class ContactScene:
             return float(np.hypot(*(last - first))) if self.ends else inf
         return 1.0 / bend if np.ptp(bends) <= EVEN * bend else min(self.reach, 1.0 / bend)
 
-    def _looks(self) -> np.ndarray:
+    def _sample_parameters(self) -> np.ndarray:
         """Parameters of the track at which its curvature is sampled, chosen by distance, not by the parameter's
         unit."""
         if self.track.domain is not None or self.track.period:
-            return np.linspace(*self.track.span, TRACK_LOOKS)
+            return np.linspace(*self.track.span, TRACK_SAMPLES)
         near = self.case.start.xi1
         size = self.reach / float(self.track.speed(near))
-        away = size * np.geomspace(NEAR, FAR, TRACK_LOOKS // 2)
-        looks = np.concatenate([near - away[::-1], [near], near + away])
+        away = size * np.geomspace(NEAR, FAR, TRACK_SAMPLES // 2)
+        parameters = np.concatenate([near - away[::-1], [near], near + away])
         features = self.track.features
         return (
-            np.union1d(looks, features.places(near - FEATURE_RANGE * size, near + FEATURE_RANGE * size))
+            np.union1d(parameters, features.places(near - FEATURE_RANGE * size, near + FEATURE_RANGE * size))
             if features
-            else looks
+            else parameters
         )
 
     @property

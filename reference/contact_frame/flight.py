@@ -49,7 +49,7 @@ class _FlightCourse:
         body,
         end: float,
         rtol: float,
-        looks: int,
+        steps_per_turn: int,
         work: WorkBudget,
     ):
         self.scene, self.around = scene, around
@@ -57,7 +57,8 @@ class _FlightCourse:
         # Without a load a flight is a parabola, for which no step is too long.
         pace = scene.free_pace if scene.load else lambda t, body: 0.0
         self.solver = FrequencyLimitedDOP853(
-            self.rates, t, np.array(body), end, pace=pace, looks=looks, work=work, features=scene.in_time,
+            self.rates, t, np.array(body), end, pace=pace, steps_per_turn=steps_per_turn, work=work,
+            features=scene.in_time,
             load_allows=scene.load_scales.allows if scene.load_scales else None, rtol=self.rtol, atol=1e-2 * self.rtol,
         )  # fmt: skip
         self.pieces: list[tuple[float, float, Callable]] = []
@@ -108,16 +109,16 @@ class _FlightCourse:
 
 
 def fly(
-    scene: ContactScene, around: Surroundings, t: float, body, end: float, rtol: float, looks: int, hop: float,
+    scene: ContactScene, around: Surroundings, t: float, body, end: float, rtol: float, steps_per_turn: int, hop: float,
     work: WorkBudget,
     place: tuple[float, float] | None,
 ) -> FreeFlight:  # fmt: skip
     """Integrate a free flight from a pose until the outline meets the track, at most until `end`.
 
-    `looks`: least number of steps per turn under a load; `place`: the contact's parameters, if the flight begins on the
-    track; `hop`: its rough duration until it lands there again, s (inf: unknown).
+    `steps_per_turn`: least number of steps per turn under a load; `place`: the contact's parameters, if the flight
+    begins on the track; `hop`: its rough duration until it lands there again, s (inf: unknown).
     """
-    course = _FlightCourse(scene, around, t, body, end, rtol, looks, work)
+    course = _FlightCourse(scene, around, t, body, end, rtol, steps_per_turn, work)
     before, opening, own = t, t, None
     try:
         if place is not None:

@@ -72,7 +72,7 @@ def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
     """Simulate a flight until the outline meets the track anywhere."""
     lasts = now.leap.lasts if now.leap else inf
     path = flight.fly(
-        course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.looks, lasts,
+        course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.steps_per_turn, lasts,
         course.work, now.place,
     )  # fmt: skip
     course.t = path.end

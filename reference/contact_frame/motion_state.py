@@ -63,11 +63,11 @@ class EndState(NamedTuple):
 class MotionState:
     """One motion during its simulation: the transitions and bounces so far, and the time."""
 
-    def __init__(self, case: Case, rtol: float, times: np.ndarray, looks: int, until: float, overlaps: bool):
+    def __init__(self, case: Case, rtol: float, times: np.ndarray, steps_per_turn: int, until: float, overlaps: bool):
         self.case, self.scene = case, ContactScene(case)
         # An open outline has no inside and is only the contact arc.
         self.overlaps = overlaps and bool(case.plate.outline.period)
-        self.rtol, self.looks, self.end = max(rtol, 1e-13), looks, min(case.duration, until)
+        self.rtol, self.steps_per_turn, self.end = max(rtol, 1e-13), steps_per_turn, min(case.duration, until)
         self.record = Record(case, times)
         self.t, self.work = 0.0, WorkBudget()
         self.transitions: list[Transition] = []

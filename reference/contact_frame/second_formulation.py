@@ -67,20 +67,20 @@ class SecondMotion(NamedTuple):
 
 
 def solve(
-    case: Case, rtol: float = 1e-10, times=(), looks: int = 60, until: float = inf, overlaps: bool = False
+    case: Case, rtol: float = 1e-10, times=(), steps_per_turn: int = 60, until: float = inf, overlaps: bool = False
 ) -> SecondMotion:
     """Compute the case's motion by the second formulation, at most until time `until` (s).
 
-    `looks` is the least number of steps per turn of the forces on the plate (`ContactScene.pace`): events are found by
-    their signs at steps' ends. With `overlaps`, a second contact is searched for too, and ends the motion. A motion
-    that takes `steps.MOST_WORK` steps and searches is "unfinished" at its `end`. Raises StepFailure, a
+    `steps_per_turn` is the least number of steps per turn of the forces on the plate (`ContactScene.pace`): events are
+    found by their signs at steps' ends. With `overlaps`, a second contact is searched for too, and ends the motion. A
+    motion that takes `steps.MOST_WORK` steps and searches is "unfinished" at its `end`. Raises StepFailure, a
     FloatingPointError with one sentence, if numbers leave the range of a double, a load has no value, or steps vanish.
     """
     course = None
     try:
-        # An overflow or an undefined value would go on as inf or NaN.
+        # Otherwise an overflow or an undefined value would continue as inf or NaN.
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            course = MotionState(case, rtol, np.asarray(times, dtype=float), looks, until, overlaps)
+            course = MotionState(case, rtol, np.asarray(times, dtype=float), steps_per_turn, until, overlaps)
             return _run(course)
     except (StepFailure, CaseError):
         raise
@@ -150,7 +150,7 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
     lift = course.case.start.gap_rate
     if lift < 0.0 or flight_guards.is_unresolved(
         course, z, 0, lift
-    ):  # what rises by less than a rounding comes down at once, as fast
+    ):  # a rise below rounding comes down at once, with the same speed
         return flight_guards.land(course, LandingState(z, 0, -abs(lift)), from_flight=lift < 0.0)
     return flight_guards.leap(course, z, 0, lift)
 
@@ -277,7 +277,7 @@ def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callabl
         lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, course.end), now.z,
         method=FrequencyLimitedDOP853, rtol=course.rtol, atol=1e-2 * course.rtol, events=events,
         dense_output=bool(course.record),
-        pace=lambda t, z: scene.pace(t, z.tolist(), turns), looks=course.looks, work=course.work,
+        pace=lambda t, z: scene.pace(t, z.tolist(), turns), steps_per_turn=course.steps_per_turn, work=course.work,
         load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
         after_step=overlaps.look if overlaps else None, features=scene.in_contact,
     )  # fmt: skip

@@ -14,8 +14,8 @@ from scipy.integrate import DOP853
 
 from cases.features import Features
 
-# Steps per time scale of the motion: ten times the number at the largest `looks` in use. Towards Painlevé's singularity
-# steps shrink without limit.
+# Steps per time scale of the motion: ten times the number at the largest `steps_per_turn` in use. Towards Painlevé's
+# singularity steps shrink without limit.
 MOST_STEPS = 20_000
 
 # Limit on the work of one motion, whatever its duration: minutes.
@@ -56,7 +56,7 @@ Allows = Callable[[np.ndarray, np.ndarray], bool]
 
 
 class FrequencyLimitedDOP853(DOP853):
-    """DOP853 with at least `looks` steps per turn of the motion's frequency by 2π.
+    """DOP853 with at least `steps_per_turn` steps per turn of the motion's frequency by 2π.
 
     `pace` maps (t, y) to that frequency (rad/s, zero if there is none); no step passes one of the `features`, each
     given with its row of the state (None: time); `load_allows` maps times (n,) and states (variables, n) along a step
@@ -70,11 +70,12 @@ class FrequencyLimitedDOP853(DOP853):
     max_step: float
 
     def __init__(
-        self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], looks: int, work: WorkBudget,
+        self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], steps_per_turn: int,
+        work: WorkBudget,
         features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None,
         after_step: Callable | None = None, **options,
     ):  # fmt: skip
-        self.pace, self.looks, self.work, self.load_allows = pace, looks, work, load_allows
+        self.pace, self.steps_per_turn, self.work, self.load_allows = pace, steps_per_turn, work, load_allows
         self.after_step = after_step
         self.features = [(row, feature) for row, feature in features if not feature.plain]
         self.steps, self.counted_until = 0, -inf
@@ -101,7 +102,7 @@ class FrequencyLimitedDOP853(DOP853):
         self.steps += 1
         if self.steps > MOST_STEPS:
             raise StepFailure(f"the second formulation makes almost no progress at t = {self.t:.9g} s")
-        self.max_step = turn / self.looks
+        self.max_step = turn / self.steps_per_turn
         t, y, f = self.t, self.y, self.f
         while True:
             self.work.count += 1

@@ -114,7 +114,8 @@ def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Elimination:
     u2 = U1 * f.P / h.P
     omega = spin(f, h, U1, u2)
     along, _, C_n, C_3 = _rates(f, h, U1, u2, omega)
-    # Moments about the contact: neither multiplier appears but for the couple that goes with the normal force.
+    # Moments about the contact: neither multiplier appears, except in the couple that is proportional to the normal
+    # force.
     moment = short(
         force.moment + (h.ht + resistance) * (C_n - force.n) - h.hn * (omega**2 * h.ht - force.t)
     )  # fmt: skip

@@ -54,7 +54,7 @@ class Landing(NamedTuple):
 
 
 class Landings:
-    """The search for landings in a motion; counts its work, and knows until when (s) the last flight has no landing."""
+    """The search for landings in a motion; counts its work; until `flies_until` (s) the last flight has no landing."""
 
     def __init__(self, case: Case) -> None:
         self.case, self.looks, self.flies_until = case, Looks(case), nan

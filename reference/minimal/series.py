@@ -239,7 +239,7 @@ def sqrt(x):
     return x**0.5 if isinstance(x, Series) else _of_number("sqrt", x)
 
 
-# What a compiled expression may call.
+# Functions that a compiled expression may call.
 FUNCTIONS = dict(
     exp=exp, log=log, sqrt=sqrt, pi=math.pi, sin=sin, cos=cos, tan=tan,
     sinh=sinh, cosh=cosh, tanh=tanh, asin=asin, acos=acos, atan=atan,

@@ -19,7 +19,7 @@ from .geometry import energy, places
 from .scenario_values import ScenarioGroup
 
 # Places along a track at which a disc is tested: a hundredth of the usual track, as `cases.overlap` samples it.
-LOOKS = 2000
+TRACK_SAMPLES = 2000
 
 
 def one_contact(scenes: ScenarioGroup) -> np.ndarray:
@@ -56,14 +56,15 @@ def _one_contact(scenes: ScenarioGroup, base: Case) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _free(track: Curve, outline: Curve, near: float) -> np.ndarray:
-    """Places, at most LOOKS, on the longest stretch around `near` on which a disc overlaps its track nowhere."""
+    """Places, at most TRACK_SAMPLES, on the longest stretch around `near` on which a disc overlaps its track
+    nowhere."""
     low, high = track.span
     if track.domain is None and not track.period:
         low, high = min(low, near - (high - low)), max(high, near + (high - low))
     if track.period:
         low, high = near - 0.5 * track.period, near + 0.5 * track.period
-    grid = np.linspace(low, high, LOOKS)
-    middle = int(np.clip(np.searchsorted(grid, near), 1, LOOKS - 1))
+    grid = np.linspace(low, high, TRACK_SAMPLES)
+    middle = int(np.clip(np.searchsorted(grid, near), 1, TRACK_SAMPLES - 1))
     fits = track.curvature(grid) < outline.curvature(outline.span[0])
     back = _count(track, outline, grid[middle - 1 :: -1], fits[middle - 1 :: -1])
     return grid[middle - back : middle + _count(track, outline, grid[middle:], fits[middle:])]
@@ -84,7 +85,7 @@ def _within(scenes: ScenarioGroup, base: Case, free: np.ndarray) -> np.ndarray:
     """Which scenarios stay on the free stretch: all if it is the whole track, else those with too little energy to
     leave it on either side."""
     inputs, track, outline, n = scenes.numbers, base.track, base.plate.outline, len(scenes.rows)
-    if len(free) == LOOKS and (track.domain is not None or track.period):
+    if len(free) == TRACK_SAMPLES and (track.domain is not None or track.period):
         return np.ones(n, dtype=bool)
     if not len(free):
         return np.zeros(n, dtype=bool)

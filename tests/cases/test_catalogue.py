@@ -31,7 +31,7 @@ SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_
 
 def second(case: Case, times) -> contact_frame.SecondMotion:
     """The second formulation, looking closely enough not to miss a short phase."""
-    return contact_frame.solve(case, rtol=1e-12, times=times, looks=200)
+    return contact_frame.solve(case, rtol=1e-12, times=times, steps_per_turn=200)
 
 
 def compare(case: Case, answer: contact_frame.SecondMotion, times, accuracy, sign=1.0, time=1.0, velocity=1.0) -> None:

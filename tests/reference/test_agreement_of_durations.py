@@ -36,7 +36,7 @@ def differences(case: Case, looks: int) -> str:
     """What the formulations say differently of the motion's beginning; "" if nothing."""
     until = min(case.duration, HORIZON)
     ours = reference.simulate(case, rtol=1e-11)
-    theirs = contact_frame.solve(case, rtol=1e-11, looks=looks, until=until)
+    theirs = contact_frame.solve(case, rtol=1e-11, steps_per_turn=looks, until=until)
     one, other = beginning(ours, until), beginning(theirs, until)
     if sequence(one) != sequence(other):
         return f"{[(t.time, str(t.after)) for t in one]}\n{[(t.time, str(t.after)) for t in other]}"

@@ -137,7 +137,7 @@ def test_methods_and_formulations_agree_on_what_happens(case):
         assert kinds(other.transitions) == kinds(best.transitions)
         assert [t.time for t in other.transitions] == pytest.approx([t.time for t in best.transitions], abs=sure)
     if case.label not in SECOND_CANNOT:
-        second = contact_frame.solve(case, rtol=1e-12, looks=200)
+        second = contact_frame.solve(case, rtol=1e-12, steps_per_turn=200)
         assert second.status == best.status
         assert kinds(second.transitions) == kinds(best.transitions)
         assert [t.time for t in second.transitions] == pytest.approx([t.time for t in best.transitions], abs=sure)

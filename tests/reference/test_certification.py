@@ -185,7 +185,7 @@ def wide_disc() -> Case:
 def test_a_second_contact_is_seen_by_both_formulations():
     """A disc too wide for a valley's bottom touches both flanks with its centre above the bottom."""
     case = wide_disc()
-    first, second = simulate(case, rtol=1e-13), contact_frame.solve(case, rtol=1e-13, looks=300, overlaps=True)
+    first, second = simulate(case, rtol=1e-13), contact_frame.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
     assert first.status == second.status == "second_contact"
     assert second.end == pytest.approx(first.t[-1], abs=1e-11)
 

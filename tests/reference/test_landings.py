@@ -206,7 +206,7 @@ def first_end(case: Case) -> tuple[str, float]:
 
 
 def second_end(case: Case) -> tuple[str, float]:
-    answer = contact_frame.solve(case, rtol=1e-13, looks=300, overlaps=True)
+    answer = contact_frame.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
     return answer.status, answer.end
 
 
@@ -308,7 +308,7 @@ def agree(seed: int) -> None:
     """Both formulations end one random flight in the same way, with the same impacts at the same times."""
     case = rippled(seed).case
     one, begun = reference.simulate(case, rtol=1e-13), time.process_time()
-    other = contact_frame.solve(case, rtol=1e-13, looks=300, overlaps=True)
+    other = contact_frame.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
     assert time.process_time() - begun < LIMIT + TRANSITION * len(other.transitions), seed
     assert other.status == one.status, (seed, one.status, other.status)
     times = [t.time for t in one.transitions] or [float(one.t[-1])]

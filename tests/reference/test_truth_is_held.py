@@ -191,7 +191,7 @@ def test_a_contradicted_certificate_is_no_truth(monkeypatch):
     case = cases.load("disc_in_circle", mu=0.2)
     assert not tasks.find_truth(case).failure
     wrong = changed(0, time=moved(read()[LABEL].transitions[0][2], 1e-3))
-    monkeypatch.setattr(tasks, "stored_or_new", lambda case, kept: wrong)
+    monkeypatch.setattr(tasks, "stored_or_new", lambda case, use_file: wrong)
     truth = tasks.find_truth(case)
     assert truth.transitions == () and truth.samples == {}
     assert truth.failure.startswith(f"{LABEL}: the time of transition 1 (to roll) is 0.63105376392")

@@ -50,7 +50,7 @@ def check_agreement(case: Case) -> bool:
     theirs = contact_frame.solve(case, rtol=1e-11)
     if told(ours) != told(theirs) or differ(ours, theirs):
         # The second formulation sees events at its steps' ends only; a closer look costs more and misses less.
-        theirs = contact_frame.solve(case, rtol=1e-11, looks=2000)
+        theirs = contact_frame.solve(case, rtol=1e-11, steps_per_turn=2000)
     if sequence(ours.transitions) == sequence(theirs.transitions):
         assert ours.status == theirs.status
         assert not differ(ours, theirs)

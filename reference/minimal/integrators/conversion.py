@@ -18,7 +18,7 @@ from cases import NotSupported
 from ..elimination import T
 from ..system import System
 
-# Optimising a system whose expressions have so many nodes takes 0.3 s. For larger ones (curvatures change) it takes
+# Optimising a system whose expressions have this many nodes takes 0.3 s. For larger ones (curvatures change) it takes
 # 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
 SMALL = 500
 
