@@ -132,7 +132,7 @@ def fly(
             after = min(max(before + stride, opening, float(np.nextafter(before, end))), end)
             touch = _between(around, course, before, after, opening, own)
             if touch is not None:
-                touch = polish(scene, course.exactly, touch, around.size)
+                touch = polish(scene, course.exactly, touch, around.size, t)
                 return FreeFlight(_until(course.pieces, touch.time), touch.time, touch)
             before, own = after, None
     except (WorkLimit, TooManyRounds):

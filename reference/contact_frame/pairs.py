@@ -127,10 +127,15 @@ def _step(f: PairFrame, spin: float) -> list[float] | None:
     return step.tolist() if np.isfinite(step).all() else None
 
 
-def polish(scene: ContactScene, exactly, touch: Touch, size: float) -> Touch:
-    """Improve a touch with states integrated up to it: dense output is one order less accurate than a step."""
+def polish(scene: ContactScene, exactly, touch: Touch, size: float, start: float) -> Touch:
+    """Improve a touch with states integrated up to it: dense output is one order less accurate than a step.
+
+    `exactly` maps a time from `start` on (s) to the state then.
+    """
     time, xi1, xi2, smallest, best = touch.time, touch.xi1, touch.xi2, inf, touch
     for _ in range(8):
+        if not time >= start:
+            break  # by a rounding it lies before the flight
         body = exactly(time)
         f = frame(scene, body, xi1, xi2)
         miss = hypot(f.along, f.gap, size * f.angle)

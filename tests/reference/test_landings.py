@@ -28,6 +28,8 @@ from cases import (
 from cases.contact import find, start_motion
 from cases.library import line
 from reference import contact_frame
+from reference.contact_frame import pairs
+from reference.contact_frame.equations import ContactScene
 from tests.scenes.motions import energy
 from tests.scenes.ripples import SIZE, G, closest, rippled
 
@@ -229,6 +231,15 @@ def test_a_fine_bump_ahead_is_a_second_contact_where_the_disc_meets_it(solve):
         exact = s - r * slope / mp.sqrt(1 + slope**2)
     status, end = solve(rolls_onto_a_bump())
     assert status == "second_contact" and end == pytest.approx(float(exact), abs=1e-11)
+
+
+def test_a_touch_before_the_flight_by_a_rounding_is_not_looked_for_there():
+    case = Case(line(), disc(0.1, 1.0), FLYING, Start(0.0, gap=1e-3, gap_rate=-1.0), 0.1)
+    bodies = {1e-17: [0.0, 0.1 - 1e-10, 0.0, 0.0, -1.0, 0.0]}
+    touch = pairs.Touch(1e-17, bodies[1e-17], 0.0, -pi / 2, 1e-16)
+    with pytest.raises(KeyError):  # it touched 1e-10 s ago
+        pairs.polish(ContactScene(case), bodies.__getitem__, touch, 0.2, -1.0)
+    assert pairs.polish(ContactScene(case), bodies.__getitem__, touch, 0.2, 0.0) == touch
 
 
 # --- random flights ---------------------------------------------------------------------------------------------------
