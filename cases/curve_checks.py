@@ -1,7 +1,7 @@
-"""Curves that are none: holes, jumps, cusps, curves that meet themselves; told in one sentence when they are made.
+"""Checks of curves when they are made: holes, jumps, cusps and self-intersections are errors of one sentence.
 
-A curve is looked at in samples, and closely where its formula says that something happens or where two samples lie
-farther apart than the curve's speed explains.
+A curve is checked at samples, and more closely near special points of its formula and where two samples are farther
+apart than the curve's speed explains.
 """
 
 from __future__ import annotations
@@ -16,26 +16,27 @@ from .curve_tables import SAMPLES, corners, total_turning
 from .errors import BadCurve
 from .expressions import PARAMETER
 
-# Beside a place that the formula names, in spans: a jump shows as a step there, whatever is smooth does not.
+# Distance from a special point of the formula, in spans: a jump shows as a step there, a smooth curve has none.
 BESIDE = 1e-9
-# A chord so many times as long as the speeds at both ends make it is looked at closely: a smooth curve's is below two.
+# A chord that exceeds the length by the speeds at both ends by this factor is checked closely: smooth curves stay below
+# two.
 LONG_CHORD = 10.0
-# What is left of such a chord after halving its interval thirty times, in parts of the curve's size, is a jump: a slope
-# as steep as that is no track either.
+# The length of such a chord after thirty halvings of its interval, relative to the curve's size, above which it is a
+# jump: a slope as steep as that is no track either.
 JUMP = 1e-6
-# Sides of the polygon in which a curve that meets itself is looked for: so many, more to a radian of turning for one
-# that loops often, and at most. The pairs are looked at in blocks of rows.
+# Sides of the polygon for the search of self-intersections: the fewest, per radian of turning for a curve with many
+# loops, and the most. The pairs are processed in blocks of rows.
 FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK = 240, 8.0, 2400, 200
-# Where two sides cross the curve is looked at again in so many pieces of each, so often.
+# Where two sides cross, each is divided into so many pieces, so many times.
 PIECES, CLOSER = 16, 3
-# With this part of its neighbours, so that two stretches with one between them stay apart.
+# The included part of the neighbours, so that two stretches with one between them stay separate.
 AROUND = 0.25
-# Strands of a curve closer than this part of its size are one: a circle run round again misses itself by rounding.
+# Parts of a curve closer than this fraction of its size coincide: a circle traversed again differs by rounding.
 TOGETHER = 1e-9
 
 
 class CurveToCheck(curve_tables.CurveFormula, Protocol):
-    """What is asked of a curve here: `cases.curves.Curve`, which asks for these checks."""
+    """The interface of `cases.curves.Curve` that these checks use."""
 
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr]: ...
@@ -47,7 +48,7 @@ class CurveToCheck(curve_tables.CurveFormula, Protocol):
 
 
 def check_regular(curve: CurveToCheck) -> None:
-    """Raises BadCurve where the curve or a derivative is not finite, jumps, or stands still."""
+    """Raise BadCurve where the curve or a derivative is not finite, jumps, or has zero speed."""
     low, high = curve.domain or (0.0, curve.period or 2 * np.pi * curve.unit)
     try:
         places = _places(curve, low, high)
@@ -66,7 +67,7 @@ def check_regular(curve: CurveToCheck) -> None:
 
 
 def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
-    """Even samples, and the places that the formula names, with both sides of each."""
+    """Even samples, and the special points of the formula with both sides of each."""
     centres = np.array(features.centres(curve.expression, PARAMETER))
     beside = BESIDE * (high - low)
     centres = np.concatenate([centres - beside, centres, centres + beside])
@@ -74,12 +75,12 @@ def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
 
 
 def _check_speed(curve: CurveToCheck, s: np.ndarray, speed: np.ndarray, index: int, what: str, sign: float) -> None:
-    """Raises BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
+    """Raise BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
     typical = np.median(speed)
     if not 0.0 < typical < np.inf:
         raise BadCurve(f"the curve's speed |R_p| is {typical:g} m; give a curve with an extent a double can hold")
-    # Looked at closely only where the samples leave the ordinary; a regular curve's speed varies by a few orders, and
-    # seven of them within one sample's width is a cusp or a pole.
+    # Only extreme samples are checked closely; a regular curve's speed varies by a few orders of magnitude, and seven
+    # of them within one sample's width is a cusp or a pole.
     if abs(np.log10(speed[index] / typical)) < 2:
         return
     from scipy.optimize import minimize_scalar  # slow to import, seldom needed
@@ -95,7 +96,7 @@ def _check_speed(curve: CurveToCheck, s: np.ndarray, speed: np.ndarray, index: i
 
 
 def _check_jumps(curve: CurveToCheck, s: np.ndarray, points: np.ndarray, speed: np.ndarray) -> None:
-    """Raises BadCurve if two neighbouring samples stay apart however close their parameters come."""
+    """Raise BadCurve if two neighbouring samples stay apart as their parameters approach each other."""
     chords = np.hypot(*np.diff(points, axis=1))
     bound = np.diff(s) * np.maximum(speed[1:], speed[:-1])
     size = float(np.ptp(points, axis=1).max())
@@ -118,10 +119,10 @@ def _check_jumps(curve: CurveToCheck, s: np.ndarray, points: np.ndarray, speed: 
 
 
 def check_simple(curve: CurveToCheck) -> None:
-    """Raises BadCurve if the curve crosses itself or runs over its own course again.
+    """Raise BadCurve if the curve crosses itself or runs over itself.
 
-    A closed curve that does neither turns once (Hopf's theorem of turning tangents: known to us, not looked up). A
-    curve without ends is looked at where `Curve.span` shows it, if it is finite there.
+    A closed curve that does neither turns once (Hopf's theorem of turning tangents: not looked up). A curve without
+    ends is checked on `Curve.span`, if it is finite there.
     """
     turning = total_turning(curve)
     if not np.isfinite(turning):
@@ -148,7 +149,7 @@ def check_simple(curve: CurveToCheck) -> None:
 
 
 def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] | None:
-    """How and between which parameters the curve meets itself; None if it does not."""
+    """How, and at which two parameters, the curve meets itself; None if it does not."""
     polygon = _Polygon.of(curve, grid)
     if polygon is None:
         return None
@@ -170,7 +171,7 @@ def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] 
 
 
 class _Polygon(NamedTuple):
-    """The sides of a polygon along a curve: ends (n, 2), lengths, directions, how much the curve turns in each."""
+    """The sides of a polygon along a curve: ends (n, 2), lengths, directions, and the curve's turn in each."""
 
     start: np.ndarray
     end: np.ndarray
@@ -189,12 +190,12 @@ class _Polygon(NamedTuple):
         return cls(a, b, lengths, (b - a) / lengths[:, None], np.abs(np.diff(angles)))
 
     def crossings(self, rows: slice) -> np.ndarray:
-        """Which of those sides cross which of all."""
+        """Which of these sides cross which of all sides."""
         p, q, u, v = self.start[rows, None], self.end[rows, None], self.start[None], self.end[None]
         return (_side(p, q, u) * _side(p, q, v) < 0) & (_side(u, v, p) * _side(u, v, q) < 0)
 
     def beside(self, rows: slice, least: float) -> np.ndarray:
-        """Which of those sides begin on or beside which of all, as near as these stray from the curve."""
+        """Which of these sides begin on or near which of all sides, within their distance from the curve."""
         p, u = self.start[rows, None], self.start[None]
         along = ((p - u) * self.directions[None]).sum(axis=2)
         off = np.abs(_side(u, self.end[None], p)) / self.lengths[None]
@@ -205,9 +206,9 @@ class _Polygon(NamedTuple):
 def _crosses(
     curve: CurveToCheck, one: tuple[float, float], other: tuple[float, float], ends: tuple[float, float]
 ) -> bool:
-    """Whether two stretches of a curve cross whose chords do: strands beside each other may cross as polygons alone.
+    """Whether two stretches of a curve cross whose chords do: close stretches may cross only as polygons.
 
-    Beside a corner chords cross where the curve does so in the next stretch: each is looked at with a part of both its
+    Near a corner, chords may cross where the curve crosses in the next stretch: each is checked with a part of both its
     neighbours, within the curve's `ends`.
     """
     for _ in range(CLOSER):

@@ -1,6 +1,6 @@
-"""Samples of a curve that are worked out once: lengths along it, its sizes, the direction of its tangent.
+"""Tables of a curve: lengths along it, its sizes, the direction of its tangent.
 
-However its parameter runs: where samples of the parameter would be too far apart, there are more.
+They are refined where even samples of the parameter would be too far apart.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ import numpy as np
 
 from .features import Features
 
-# Samples enough for any curve a person would draw, where nothing says that more are needed.
+# Samples that are enough for any curve a person would draw, unless features require more.
 SAMPLES = 720
-# A table of a tangent's angles has so many to the parameter's `Curve.unit`, and more where it turns by more than this
-# (rad) from one to the next: half a turn would be miscounted. It has no more in all, and halves no stretch more often.
+# Entries of a table of tangent angles per `Curve.unit` of the parameter, and more where the tangent turns by more than
+# TURN (rad) between two entries: half a turn would be miscounted. Also the most entries, and the most halvings.
 ANGLES, TURN, MOST_ANGLES, HALVINGS = 32, 1.0, 200_000, 40
 
 
 class CurveFormula(Protocol):
-    """What is asked of a curve here: `cases.curves.Curve`."""
+    """The interface of `cases.curves.Curve` that these tables use."""
 
     @property
     def span(self) -> tuple[float, float]: ...
@@ -35,13 +35,15 @@ class CurveFormula(Protocol):
 
 
 def _with_features(curve: CurveFormula, grid: np.ndarray) -> np.ndarray:
-    """The parameters, and those between them that show the curve's features."""
+    """The parameters, and further ones between them that resolve the curve's features."""
     return np.union1d(grid, curve.features.places(grid[0], grid[-1])) if curve.features else grid
 
 
 def lengths(curve: CurveFormula, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters from `low` to `high`, and how far along the curve each is from the first, m; without those at the ends
-    where the curve is too large for a double."""
+    """Parameters from `low` to `high`, and the arc length from the first to each, m.
+
+    Without those at the ends where the curve is too large for a double.
+    """
     grid = _with_features(curve, np.linspace(low, high, 4 * SAMPLES + 1))
     with np.errstate(all="ignore"):
         speed = curve.speed(grid)
@@ -59,17 +61,19 @@ def sizes(curve: CurveFormula) -> tuple[float, float]:
 
 
 def total_turning(curve: CurveFormula) -> float:
-    """By how much the tangent turns along the whole curve, to either side, rad."""
+    """The total absolute turn of the tangent along the whole curve, rad."""
     return float(np.abs(np.diff(curve.angle_table(curve.span)[1])).sum())
 
 
 def corners(curve: CurveFormula, count: int, offset: float = 0.0) -> np.ndarray:
-    """Parameters of the corners of a polygon of so many sides along the whole curve, closer together where it bends;
-    those of a closed curve begin with a part of a side, `offset`."""
+    """Parameters of the corners of a polygon of `count` sides along the whole curve, denser where it bends.
+
+    For a closed curve the first corner is shifted by the fraction `offset` of a side.
+    """
     grid, angle = curve.angle_table(curve.span)
     steps = np.hypot(*np.diff(curve.point(grid), axis=1))
     turns = np.abs(np.diff(angle))
-    # Half of the sides are shared out by length, half by turning.
+    # Half of the sides are distributed by length, half by turning.
     parts = np.insert(np.cumsum(steps / steps.sum() + turns / max(float(turns.sum()), 1e-300)), 0, 0.0)
     values = np.interp((np.arange(count + 1) + offset) / count * parts[-1], parts, grid)
     if offset:
@@ -78,8 +82,7 @@ def corners(curve: CurveFormula, count: int, offset: float = 0.0) -> np.ndarray:
 
 
 def angles(curve: CurveFormula, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters on that range, and there the tangent's continuous angle, which lies within half a turn of zero where
-    `Curve.span` begins."""
+    """Parameters on that range and the tangent's continuous angle; within half a turn of 0 at `Curve.span[0]`."""
     count = min(MOST_ANGLES, max(4 * SAMPLES, int(ANGLES * (span[1] - span[0]) / curve.unit))) + 1
     grid = _with_features(curve, np.linspace(*span, count))
     for _ in range(HALVINGS):
@@ -94,7 +97,7 @@ def angles(curve: CurveFormula, span: tuple[float, float]) -> tuple[np.ndarray, 
 
 
 def _turning(curve: CurveFormula, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The tangent's angles (rad), and how fast it turns (rad to the parameter's unit), 0 where that is not finite."""
+    """The tangent's angles (rad), and its rate of turn (rad per parameter unit), 0 where that is not finite."""
     _, _, xp, yp, xs, ys, _, _ = curve.jets(s)
     with np.errstate(all="ignore"):
         rate = np.abs(xp * ys - yp * xs) / (xp * xp + yp * yp)

@@ -1,8 +1,8 @@
-"""Where a curve or a load changes, and how finely: what no step and no search may pass over unseen.
+"""Features of a curve or a load: where and at which scale it changes, so that steps and searches do not miss them.
 
-A step's size comes from derivatives at its start, and a bump ahead has none there. So curvature and speed of a curve,
-and a load as a function of time, are resolved once by piecewise Chebyshev interpolation: a piece is halved until its
-coefficients fall to rounding and the interpolant agrees with the function wherever else it was sampled (the
+A step's size comes from derivatives at its start, and a bump ahead does not affect them. So curvature and speed of a
+curve, and a load as a function of time, are resolved once by piecewise Chebyshev interpolation: a piece is halved until
+its coefficients fall to rounding and the interpolant agrees with the function at all other samples (the
 construction of Chebfun's splitting: Pachón, Platte & Trefethen 2010, IMA J. Numer. Anal. 30, 898; not looked up). The
 length of a piece is then that of the finest feature in it.
 """
@@ -19,23 +19,23 @@ from numpy.polynomial import chebyshev, polynomial
 
 from .derivation import LOCK
 
-# Sixteen is about the order of the Taylor method, so that a piece is about what one step can follow.
+# Sixteen is about the order of the Taylor method, so that a piece is about as long as one step.
 DEGREE = 16
-# Coefficients below this part of the function's size are rounding of some tens of operations.
+# Coefficients below this fraction of the function's size are rounding of some tens of operations.
 RESOLUTION = 1e-13
 # Samples of each window besides the nodes. A Gaussian exp(-(s/w)²) shows above rounding over 11 w: in a window of
 # length 16 none wider than a thousandth hides between them, and narrower ones have their centre in the formula.
 SAMPLES = 2048
-# Around a centre samples close in by halves, down to a billionth of the window.
+# Around a centre the distances of samples are halved, down to a billionth of the window.
 HALVINGS = 30
 # A window with more pieces than this is no longer refined; the next one is as wide as a window only up to CROWDED.
 MOST_PIECES, MANY_PIECES = 20_000, 64
-# A step covers at most this part of a piece: at a piece's end the function may be rounding, at its other end not.
+# A step covers at most this fraction of a piece: at one end of a piece the function may be rounding, at the other not.
 PART = 0.5
-# Points to a piece that show a function's extremes to a hundredth of what it changes by: a piece holds half a swing.
+# Points per piece that give a function's extremes to a hundredth of its change: a piece holds half an oscillation.
 POINTS = 16
-# Pieces whose lengths differ by no more than this have one scale, unless the function is quiet in one of them: changes
-# there by less than this part of what it changes elsewhere.
+# Pieces whose lengths differ by at most the factor ALIKE have one scale, unless the function is quiet in one of them:
+# changes there by less than the fraction QUIET of its change elsewhere.
 ALIKE, QUIET = 4.0, 1e-3
 # The first window on each side of zero of a parameter without end; the next is twice as wide.
 WINDOW = 16.0
@@ -62,7 +62,7 @@ class Window:
         centres: Iterable[float] = (),
         sizes: np.ndarray | float = 0.0,
     ):
-        with np.errstate(all="ignore"):  # what overflows is not finite, and seen as such
+        with np.errstate(all="ignore"):  # an overflow gives values that are not finite
             edges, changes = _resolve_interval(function, low, high, centres, sizes)
         lengths = np.diff(edges)
         varies = changes > 0.0
@@ -76,11 +76,11 @@ class Window:
 
 
 class Features:
-    """The pieces of a function of one parameter, on (low, high), repeated if periodic; without limits resolved window
-    after window outwards from zero, as far as it is asked about: what is there does not depend on who asks.
+    """The pieces of a function of one parameter, on (low, high), repeated if periodic.
 
-    `sizes` (k,) is what each of its rows is a difference of, at least, wherever that is: the tail of a step that is
-    1 - tanh² at 1e-10 of the step's own height is rounding, and no feature, where a window holds nothing else.
+    Without limits it is resolved on demand, window after window outwards from zero; the result does not depend on the
+    requests. `sizes` (k,): a lower bound on the size of the terms of which each row is a difference: the tail of a step
+    1 - tanh² at 1e-10 of the step's height is rounding, and no feature, in a window that holds nothing else.
     """
 
     def __init__(
@@ -101,11 +101,11 @@ class Features:
 
     @property
     def plain(self) -> bool:
-        """Whether it is known that there is nothing that a step could pass over."""
+        """Whether there is certainly no feature that a step could miss."""
         return self._limits is not None and self._sides[True][0].plain
 
     def clear(self, start: float, goal: float) -> float:
-        """How far a step from `start` towards `goal` may go: to the next finer piece, or the stride of where it is."""
+        """The farthest end of a step from `start` towards `goal`: at the next finer piece or after the stride."""
         if self.plain or not (isfinite(start) and isfinite(goal)) or start == goal:
             return goal
         limit = abs(goal - start)
@@ -120,7 +120,7 @@ class Features:
         return min((stride for a, b, stride in self._pieces(low, high)), default=inf)
 
     def places(self, low: float, high: float, apart: float = inf) -> np.ndarray:
-        """Parameters on (low, high) no farther than `apart` from each other that show every feature, in order."""
+        """Sorted parameters on (low, high), at most `apart` from each other, that resolve every feature."""
         fine = [np.linspace(a, b, DEGREE, endpoint=False) for a, b, stride in self._pieces(low, high) if stride < inf]
         count = int(np.ceil((high - low) / apart)) if apart < inf else 1
         every = np.concatenate([np.linspace(low, high, count + 1), *fine])
@@ -133,7 +133,7 @@ class Features:
         return window.edges[i + 1] - window.edges[i]
 
     def nodes(self, low: float, high: float) -> np.ndarray:
-        """Parameters on (low, high), in order, that show the function's extremes in every piece."""
+        """Sorted parameters on (low, high) that give the function's extremes in every piece."""
         results = [np.array([low, high])]
         number, window, shift = self._window(low)
         while True:
@@ -163,7 +163,7 @@ class Features:
         yield before, high, last
 
     def _ahead(self, start: float, forward: bool) -> Iterator[tuple[float, float]]:
-        """(distance, stride) of one piece after the other, from the one that `start` lies in."""
+        """(distance, stride) of each piece in order, from the one that contains `start`."""
         number, window, shift = self._window(start)
         at = start - shift
         i = min(max(bisect_right(window.edges, at) - 1, 0), len(window.strides) - 1)
@@ -181,7 +181,7 @@ class Features:
             yield max(abs(edge + shift - start), 0.0), window.strides[i]
 
     def _window(self, s: float) -> tuple[int, Window, float]:
-        """The window that s lies in: its number, itself, and what is added to its edges."""
+        """The window that contains s: its number, the window, and the shift of its edges."""
         if self._limits:
             number = int((s - self._limits[0]) // self._period) if self._period else 0
             return number, self._sides[True][0], number * (self._period or 0.0)
@@ -241,12 +241,12 @@ def _resolve_interval(
         nodes = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * _NODES
         values = function(nodes.ravel())[0].reshape(len(scale), *nodes.shape) / scale[:, None, None]
         coefficients = values @ _TO_COEFFICIENTS.T
-        # A function is known no better than its parameter, whose last digit moves it by its slope.
+        # A rounding of the parameter changes the function by its slope.
         slope = np.max(np.abs(np.diff(values) / np.diff(nodes)), axis=2)
         error = RESOLUTION + 8 * np.finfo(float).eps * slope * np.maximum(abs(a), abs(b))
         good = np.all(np.max(np.abs(coefficients[:, :, -3:]), axis=2) <= error, axis=0)
         good &= ~_missing(s, rows, a, b, coefficients, error, good)
-        # Where nothing is finite there is nothing to resolve; a piece is halved as long as its middle is a number.
+        # Without finite values there is nothing to resolve; a piece is halved as long as its middle is finite.
         hopeless = (b - a <= 1e-12 * (high - low)) | ~np.isfinite(values).any(axis=(0, 2))
         change = np.max(np.where(np.isfinite(coefficients[:, :, 1:]), np.abs(coefficients[:, :, 1:]), 0.0), axis=2)
         change = np.max(np.where(change > error, change, 0.0), axis=0)
@@ -261,7 +261,7 @@ def _resolve_interval(
 
 
 def _missing(s, rows, a, b, coefficients, error, good) -> np.ndarray:
-    """Which of the pieces that look resolved disagree with the samples in them."""
+    """Which of the pieces that seem resolved disagree with the samples in them."""
     wrong = np.zeros(len(a), dtype=bool)
     order = np.argsort(a)
     piece = order[np.clip(np.searchsorted(a[order], s, side="right") - 1, 0, None)]
@@ -271,25 +271,25 @@ def _missing(s, rows, a, b, coefficients, error, good) -> np.ndarray:
     s, piece = s[selection], piece[selection]
     x = (2 * s - a[piece] - b[piece]) / (b[piece] - a[piece])
     values = np.einsum("nd,knd->kn", chebyshev.chebvander(x, DEGREE), coefficients[:, piece])
-    # Ten: what an interpolant makes of the errors of its nodes.
+    # Ten: the factor by which interpolation may increase the errors of its nodes.
     off = np.any(np.abs(values - rows[:, selection]) > 10 * error[:, piece], axis=0)
     wrong[piece[off]] = True
     return wrong
 
 
 def _samples(low: float, high: float, centres: Iterable[float]) -> np.ndarray:
-    """Parameters at which an interpolant has to agree: even ones, and ever closer ones around each centre."""
+    """Parameters at which an interpolant has to agree: even ones, and increasingly dense ones around each centre."""
     steps = (high - low) * 0.5 ** np.arange(1, HALVINGS + 1)
     around = np.concatenate([-steps, [0.0], steps])
     every = np.concatenate([np.linspace(low, high, SAMPLES), *(centre + around for centre in centres)])
     return np.unique(every[(every >= low) & (every <= high)])
 
 
-# --- where a formula says that something happens ----------------------------------------------------------------------
+# --- special points of a formula --------------------------------------------------------------------------------------
 
 
 def centres(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[float, ...]:
-    """Where the arguments of functions (and what is divided by) vanish or turn round, as far as they are polynomials.
+    """Zeros and extremes of the arguments of functions (and of divisors) that are polynomials.
 
     The middle of exp(-((s - c)/w)²), tanh((s - c)/w), 1/(w² + (s - c)²) is c, however small w is.
     """

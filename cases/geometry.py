@@ -1,7 +1,7 @@
-"""Two curves, a track and the outline of a plate: where they touch, by how much they miss, how they slip.
+"""Contact geometry of two curves, a track and the outline of a plate: contact points, gaps, slip.
 
-Nothing here knows a case or a solver; `cases.contact` asks the same of a case. Positions in metres, angles in radians;
-(5), (6), (11), (12) are the paper's equations.
+Independent of cases and solvers; `cases.contact` has the same functions for a case. Positions in metres, angles in
+radians; (5), (6), (11), (12) are the paper's equations.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from .errors import DoesNotFit
 
 EPS = float(np.finfo(float).eps)
 
-# Newton's method in `find` takes so many steps at most. A step turns neither tangent by more than LONGEST (rad), and
-# is no longer than that part of the plate, or than STRAIGHTER times as much along a track that is straight there.
+# The most steps of Newton's method in `find`. A step turns neither tangent by more than LONGEST (rad), and is no longer
+# than that fraction of the plate, or STRAIGHTER times as long along a track that is straight there.
 MOST_STEPS, LONGEST, STRAIGHTER = 100, 0.5, 16.0
-# A place that is known to so many parts of its distance from the origin and of the plate's size, and a parameter to so
-# many of itself, is known to rounding: some twenty roundings lie in the formulas of pose and curve.
+# Relative rounding of a position (to its distance from the origin plus the plate's size) and of a parameter: the
+# formulas of pose and curve have about twenty roundings.
 ROUNDINGS = 4e-15
-# Steps of fewer such roundings are compared with them: the last one or two of a search.
+# Steps below this many such roundings are tested for convergence: the last one or two of a search.
 CLOSE = 1e6
-# Two parameters of an outline closer than this, in parts of a period over 2π, are one that was found from both sides of
-# the seam: Newton's method leaves roundings.
+# Two parameters of an outline closer than this, in units of a period over 2π, are the same one, found from both sides
+# of the seam: Newton's method leaves roundings.
 SAME = 1e-9
-# What is left of the two conditions of a contact, in the same parts and in radians, where Newton's steps do not come
-# to rest. The gap is then off by the square of it.
+# Largest residual of the two contact conditions, relative as above and in radians, where Newton's steps do not
+# converge. The error of the gap is then its square.
 CONVERGENCE = 1e-12
 
 
@@ -66,7 +66,7 @@ def pose(track: Curve, outline: Curve, xi1, xi2):
 
 def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> MotionPoint:
     """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`. Raises
-    DoesNotFit where plate and track bend alike."""
+    DoesNotFit where plate and track have the same curvature."""
     P, p = float(track.speed(xi1)), float(outline.speed(xi2))
     bend_track, bend_outline = float(track.curvature(xi1)), float(outline.curvature(xi2))
     # The tangents turn together: κ_track ṡ_track = ω + κ_outline ṡ_outline, and slip = ṡ_track − ṡ_outline by (12).
@@ -107,12 +107,12 @@ def velocity_apart(
 def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
     """The outline parameter whose tangent is parallel to the track's at `xi1` while θ = 0.
 
-    Raises DoesNotFit if there is none or more than one (an outline that is not convex), which asks for xi2.
+    Raises DoesNotFit if there is none or more than one (an outline that is not convex); the start then needs xi2.
     """
     direction = track.tangent_angle(xi1)
     low, high = outline.span
     grid = np.linspace(low, high, 721)
-    # Whole turns between the two tangents, as a continuous function of the outline's parameter: zero mod 1 is wanted.
+    # Whole turns between the two tangents, as a continuous function of the outline's parameter: solve for zero mod 1.
     turns = (outline.tangent_angle(grid) - direction) / (2 * pi)
     lowest, highest = np.ceil(np.minimum(turns[:-1], turns[1:])), np.floor(np.maximum(turns[:-1], turns[1:]))
     parameters = []
@@ -163,7 +163,7 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
     """
     xi1, xi2 = near
     c, s = cos(theta), sin(theta)
-    # An engine's run asks this a hundred thousand times: what does not change is looked up before the loop.
+    # A run of an engine calls this a hundred thousand times: look up constants before the loop.
     track_jet, track_sizes, outline_jet, outline_sizes = track._jet, track.constants, outline._jet, outline.constants
     reach, tightest = outline.sizes
     rounding = ROUNDINGS * (abs(x) + abs(y) + reach)
@@ -187,7 +187,7 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
             shorten = _shorten((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach)
             step1, step2 = shorten * step1, shorten * step2
         xi1, xi2 = xi1 - step1, xi2 - step2
-        # Converged where a step moves both points by no more than a few roundings of places and parameters.
+        # Converged if a step moves both points by no more than a few roundings of positions and parameters.
         if (
             squared_step <= close
             and sqrt(pace1) * (abs(step1) - ROUNDINGS * abs(xi1)) <= rounding
@@ -195,8 +195,8 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
         ):
             break
     else:
-        # Where the curves nearly coincide a rounding moves the pair by more than that: it is the contact if it misses
-        # both conditions by rounding alone.
+        # Where the curves nearly coincide a rounding moves the pair by more than that: accept the pair if the residuals
+        # of both conditions are rounding.
         P, p = sqrt(pace1), sqrt(pace2)
         off = abs(f) / P <= CONVERGENCE * (abs(x) + abs(y) + reach + P * abs(xi1) + p * abs(xi2))
         if not (off and abs(g) <= CONVERGENCE * P * p):
@@ -206,9 +206,9 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
 
 
 def _shorten(along_track: tuple[float, ...], along_outline: tuple[float, ...], reach: float) -> float:
-    """The part of a step of Newton's method that stays where that converges; `reach` (m) of the outline.
+    """The fraction of a step of Newton's method that stays in its region of convergence; `reach` (m) of the outline.
 
-    Of track and outline: the step in the parameter, the first and the second derivative, in one frame.
+    `along_track`, `along_outline`: the step in the parameter, the first and the second derivative, in one frame.
     """
     (way1, radius1), (way2, radius2) = _way(*along_track), _way(*along_outline)
     longest1, longest2 = min(max(radius1, reach), STRAIGHTER * reach), min(radius2, reach)
