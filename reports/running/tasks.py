@@ -231,7 +231,7 @@ def judge(
         spreads=reading.spreads,
         score=scored,
         friction_factor=friction,
-        grade=grades.grade(scored.off),
+        grade=str(grades.grade(scored.off)),
         grade_reason=grades.reason(scored, truth.scale, friction),
         sequence=grades.sequence_note(scored, truth.scale),
         distance=away,

@@ -46,11 +46,11 @@ def test_the_users_own_setting_of_the_cache_stands():
 
 MOTIONS = """
 import sys, cases, reference
-from cases import kept
+from cases import compile_cache
 for method in sys.argv[2:]:
     motion = reference.simulate(cases.load(sys.argv[1]), method=method)
     samples = b"".join(getattr(motion, q).tobytes() for q in ("t", "x", "omega", "normal_force")).hex()
-    taken, made = kept.counted()
+    taken, made = compile_cache.counters()
     print(taken.total(), made.total(), samples)
 """
 

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from reports import build, options
-from reports.analysis import columns, cost_conclusions, number_format, verdict, which_engine
+from reports.analysis import columns, cost_conclusions, number_format, time_to_accuracy, verdict, which_engine
 from reports.page import dictionary, text
 from reports.running import solvers
 from reports.running.timing import timings
@@ -81,9 +81,18 @@ def test_what_a_rung_met_by_chance_is_called_so_and_has_no_time(report):
     for row in rest.itertuples():
         mine = points[(points.solver == row.solver) & (points.route == row.route) & (points.quantity == row.quantity)]
         assert (mine.absolute_error.min() <= row.accuracy) == (row.award == "by chance"), row
-    # The game engine's own facets meet the first transition better than they know it.
-    native = rest[(rest.route == "native") & (rest.quantity == "first_transition_time")]
-    assert "by chance" in set(native.award)
+
+
+def test_a_setting_that_a_finer_one_contradicts_reaches_by_chance():
+    errors = {"coarse": 5e-3, "lucky": 1e-6, "fine": 1e-3}
+    contradicted = {"coarse": 5e-3, "lucky": 1e-3, "fine": 1e-3}  # no better than any finer setting
+    group = [
+        {"absolute_error": error, "standing_error": contradicted[name], "floor_error": 1e-15}
+        | {"cpu_s": 1.0, "disturbed": False}
+        for name, error in errors.items()
+    ]
+    levels = {1e-2: "reached", 1e-4: "by chance", 1e-7: "never", 1e-16: "not known"}
+    assert {level: time_to_accuracy.award(group, level)[0] for level in levels} == levels
 
 
 def test_a_case_is_led_by_all_its_transitions_where_there_are_several(report):

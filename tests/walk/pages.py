@@ -74,7 +74,7 @@ CHECK = Step(
 ACCEPTED = Step("pytest --case-file=my_valley.py", (r"my_valley", r"verdict: all \d+ checks are within"), clone=True)
 REPORT = ("report/index.html", "report/manifest.json", "report/tables/transitions.csv")
 BUILT = (r"^1 case, \d+ runs in \d+ s: \d+ right", r"/report/index\.html$")
-RIGHT = r"^ *pymunk assisted +1 +0 +0 +0 .*"
+RIGHT = r"^ *pymunk assisted +1 of 1 .* excellent "
 EXPORTED = Step(
     "python -m cases export disc_in_circle mu=0.2",
     (r"^written: disc_in_circle/scene\.json$", r"^written: disc_in_circle/motion\.csv$"),
@@ -104,7 +104,7 @@ WALK = {
             Step(
                 "python -m reports.build --quick --engine ./my_engine",
                 (
-                    r"^ *my_engine process +1 +0 +2 +0 ",
+                    r"^ *(\d\. )?my_engine process +1 of 3 ",
                     r"^3 cases, \d+ runs in \d+ s: \d+ right",
                     r"/report/index\.html$",
                 ),
@@ -142,7 +142,7 @@ WALK = {
             COMPARED,
             Step(
                 'python -m reports.build --case "disc_in_circle[mu=0.2]" --trajectory mine=disc_in_circle/motion.csv',
-                (RIGHT, r"^ *mine file +1 +0 +0 +0 .*", *BUILT),
+                (RIGHT, r"^ *(\d\. )?mine file +1 of 1 .* excellent ", *BUILT),
                 REPORT,
             ),
             Step(
@@ -226,7 +226,7 @@ WALK = {
         (
             Step(
                 'python -m reports.build --engine ./my_engine --case "disc_on_line[mu=0.1]"',
-                (r"^ *my_engine process +1 +0 +0 +0 .*", *BUILT),
+                (r"^ *(\d\. )?my_engine process +1 of 1 ", *BUILT),
                 REPORT,
                 needs="node",
             ),

@@ -47,13 +47,13 @@ def remark(findings: Paper) -> Figure:
     """The closing remark as curves over μ₀, with the range in which rolling follows."""
     rows = findings.remark
     mus = np.array([row["mu"] for row in rows])
-    rolls = np.array([row["needed"] for row in rows], dtype=float) <= 1.0
+    rolls = np.array([row["demand"] for row in rows], dtype=float) <= 1.0
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 3, figsize=(10.4, 3.3), layout="constrained")
         panels = (
             ("time", "time of v = 0 / √((R − r)/g)"),
             ("xi1", "ξ₁ there / rad"),
-            ("needed", "|T| / (μ₀ N) to roll"),
+            ("demand", "|T| / (μ₀ N) to roll"),
         )
         reverses, follows = reversed(ordinal(2))
         for ax, (name, label) in zip(axes, panels, strict=True):
@@ -65,7 +65,7 @@ def remark(findings: Paper) -> Figure:
                 ax.plot(mus[mask], values[mask], color=colour, label=what)
             for mu in COEFFICIENTS:
                 ax.plot(mu, getattr(slip_end(mu), name), "o", color="black", markersize=4)
-            logarithmic(ax, "xy" if name == "needed" else "x")
+            logarithmic(ax, "xy" if name == "demand" else "x")
             ax.set_xlabel("μ₀")
             ax.set_ylabel(label)
         axes[1].axhline(np.pi / 2, color=FAINT, linewidth=0.8, linestyle=":")

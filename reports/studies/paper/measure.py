@@ -59,7 +59,7 @@ def equation_rows() -> list[Row]:
 def claim_rows() -> list[Row]:
     """One row for each of the paper's coefficients: where v vanishes, what follows, and the cone's margin there.
 
-    `needed`: the friction that rolling would need over the largest friction of the cone; `rolls_beyond` (rad): the disc
+    `demand`: the friction that rolling would need over the largest friction of the cone; `rolls_beyond` (rad): the disc
     rolls if it is released from rest beyond this ξ₁.
     """
     rows: list[Row] = []
@@ -71,7 +71,7 @@ def claim_rows() -> list[Row]:
                 "time_unitless": end.time,
                 "time": first.time,
                 "xi1": first.xi1,
-                "needed": end.demand,
+                "demand": end.demand,
                 "margin": 1.0 - end.demand,
                 "after": str(first.after),
                 "claim_holds": first.after is Mode.ROLL,
