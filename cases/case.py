@@ -70,7 +70,7 @@ class Case:
         """A case is pickled by value, whether it is in a catalogue or not."""
         return _restore, (self._values(),)
 
-    def named(self, name: str, parameters: Mapping[str, float]) -> Case:
+    def with_name(self, name: str, parameters: Mapping[str, float]) -> Case:
         """The same scene as the catalogue's case of that name with those parameters."""
         return _restore(self._values() | {"name": name, "parameters": dict(parameters)})
 

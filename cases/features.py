@@ -126,7 +126,7 @@ class Features:
         every = np.concatenate([np.linspace(low, high, count + 1), *fine])
         return np.unique(every[(every >= low) & (every <= high)])
 
-    def resolved(self, at: float) -> float:
+    def piece_length(self, at: float) -> float:
         """The length of the piece that a parameter lies in: there the function is a polynomial of degree `DEGREE`."""
         _, window, shift = self._window(at)
         i = min(max(bisect_right(window.edges, at - shift) - 1, 0), len(window.strides) - 1)

@@ -264,7 +264,7 @@ class OwnedFolder:
         return sorted(self._digests)
 
     @contextmanager
-    def locked(self, patience: float = _PATIENCE) -> Iterator[None]:
+    def write_lock(self, patience: float = _PATIENCE) -> Iterator[None]:
         """Create, check and lock the folder: inside, no other process writes to it.
 
         Raises BadValue if another process still holds the lock after `patience` seconds, and as `check`.
@@ -291,7 +291,7 @@ class OwnedFolder:
 
     def write(self, name: str, content: bytes) -> None:
         """Write one of our files. Raises BadValue if a user file is in its place."""
-        with self.locked():
+        with self.write_lock():
             self._check_free(name)
             content_digest = hashlib.sha256(content).hexdigest()
             # List it first: whenever the process ends, none of our files is mistaken for the user's.
@@ -301,7 +301,7 @@ class OwnedFolder:
             self._digests[name] = {content_digest}
 
     @contextmanager
-    def staged(self, whole: bool = False) -> Iterator[Path]:
+    def staging(self, whole: bool = False) -> Iterator[Path]:
         """A temporary folder to write files into; they are moved to their places if the block succeeds, else removed.
 
         `whole`: these are all files of the folder; our other files are removed. Raises BadValue if a user file is in
@@ -321,7 +321,7 @@ class OwnedFolder:
 
     def remove(self, names: Iterable[str]) -> None:
         """Remove these of our files, and folders that become empty."""
-        with self.locked():
+        with self.write_lock():
             for name in [*names]:
                 if not self._is_foreign(name):
                     (self.path / name).unlink(missing_ok=True)
@@ -333,14 +333,14 @@ class OwnedFolder:
 
     def clear(self) -> None:
         """Remove all of our files."""
-        with self.locked():
+        with self.write_lock():
             self.remove(self._digests)
 
     def _put(self, place: Path, whole: bool) -> None:
         new = {path.relative_to(place).as_posix(): path for path in sorted(place.rglob("*")) if path.is_file()}
         for path in new.values():
             _sync(path)
-        with self.locked():
+        with self.write_lock():
             for name in new:
                 self._check_free(name)
             digests = {name: {digest(path)} for name, path in new.items()}

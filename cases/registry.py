@@ -137,7 +137,7 @@ def load(name: str, **parameters) -> Case:
         raise BadValue(f"{bare} cannot be made with {values}: {describe(problem)}") from problem
     if not isinstance(scene, Case):
         raise BadValue(f"the case function {bare} returned {type(scene).__name__}; return a Case")
-    return scene.named(bare, parameters)
+    return scene.with_name(bare, parameters)
 
 
 def select(text: str, long: bool = False) -> list[Case]:

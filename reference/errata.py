@@ -18,7 +18,7 @@ from cases import curves as c
 from cases.contact import velocity
 
 from .paper.application import rolls_beyond
-from .paper.augmented import applied_torsor, mass_matrix, solve_augmented
+from .paper.augmented import applied_torsor, mass_matrix, solve_full_system
 from .paper.kinematics import I2, Kinematics, U, kinematics
 from .solve import simulate
 
@@ -32,7 +32,7 @@ class Erratum(NamedTuple):
     """
 
     where: str
-    printed: str
+    as_printed: str
     corrected: str
     printed_residual: float
     corrected_residual: float
@@ -104,20 +104,20 @@ def _9() -> Erratum:
 
 def _14() -> Erratum:
     case, k = _generic()
-    printed = k.Rp @ k.turn  # a row of two numbers: it has no sign
+    as_printed = k.Rp @ k.turn  # a row of two numbers: it has no sign
     slip = case.track.tangent(k.q[0]) @ (k.q_dot[0] * k.Rp - k.q_dot[1] * (k.turn @ k.rp))
     v = k.R0_dot + k.theta_dot * (U @ k.turn @ k.r)
     corrected = k.Rp @ v / np.linalg.norm(k.Rp)
     return Erratum(
         "(14)", "R_pᵀ·θ < 0", "R_pᵀ·v < 0", float("nan"), _relative(corrected, slip),
-        f"R_pᵀ·θ has shape {printed.shape} and no sign; R_pᵀ·v is the slip velocity times |R_p|",
+        f"R_pᵀ·θ has shape {as_printed.shape} and no sign; R_pᵀ·v is the slip velocity times |R_p|",
     )  # fmt: skip
 
 
 def _19() -> Erratum:
     case, k = _generic()
     state = (*k.q, *k.q_dot)
-    solution, M = solve_augmented(case, Mode.SLIP_FORWARD, state), mass_matrix(case)
+    solution, M = solve_full_system(case, Mode.SLIP_FORWARD, state), mass_matrix(case)
     q_ddot = np.array([*solution.q1_ddot, *solution.q2_ddot])
     tangent = k.Rp / np.linalg.norm(k.Rp)
     F_L = _torsor(k, solution.normal_force * (U @ tangent) + solution.friction_force * tangent)
@@ -178,18 +178,18 @@ def _35_slip() -> Erratum:
 
 def _35_axes() -> Erratum:
     xi1, xi1_dot, L, g = 0.6, 1.7, 0.9, 9.81
-    printed = [g / L * (cos(xi1) - MU * sin(xi1)) - MU * xi1_dot**2, g * sin(xi1) + L * xi1_dot**2]
+    as_printed = [g / L * (cos(xi1) - MU * sin(xi1)) - MU * xi1_dot**2, g * sin(xi1) + L * xi1_dot**2]
 
     def actual(direction):
         case = cases.load("disc_in_circle", mu=MU)
         gravity = (Gravity(g, direction), *case.effects[1:])
         variant = Case(case.track, case.plate, gravity, case.start, case.duration)
-        solution = solve_augmented(variant, Mode.SLIP_FORWARD, (xi1, 0.0, xi1_dot, 0.0))
+        solution = solve_full_system(variant, Mode.SLIP_FORWARD, (xi1, 0.0, xi1_dot, 0.0))
         return [solution.q2_ddot[0], solution.normal_force]
 
     return Erratum(
         "(35), axes", "(no word on the axes: Y up)", "Y points down (gravity along +Y), and v > 0",
-        _relative(printed, actual(-np.pi / 2)), _relative(printed, actual(np.pi / 2)),
+        _relative(as_printed, actual(-np.pi / 2)), _relative(as_printed, actual(np.pi / 2)),
         "ξ̈₁ and N of (35) are those of (27) with gravity along +Y",
     )  # fmt: skip
 
@@ -200,7 +200,7 @@ def _claim_of_rolling(mu: float) -> Erratum:
     motion = simulate(case, rtol=1e-12)
     first = motion.transitions[0]
     rates = velocity(case, first.xi1, first.xi2, 0.0, float(motion(first.time).omega))
-    roll = solve_augmented(case, Mode.ROLL, (first.xi1, first.xi2, rates.xi1_dot, rates.xi2_dot))
+    roll = solve_full_system(case, Mode.ROLL, (first.xi1, first.xi2, rates.xi1_dot, rates.xi2_dot))
     demand = abs(roll.friction_force) / (mu * roll.normal_force)
     follows = "it rolls, the claim holds" if first.after is Mode.ROLL else "the slip reverses, the claim fails"
     bound = rolls_beyond(mu)

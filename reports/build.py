@@ -127,7 +127,7 @@ def _build(plan: BuildPlan) -> int:
             costs = _measure(plan, local_runs, calls)
             study_results = _study(plan, calls)
             experiment = external_motions.join_external(local_runs, plan.trajectories)
-            with folder.of_report(plan.out).staged(whole=True) as place, for_print(plan.paper):
+            with folder.of_report(plan.out).staging(whole=True) as place, for_print(plan.paper):
                 verdicts, left_out = _write(plan, experiment, local_runs, costs, study_results, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .running.external_motions import External
 
 # The case families of a quick report, which every solver can run.
-SHARED = ("disc_in_circle", "disc_on_incline", "disc_on_line")
+QUICK_CASES = ("disc_in_circle", "disc_on_incline", "disc_on_line")
 # Families with whole ladders in a default report, so that they can be timed: typical scenes of engines, a lift-off, a
 # plate that is not a disc, a track with a search for second contacts, a flight with an impact, and a measured outline.
 WHOLE = (
@@ -246,7 +246,7 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     out = check_out(options.out)
     store = check_store(options.store, out)
     names = options.case or own
-    case_list, more = choose_cases(names or (SHARED if effort == "quick" else cases.names(hard=False)), effort)
+    case_list, more = choose_cases(names or (QUICK_CASES if effort == "quick" else cases.names(hard=False)), effort)
     external = _trajectories(options.trajectory, case_list) + _submissions(options.submissions, case_list)
     is_selection = bool(names)
     if options.dask is not None and own_engines:

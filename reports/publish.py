@@ -58,7 +58,7 @@ def publish(report: Path, results: Path) -> Path:
     _check(manifest, report, names)
     place = folder.of_report(results / cases.__version__, "release")
     place.check()
-    with place.staged(whole=True) as partial:
+    with place.staging(whole=True) as partial:
         files = [name for name in names if not name.startswith("figures/") or name in _FIGURES]
         for name in files:
             (partial / name).parent.mkdir(parents=True, exist_ok=True)

@@ -68,7 +68,7 @@ def _make(
         raise KeyboardInterrupt(store.kept_words()) from None
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
-    with folder.of_study(out).staged(whole=True) as place:
+    with folder.of_study(out).staging(whole=True) as place:
         files = text.write(result.frames, result.words, place, command, writes_pdf())
         files += dictionary.write(result.frames, result.words, place, command)
         for figure in result.draw(place):

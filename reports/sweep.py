@@ -107,7 +107,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"finished rows are in {out}; give the same command to continue") from None
         counts = maps.counts(folder)
-        with folder.staged() as place:
+        with folder.staging() as place:
             pictures = [*maps.draw(plan, folder, place, engines, edges)]
             for figure in pictures:
                 embed_command(place, figure, command)

@@ -106,7 +106,7 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
     """Farthest parameter reached in one direction, the arc length to it, and the top speed on the way."""
     track, flies = case.track, case.effect(Flight) is not None
     far = FIRST * case.plate.reach / float(track.speed(xi1))
-    limited = track.period is not None or track.domain is not None
+    has_end = track.period is not None or track.domain is not None
     if track.period:
         far = track.period
     elif track.domain:
@@ -118,11 +118,11 @@ def _walk(case: Case, xi1: float, way: int, energy: float, longest: float, margi
             point, speed = track.point(s), track.speed(s)
             is_track = np.isfinite(point).all(axis=0) & np.isfinite(speed) & (speed > 0.0)
         if not is_track.all():  # beyond the range of doubles: stop before
-            far, limited = far * max(int(np.argmin(is_track)) - 1, 1) / 2000, True
+            far, has_end = far * max(int(np.argmin(is_track)) - 1, 1) / 2000, True
             continue
         run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * far / 2000
         away = np.hypot(*(point - point[:, :1])) if flies else run
-        if limited or away[-1] > longest + margin:
+        if has_end or away[-1] > longest + margin:
             break
         far *= 2.0
     centre = point + case.plate.radius * track.normal(s) if case.plate.radius else point

@@ -1,8 +1,8 @@
 """Laws of mechanics that adapters are checked against, in the tests and by the command `python -m adapters.laws`.
 
 `LAWS` maps names to laws, plain functions of a `Route`. A law raises AssertionError, which begins with its name, if the
-route breaks it, `Unsupported` if the route cannot model its scene, and `NotReported` if the route does not report what
-quantity that the law needs. `judge` checks them all. For tests of other adapters there are the laws themselves
+route breaks it, `cases.NotSupported` if the route cannot model its scene, and `MissingQuantity` if the route does not
+report a quantity that the law needs. `judge` checks them all. For tests of other adapters there are the laws themselves
 (`adapters.laws.mechanics`), their scenes, `mirror` and `turn_gravity`, and `hold` with the scales of an error.
 """
 
@@ -11,16 +11,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
+from cases import NotSupported
+
 from . import effects, mechanics
 from .mechanics import SCENES, Law, mirror, turn_gravity
-from .runs import LawRun, NotReported, Route, Unsupported, hold
+from .runs import LawRun, MissingQuantity, Route, hold
 
 __all__ = [
     "LAWS",
     "SCENES",
     "Law",
-    "NotReported",
-    "Unsupported",
+    "MissingQuantity",
     "Route",
     "LawRun",
     "Verdict",
@@ -58,9 +59,9 @@ def judge(adapter: Any, laws: Iterable[str] = tuple(LAWS), routes: Iterable[str]
 def _try(law: str, route: Route) -> tuple[str, str]:
     try:
         LAWS[law](route)
-    except Unsupported as refusal:
+    except NotSupported as refusal:
         return "refused", str(refusal)
-    except NotReported as silence:
+    except MissingQuantity as silence:
         return "not reported", str(silence)
     except AssertionError as violation:
         return "broken", str(violation)

@@ -1,8 +1,8 @@
 """Laws of mechanics that every adapter is checked against, as plain functions of one route of an adapter.
 
 `LAWS` names them all. A law raises AssertionError, which begins with the law's name, if the route breaks it, and
-Unsupported if the route cannot model the law's scene. No law compares solvers: each follows from Newton's and Coulomb's
-laws, or from a symmetry of theirs. Tolerances are those of `adapters.laws.runs`.
+NotSupported if the route cannot model the law's scene. No law compares solvers: each follows from Newton's and
+Coulomb's laws, or from a symmetry of theirs. Tolerances are those of `adapters.laws.runs`.
 """
 
 from __future__ import annotations
@@ -14,11 +14,24 @@ from math import atan, cos, pi, sin
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Plate, Start, Trajectory, Unilateral, curves, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    Gravity,
+    NotSupported,
+    Plate,
+    Start,
+    Trajectory,
+    Unilateral,
+    curves,
+    disc,
+)
 from cases.contact import follow, pose, slip_velocity, start_motion
 from cases.mechanics import energy, energy_growth
 
-from .runs import G, LawRun, Route, Unsupported, hold
+from .runs import G, LawRun, Route, hold
 
 # --- scenes ----------------------------------------------------------------------------------------------------------
 
@@ -136,7 +149,7 @@ def friction_opposes_slip(route: Route, scene: Case) -> None:
     sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * _ease(scene.plate)
     sure[0] = False
     if sure.sum() < 10:
-        raise Unsupported("the plate hardly slips in this scene")
+        raise NotSupported("the plate hardly slips in this scene")
     normal, friction = run.forces
     against, push = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
     # On facets the force of one step is noise, but the sum is not.

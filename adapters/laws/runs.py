@@ -32,11 +32,7 @@ RUNG = -2
 MOST_VERTICES = 500
 
 
-class Unsupported(Exception):
-    """The route cannot model the law's scene; the text is the adapter's reason."""
-
-
-class NotReported(Exception):
+class MissingQuantity(Exception):
     """The route does not report a quantity of the law, which the text names. The law is neither kept nor broken."""
 
 
@@ -48,7 +44,7 @@ class Route:
     name: str
 
     def run(self, case: Case) -> LawRun:
-        """The motion at the second-finest rung; raises Unsupported."""
+        """The motion at the second-finest rung; raises NotSupported."""
         return _run(self.adapter, self.name, case)
 
 
@@ -63,10 +59,10 @@ class LawRun:
 
     @property
     def forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Normal and friction force, N; raises NotReported if the route reports none."""
+        """Normal and friction force, N; raises MissingQuantity if the route reports none."""
         for name in ("normal_force", "friction_force"):
             if not np.isfinite(getattr(self.motion, name)).any():
-                raise NotReported(f"it reports no {name.replace('_', ' ')}")
+                raise MissingQuantity(f"it reports no {name.replace('_', ' ')}")
         return self.motion.normal_force, self.motion.friction_force
 
     @property
@@ -123,17 +119,14 @@ class LawRun:
 def _run(adapter, route: str, case: Case) -> LawRun:
     refusal = adapter.refuses(case, route)
     if refusal:
-        raise Unsupported(refusal)
+        raise NotSupported(refusal)
     differences = other_laws(adapter, case, route)
     if differences:
-        raise Unsupported("; ".join(differences))
+        raise NotSupported("; ".join(differences))
     ladder = adapter.ladder(case, route)
     setting = [rung for rung in ladder if rung.get("vertices", 0) <= MOST_VERTICES][RUNG]
     model = adapter.build(case, route, setting)
-    try:
-        adapter.run(model)
-    except NotSupported as refusal:
-        raise Unsupported(str(refusal)) from refusal
+    adapter.run(model)
     return LawRun(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))
 
 

@@ -28,7 +28,7 @@ SECOND = "contact frame"
 # The witness with the fewest steps is the first of these that is available.
 QUICKEST = ("taylor 1e-12", "dop853 1e-13")
 # The status of a motion that reached the limit on work.
-UNFINISHED = "unfinished"
+IN_PROGRESS = "unfinished"
 # The tolerance at which each method's error reaches rounding.
 FINEST = {"taylor": 1e-14, "dop853": 1e-13}
 
@@ -74,7 +74,7 @@ def witnesses(case: Case) -> tuple[list[Witness], list[str]]:
         except NotSupported as problem:
             missing[name] = f"{name} cannot run: {problem}"
             continue
-        if one.status != UNFINISHED:
+        if one.status != IN_PROGRESS:
             able[name] = one
             continue
         missing[name] = f"{name} reached its limit on steps at {one.end:.9g} s"

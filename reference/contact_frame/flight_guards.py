@@ -12,7 +12,7 @@ from cases.contact import pose
 from . import bouncing, flight, impact, short_flights
 from .bouncing import Bounce
 from .equations import ContactPhase, leaves
-from .motion_state import UNFINISHED, ContactState, EndState, FlightState, LandingState, LiftOff, MotionState
+from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, LiftOff, MotionState
 from .moving import Motion, limits
 from .pairs import Touch, frame
 
@@ -79,7 +79,7 @@ def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
     for start, until, interpolant in path.pieces:
         course.record.flight(start, until, interpolant)
     if path.touch is None:
-        return EndState("completed" if course.t >= course.end else UNFINISHED)
+        return EndState("completed" if course.t >= course.end else IN_PROGRESS)
     xi1, xi2, turns = _unwind(course, path.touch)
     contact = frame(course.scene, path.touch.body, xi1, xi2)
     return LandingState([xi1, xi2, path.touch.body[5], contact.slip], turns, contact.lift)

@@ -15,7 +15,7 @@ from .steps import WorkBudget
 from .surroundings import Surroundings
 
 # The status of a motion that reached the limit on work.
-UNFINISHED = "unfinished"
+IN_PROGRESS = "unfinished"
 
 
 class ContactState(NamedTuple):

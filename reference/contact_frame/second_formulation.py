@@ -22,7 +22,7 @@ from cases.contact import start_motion
 from . import flight_guards
 from .advancement import TooManyRounds
 from .equations import ContactPhase, leaves, lets_go, rates
-from .motion_state import UNFINISHED, ContactState, EndState, FlightState, LandingState, MotionState
+from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
 from .overlap import Overlaps
 from .steps import FrequencyLimitedDOP853, StepFailure
 
@@ -98,7 +98,7 @@ def _run(course: MotionState) -> SecondMotion:
     changes, counted_until = 0, 0.0
     while not isinstance(now, EndState):
         if course.work.used_up:
-            now = EndState(UNFINISHED)
+            now = EndState(IN_PROGRESS)
             break
         if course.t >= counted_until:
             changes, counted_until = 0, course.t + _turn(course, now)
@@ -109,7 +109,7 @@ def _run(course: MotionState) -> SecondMotion:
         try:
             now = _contact(course, now) if isinstance(now, ContactState) else flight_guards.fly(course, now)
         except TooManyRounds:
-            now = EndState(UNFINISHED)
+            now = EndState(IN_PROGRESS)
     if not course.record.finite_until(course.t):
         raise StepFailure(
             f"the second formulation's motion is not finite before t = {course.t:.9g} s; give smaller numbers"
@@ -177,7 +177,7 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
     guard_names = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
     if not guard_names:
-        return EndState("completed" if course.t >= course.end else UNFINISHED)
+        return EndState("completed" if course.t >= course.end else IN_PROGRESS)
     stop = next((STOPS[name] for name in guard_names if name in STOPS), None)
     if stop:
         return EndState(stop)

@@ -124,6 +124,6 @@ def _is_resolved(case: Case, start: Look, look: Look) -> bool:
     """Whether the pair moves between two looks by less than a part of a range in which the curves are polynomials."""
     curves = (case.track, case.plate.outline)
     return all(
-        curve.features is None or abs(after - before) <= PIECE * curve.features.resolved(before)
+        curve.features is None or abs(after - before) <= PIECE * curve.features.piece_length(before)
         for curve, before, after in zip(curves, start.pair, look.pair, strict=True)
     )

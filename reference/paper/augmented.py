@@ -203,7 +203,7 @@ def augmented_system(
     return system.matrix, system.right
 
 
-def solve_augmented(
+def solve_full_system(
     case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
 ) -> Solution:
     """Accelerations, multipliers and contact forces from (27); raises numpy.linalg.LinAlgError where it is singular."""

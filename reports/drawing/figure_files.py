@@ -62,9 +62,9 @@ def short_digest(label: str) -> str:
 
 
 @contextmanager
-def for_print(enabled: bool = True) -> Iterator[None]:
+def for_print(also_pdf: bool = True) -> Iterator[None]:
     """A context in which figures are also written as PDF, if `enabled`."""
-    before = _WRITES_PDF.set(enabled)
+    before = _WRITES_PDF.set(also_pdf)
     try:
         yield
     finally:
@@ -80,7 +80,7 @@ def writes_pdf() -> bool:
 class FigureContent:
     """The contents of a figure's files: SVG text, and bytes of a PNG and a PDF (empty if there is none)."""
 
-    drawn: FigureEntry
+    entry: FigureEntry
     svg: str
     png: np.ndarray
     pdf: np.ndarray
@@ -94,13 +94,13 @@ class FigureContent:
 
     def write(self, folder: Path) -> FigureEntry:
         """Write NAME.svg to the folder (and NAME.png, NAME.pdf); nothing for a figure that failed."""
-        if not self.drawn.name:
-            return self.drawn
-        (folder / f"{self.drawn.name}.svg").write_text(self.svg, encoding="utf-8")
+        if not self.entry.name:
+            return self.entry
+        (folder / f"{self.entry.name}.svg").write_text(self.svg, encoding="utf-8")
         for kind, content in (("png", self.png), ("pdf", self.pdf)):
             if len(content):
-                (folder / f"{self.drawn.name}.{kind}").write_bytes(content.tobytes())
-        return self.drawn
+                (folder / f"{self.entry.name}.{kind}").write_bytes(content.tobytes())
+        return self.entry
 
 
 def picture(figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False) -> FigureContent:

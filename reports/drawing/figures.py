@@ -72,7 +72,7 @@ def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> li
                     plt.close("all")  # also after a failure
 
             picture_, omitted = per_solver.make_per_solver(draw, (part,), solvers, f"figure {file}")
-            pictures.append(replace(picture_, drawn=replace(picture_.drawn, left_out=tuple(omitted))))
+            pictures.append(replace(picture_, entry=replace(picture_.entry, left_out=tuple(omitted))))
     return pictures
 
 

@@ -21,9 +21,9 @@ NAMES = ("columns.md", "datapackage.json")
 def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str) -> list[Path]:
     """Write both files for all tables to a folder; returns them. Raises ValueError for a column without description."""
     for name, frame in tables.items():
-        undescribed = [c for c in frame.columns if not words[name].columns.get(str(c))]
-        if undescribed:
-            raise ValueError(f"no description of {', '.join(map(str, undescribed))} in the table {name}")
+        missing = [c for c in frame.columns if not words[name].columns.get(str(c))]
+        if missing:
+            raise ValueError(f"no description of {', '.join(map(str, missing))} in the table {name}")
     files = [folder / name for name in NAMES]
     files[0].write_text(_for_people(tables, words, command), encoding="utf-8")
     package = {"name": "slip-to-roll-tables", "resources": [_resource(n, f, words[n]) for n, f in tables.items()]}

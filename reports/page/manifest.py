@@ -40,7 +40,7 @@ def required_versions(suite: str = "slip-to-roll", extras: Iterable[str] = _EXTR
     """Versions of all installed direct and indirect dependencies of the suite; empty if the suite itself is not
     installed."""
     package_versions: dict[str, str] = {}
-    visited: set[tuple[str, str]] = set()
+    past: set[tuple[str, str]] = set()
     waiting = [(suite, extra) for extra in ("", *extras)]
     while waiting:
         name, extra = waiting.pop()
@@ -51,8 +51,8 @@ def required_versions(suite: str = "slip-to-roll", extras: Iterable[str] = _EXTR
         package_versions[canonicalize_name(name)] = package.version
         for requirement in map(Requirement, package.requires or ()):
             if requirement.marker is None or requirement.marker.evaluate({"extra": extra}):
-                new_requirements = {(requirement.name, more) for more in ("", *requirement.extras)} - visited
-                visited |= new_requirements
+                new_requirements = {(requirement.name, more) for more in ("", *requirement.extras)} - past
+                past |= new_requirements
                 waiting += new_requirements
     package_versions.pop(suite, None)
     return dict(sorted(package_versions.items()))
@@ -69,7 +69,5 @@ def _commit() -> str:
 
 
 def _git(*words: str) -> str:
-    completed = subprocess.run(
-        ["git", "-C", str(_ROOT), *words], capture_output=True, text=True, check=True, timeout=10
-    )
-    return completed.stdout.strip()
+    process = subprocess.run(["git", "-C", str(_ROOT), *words], capture_output=True, text=True, check=True, timeout=10)
+    return process.stdout.strip()

@@ -37,7 +37,7 @@ def motions(experiment: Experiment) -> tuple[list[dict[str, Any]], list[LeftOut]
     data, omissions = [], []
     for case in experiment.cases:
         solvers = [run.solver for run in experiment.runs if run.case == case.label]
-        make = partial(lambda case, reduced: motion(reduced, case), case)
+        make = partial(lambda case, part: motion(part, case), case)
         motion_data, omitted = per_solver.make_per_solver(make, (experiment,), solvers, f"player of {case.label}")
         data += [motion_data] if motion_data else []
         omissions += omitted

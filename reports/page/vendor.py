@@ -18,7 +18,7 @@ from typing import Any
 from cases.owned_folder import write
 
 FOLDER = Path(__file__).parent / "vendor"
-PACKAGES, TOLD = FOLDER / "packages.json", FOLDER / "vendored.json"
+PACKAGES, VERSIONS = FOLDER / "packages.json", FOLDER / "vendored.json"
 
 
 def update(latest: bool = False) -> list[dict[str, Any]]:
@@ -32,23 +32,23 @@ def update(latest: bool = False) -> list[dict[str, Any]]:
     ]
     for package in packages:
         request[package["package"]]["version"] = package["version"]
-    for file, content in ((PACKAGES, request), (TOLD, packages)):
+    for file, content in ((PACKAGES, request), (VERSIONS, packages)):
         write(file, json.dumps(content, indent=1) + "\n")
     return packages
 
 
 def libraries() -> list[dict[str, Any]]:
     """The packages in the folder: package, version, licence, homepage, files with their digests."""
-    return json.loads(TOLD.read_text(encoding="utf-8"))
+    return json.loads(VERSIONS.read_text(encoding="utf-8"))
 
 
 def _fetch(name: str, version: str, files: dict[str, str]) -> dict[str, Any]:
     """Fetch one package; `files`: local file names by path in the package."""
     with tempfile.TemporaryDirectory() as place:
-        packed = subprocess.run(
+        packing = subprocess.run(
             ["npm", "pack", "--silent", f"{name}@{version}"], cwd=place, check=True, capture_output=True, text=True
         )
-        with tarfile.open(Path(place) / packed.stdout.split()[-1]) as archive:
+        with tarfile.open(Path(place) / packing.stdout.split()[-1]) as archive:
             members = {m.name.partition("/")[2]: archive.extractfile(m) for m in archive.getmembers() if m.isfile()}
             about = json.loads(members["package.json"].read())  # type: ignore[union-attr]
             digests = {}

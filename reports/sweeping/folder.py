@@ -35,7 +35,7 @@ class Folder(OwnedFolder):
         Raises BadValue if the folder holds anything else (with `fresh`, any sweep is accepted), if a user's file has
         the name of one of ours, or if another process writes to it.
         """
-        with self.locked(patience=0.0):
+        with self.write_lock(patience=0.0):
             if self.fresh:
                 self.clear()
             other = _different(self.value("asked"), json.loads(json.dumps(identity)))

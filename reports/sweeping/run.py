@@ -84,10 +84,10 @@ def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], m
     Raises BadValue if the folder has rows of another version of the engine, or of another version of its adapter.
     """
     environment_now = {**versions_of([solver]), "its adapter": fingerprint.adapter_sources(solver)[:16]}
-    recorded = folder.value(f"made with {solver}")
-    if recorded not in (None, environment_now):
+    before = folder.value(f"made with {solver}")
+    if before not in (None, environment_now):
         raise BadValue(
-            f"{folder.path} holds rows of {recorded}, not {environment_now}; give another --out, or --fresh to delete "
+            f"{folder.path} holds rows of {before}, not {environment_now}; give another --out, or --fresh to delete "
             "them"
         )
     folder.record({f"made with {solver}": environment_now})

@@ -33,7 +33,7 @@ def holds(folder: Path) -> dict[str, str]:
 def made(folder: Path, names, text: str = "ours") -> OwnedFolder:
     """A report with files of those names."""
     report = OwnedFolder(folder, "report", ("index.html", "tables/*"), ("index.html",))
-    with report.staged(whole=True) as place:
+    with report.staging(whole=True) as place:
         for name in names:
             (place / name).parent.mkdir(exist_ok=True)
             (place / name).write_text(text)
@@ -215,7 +215,7 @@ def test_a_line_that_a_loss_of_power_cut_short_is_passed_over(tmp_path):
 
 def test_what_the_user_changes_while_we_work_stays(tmp_path):
     report = made(tmp_path, ["index.html", "tables/a.csv"])
-    with report.locked():
+    with report.write_lock():
         (tmp_path / "tables" / "a.csv").write_text("precious")
         report.clear()
         (tmp_path / "index.html").write_text("precious")
@@ -256,11 +256,11 @@ def test_killed_at_any_step_a_report_is_the_old_or_the_new_one_or_unfinished(mem
 
 def test_one_process_at_a_time_writes_a_folder(tmp_path):
     one, other = (OwnedFolder(tmp_path / "sweep", "sweep") for _ in range(2))
-    with one.locked():
+    with one.write_lock():
         one.write("a", b"1")
         with pytest.raises(BadValue, match="another command writes to .*sweep; wait for it, or give another --out"):
-            other.locked(patience=0.1).__enter__()
-    with other.locked(patience=0.0):
+            other.write_lock(patience=0.1).__enter__()
+    with other.write_lock(patience=0.0):
         other.write("b", b"2")
     assert holds(tmp_path / "sweep") == {"a": "1", "b": "2"}
 
@@ -277,7 +277,7 @@ def test_a_full_disk_leaves_the_old_report_and_no_new_folder(tmp_path):
 
 
 def test_the_users_empty_folder_is_left_where_work_fails(tmp_path):
-    with pytest.raises(RuntimeError), OwnedFolder(tmp_path, "report").staged():
+    with pytest.raises(RuntimeError), OwnedFolder(tmp_path, "report").staging():
         raise RuntimeError("the work fails")
     assert tmp_path.is_dir() and not list(tmp_path.iterdir())
 
@@ -381,7 +381,7 @@ class UserAndWe(RuleBasedStateMachine):
         return OwnedFolder(self.folder, "report", ("index.html", "tables/*"), ("index.html",))
 
     def build(self, names, whole, text):
-        with self.report().staged(whole) as place:
+        with self.report().staging(whole) as place:
             for name in names:
                 (place / name).parent.mkdir(exist_ok=True)
                 (place / name).write_text(text)

@@ -30,7 +30,7 @@ from cases.trajectory import State
 from reference.augmented_integrator import ContactQuantities, LiteralSystem
 from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
-from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_augmented, uniqueness
+from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_full_system, uniqueness
 from reference.paper.contact_forces import contacts
 from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate, slip_velocity
 from tests.scenes.elliptic import elliptic_scenes, examples
@@ -52,7 +52,7 @@ def test_multipliers_satisfy_newton_and_euler(case):
     gravity, m, J = case.effect(Gravity), case.plate.mass, case.plate.inertia
     for mode in modes(case):
         state = _state(case, mode)
-        solution, k = solve_augmented(case, mode, state), kinematics(case, *state)
+        solution, k = solve_full_system(case, mode, state), kinematics(case, *state)
         tangent = k.Rp / np.linalg.norm(k.Rp)
         force = solution.normal_force * (U @ tangent) + solution.friction_force * tangent
         weight = m * gravity.g * np.array([np.cos(gravity.direction), np.sin(gravity.direction)])
@@ -69,7 +69,7 @@ def test_accelerations_satisfy_the_constraints_differentiated_numerically(case):
     # The derivative of (8) and (9) along the motion by central differences: nothing of (25) is used.
     for mode in modes(case):
         state = np.array(_state(case, mode))
-        solution = solve_augmented(case, mode, state)
+        solution = solve_full_system(case, mode, state)
         h = 1e-5
 
         def velocities(s, h=h, state=state, acceleration=solution.q2_ddot):
@@ -89,7 +89,7 @@ def test_accelerations_satisfy_the_constraints_differentiated_numerically(case):
 def test_eliminated_equations_agree_with_the_literal_matrix(case):
     for mode in modes(case):
         state = _state(case, mode)
-        solution, now = solve_augmented(case, mode, state), phase(case, Regime(mode))
+        solution, now = solve_full_system(case, mode, state), phase(case, Regime(mode))
         m = now.system.outputs_of_numbers(0.0, state_in(now, state), now.parameters)
         eliminated = type(now.system.outputs)(*m)
         literal = [*solution.q2_ddot, solution.normal_force, solution.friction_force, solution.q1_ddot[2]]
@@ -120,7 +120,7 @@ def test_many_instants_at_once_tell_what_each_tells_alone(case):
             states = [np.array([*y[:3], without_slip(case, *y[:3])]) for y in states]
         at_once = contacts(case, mode, [tuple(y.tolist()) for y in states])
         for place, y in enumerate(states):
-            alone, k = solve_augmented(case, mode, y), kinematics(case, *y)
+            alone, k = solve_full_system(case, mode, y), kinematics(case, *y)
             # The same sums in the same order; where a library multiplies matrices in another one, their rounding.
             size = abs(alone.normal_force) + abs(alone.friction_force)
             assert at_once.normal_force[place] == pytest.approx(alone.normal_force, abs=1e-10 * size)
@@ -216,7 +216,7 @@ def test_a_load_acts_in_the_literal_system():
     # A disc slides on a level line: m ẍ = F_x − μ m g.
     effects = (Gravity(9.81), Load(fx=5.0), CoulombFriction(0.1), Unilateral())
     case = Case(line(), disc(0.1, 1.0), effects, Start(0.0, slip=1.0), 1.0)
-    solved = solve_augmented(case, Mode.SLIP_FORWARD, start_state(case))
+    solved = solve_full_system(case, Mode.SLIP_FORWARD, start_state(case))
     assert solved.q1_ddot[0] == pytest.approx(5.0 - 0.981, rel=1e-14)
 
 
@@ -225,10 +225,10 @@ def test_rolling_resistance_and_rest_are_rows_and_columns_of_their_own():
     effects = (Gravity(9.81), CoulombFriction(0.5), RollingResistance(0.01), Unilateral())
     case = Case(line(), disc(0.1, 2.0), effects, Start(0.0, omega=-3.0), 1.0)
     y = start_state(case)
-    rolling = solve_augmented(case, Mode.ROLL, y)
+    rolling = solve_full_system(case, Mode.ROLL, y)
     assert rolling.q1_ddot[2] == pytest.approx(0.01 * 9.81 / 0.015, rel=1e-13)
     assert rolling.couple == pytest.approx(0.01 * 2.0 * 9.81, rel=1e-13)
-    resting = solve_augmented(case, Mode.REST, (*y[:2], 0.0, 0.0))
+    resting = solve_full_system(case, Mode.REST, (*y[:2], 0.0, 0.0))
     assert [*resting.q1_ddot, *resting.q2_ddot, resting.friction_force, resting.couple] == pytest.approx([0.0] * 7)
     assert resting.normal_force == pytest.approx(2.0 * 9.81, rel=1e-14)
     sizes = {mode: len(augmented_system(case, mode, y)[0]) for mode in (Mode.SLIP_FORWARD, Mode.ROLL, Mode.REST)}

@@ -234,12 +234,12 @@ def test_a_figure_that_fails_with_a_solver_is_drawn_without_it(rendered, ran, mo
         monkeypatch.setattr(figures, "picture", unrendered)
     given = spoilt(ran, {}, dict(samples=SHORT, off=SHORT), dict(cost=None))
     drawn = figures.draw_case(CASE, given, LineStyles((run.solver, run.route) for run in given.runs), True)
-    left = {one.drawn.name.partition("_")[0]: [out.solver for out in one.drawn.left_out] for one in drawn}
+    left = {one.entry.name.partition("_")[0]: [out.solver for out in one.entry.left_out] for one in drawn}
     assert left == {
         "headline": [f"{SPOILT}_1"], "scene": [], "motion": [f"{SPOILT}_1"], "errors": [f"{SPOILT}_2"],
     }  # fmt: skip
     assert not rendered or all("<svg" in one.svg for one in drawn)
-    assert f"Without {SPOILT}_1, whose results could not be shown: " in per_solver.words(drawn[0].drawn.left_out)
+    assert f"Without {SPOILT}_1, whose results could not be shown: " in per_solver.words(drawn[0].entry.left_out)
 
 
 def unrendered(figure, name, case, title, caption, png=False) -> FigureContent:
@@ -250,8 +250,8 @@ def test_what_accuracy_costs_is_drawn_without_a_solver_that_fails(ran, measured,
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(work_precision, "save", lambda *given: FigureEntry("", "", "", ""))
     drawn = pictures.draw_figures("", False, spoilt(ran, dict(distance=None)), measured)
-    assert drawn and all([one.solver for one in each.drawn.left_out] == [f"{SPOILT}_0"] for each in drawn)
-    assert not any(each.drawn.left_out for each in pictures.draw_figures("", False, ran, measured))
+    assert drawn and all([one.solver for one in each.entry.left_out] == [f"{SPOILT}_0"] for each in drawn)
+    assert not any(each.entry.left_out for each in pictures.draw_figures("", False, ran, measured))
 
 
 # --- timings ----------------------------------------------------------------------------------------------------------

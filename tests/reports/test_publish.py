@@ -103,7 +103,7 @@ def made_report(made: Path) -> Path:
     told = {name: value for name, value in MANIFEST.items() if name not in ("sha256", "licence", "files")}
     told["solvers"] |= {"reference": cases.__version__}
     told["cases"] = {case.label: {} for name in cases.names(hard=False) for case in cases.select(name)}
-    with folder.of_report(made).staged(whole=True) as place:
+    with folder.of_report(made).staging(whole=True) as place:
         shutil.copytree(LAST, place, dirs_exist_ok=True, ignore=shutil.ignore_patterns("constraints.txt", LIST))
         (place / "manifest.json").write_text(json.dumps(told))
         (place / "figures" / "headline.svg").write_text(publish.CASE)
@@ -113,7 +113,7 @@ def made_report(made: Path) -> Path:
 def changed(report: Path, name: str, content: str | bytes | None) -> None:
     """Another content of a file, or none, as if a build had written it so."""
     made = folder.of_report(report)
-    with made.locked():
+    with made.write_lock():
         made.remove([name])
         if content is not None:
             made.write(name, content if isinstance(content, bytes) else content.encode())

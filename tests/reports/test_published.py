@@ -51,7 +51,7 @@ def test_our_motion_has_the_published_numbers(publication, accuracy):
 
 def test_a_number_that_is_wrong_is_found():
     right = BY_NAME["DEM04, slip to roll, μ = 0.2"]
-    shifted = tuple(replace(number, published=number.published + 3 * number.accuracy) for number in right.numbers)
+    shifted = tuple(replace(number, value=number.value + 3 * number.accuracy) for number in right.numbers)
     assert {row["verdict"] for row in rows([replace(right, numbers=shifted)])} == {"differs"}
 
 

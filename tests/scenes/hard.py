@@ -9,7 +9,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral
 from cases.curves import cos, sin
 from reference.minimal.modes import start_state
-from reference.paper.augmented import solve_augmented
+from reference.paper.augmented import solve_full_system
 
 # What makes a scene hard; each is drawn with equal chance.
 KINDS = ("cone", "conforming", "release", "friction", "slip", "sliver")
@@ -60,7 +60,7 @@ def hard_scene(rng: np.random.Generator) -> tuple[str, Case]:
     if kind == "cone":
         # Friction is what rolling asks for at the start, or that but for up to a billionth.
         first = scene(1.0)
-        rolling = solve_augmented(first, Mode.ROLL, start_state(first))
+        rolling = solve_full_system(first, Mode.ROLL, start_state(first))
         need = abs(rolling.friction_force / rolling.normal_force) if rolling.normal_force else 1.0
         off = float(rng.choice([-1, 1])) * 10 ** rng.uniform(-9, -2)
         return kind, scene(float(np.clip(need, 1e-3, 1.5)) * (1 + off))

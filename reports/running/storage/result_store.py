@@ -115,8 +115,8 @@ class Store:
         """How many results of the build were reused, as a sentence."""
         if not self._reuse_counts:
             return "no result was taken from the store"
-        reused, new = _count(self._reuse_counts), _count(self._write_counts)
-        return f"{reused} taken from the store (since {self._oldest}), {new} made now"
+        hits, new = _count(self._reuse_counts), _count(self._write_counts)
+        return f"{hits} taken from the store (since {self._oldest}), {new} made now"
 
     def kept_words(self) -> str:
         """What is stored if the build stops now, as a sentence."""

@@ -154,8 +154,8 @@ def compiled_size(case: Case) -> tuple[int, int]:
     systems = [phase(case, regime).system for regime in candidates(case)]
 
     def operations(system) -> int:
-        shared, rest = sp.cse([*system.rates, *system.guards.values()])
-        return int(sp.count_ops([e for _, e in shared]) + sp.count_ops(rest))
+        subexpressions, rest = sp.cse([*system.rates, *system.guards.values()])
+        return int(sp.count_ops([e for _, e in subexpressions]) + sp.count_ops(rest))
 
     return max(map(operations, systems)), max(len(system.guards) for system in systems)
 

@@ -24,7 +24,7 @@ from cases.curves import cos, sin
 from cases.library import ellipse
 from reference.minimal.integrators.dop853 import prepare
 from reference.minimal.modes import Regime, phase
-from reference.paper.augmented import assemble, constraints, solve_augmented
+from reference.paper.augmented import assemble, constraints, solve_full_system
 from reference.paper.kinematics import Kinematics, U, kinematics
 
 from ...running.calls import Calls, StorePolicy
@@ -101,17 +101,17 @@ def solve(case: Case, mode: Mode, formulation: str, rtol: float) -> Integration:
     return Integration(t, states, evaluations, time.process_time() - began)
 
 
-def _independent(case: Case, mode: Mode, rtol: float, eliminated: bool):
+def _independent(case: Case, mode: Mode, rtol: float, with_elimination: bool):
     start, now = start_motion(case), phase(case, Regime(mode))
 
     def literal(t, y):
-        return np.concatenate([y[2:], solve_augmented(case, mode, y.tolist(), time=t).q2_ddot])
+        return np.concatenate([y[2:], solve_full_system(case, mode, y.tolist(), time=t).q2_ddot])
 
     def short(t, y):
         return now.system.rates_of_numbers(t, y.tolist(), now.parameters)
 
     return _march(
-        short if eliminated else literal,
+        short if with_elimination else literal,
         np.array([start.xi1, start.xi2, start.xi1_dot, start.xi2_dot]),
         case,
         rtol,

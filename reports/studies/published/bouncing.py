@@ -11,7 +11,7 @@ from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, 
 from cases import curves as c
 from cases.library import line
 
-from .readings import apex, at, bouncing, height, impact, shifted, sphere
+from .readings import apex, at, bouncing, height, impact, sphere, travel
 from .records import Number, Publication
 
 
@@ -181,7 +181,7 @@ def _siconos_stick() -> Publication:
         Number("speed along after it / (m/s)", -5.037388347232359e-01, at(0.1, "vx"), friction),
         Number("speed across after it, at 0.1 s / (m/s)", -5.261165276764048e-01, at(0.1, "vy"), impulse),
         Number("spin after it / (rad/s)", 1.680022848791993e00, at(0.1, "omega"), turn),
-        Number("way along until 0.1 s / m", 3.034051457964930e-01 - x0, shifted(0.1), late * 0.0037 + 0.04 * friction),
+        Number("way along until 0.1 s / m", 3.034051457964930e-01 - x0, travel(0.1), late * 0.0037 + 0.04 * friction),
         Number("height of the centre at 0.1 s / m", 3.383778702709042e-01, at(0.1, "y"), late * 0.374 + 0.04 * impulse),
         Number("speed along after impact 2 / (m/s)", -5.068672606709300e-01, at(0.2, "vx"), 2 * friction),
         Number("speed across after impact 2, at 0.2 s / (m/s)", -1.213273932906967e00, at(0.2, "vy"), 2 * impulse),

@@ -33,7 +33,7 @@ def at(time: float, quantity: str) -> Reading:
     return lambda motion: float(getattr(motion(time), quantity))
 
 
-def shifted(time: float) -> Reading:
+def travel(time: float) -> Reading:
     """The displacement of the centre along X at a time."""
     return lambda motion: float(motion(time).x - motion(0.0).x)
 

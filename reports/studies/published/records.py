@@ -43,7 +43,7 @@ class Number:
     """
 
     quantity: str
-    published: float
+    value: float
     read: Reading
     accuracy: float
     off: float = 0.0
@@ -74,7 +74,7 @@ def motion_of(publication: Publication) -> Trajectory:
 
 def verdict(number: Number, ours: float) -> str:
     """ "agrees" within the publisher's accuracy; "known" within `off`; otherwise "differs"."""
-    difference = abs(ours - number.published)
+    difference = abs(ours - number.value)
     if difference <= number.accuracy:
         return "agrees"
     return "known" if difference <= number.off else "differs"
@@ -87,9 +87,9 @@ def row(publication: Publication, number: Number, ours: float) -> Row:
         "program": publication.program,
         "scene": publication.name,
         "quantity": number.quantity,
-        "published": number.published,
+        "published": number.value,
         "ours": ours,
-        "difference": ours - number.published,
+        "difference": ours - number.value,
         "accuracy": number.accuracy,
         "verdict": verdict_word,
         "note": publication.explanation if verdict_word == "known" else "",

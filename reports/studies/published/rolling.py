@@ -87,7 +87,7 @@ def _drake_incline() -> Publication:
     def couple(motion: Trajectory) -> float:
         return -float(motion(1.0).friction_force) * r
 
-    expected = m * g * (1 - 1 / (1 + SPHERE)) * sin(slope) * r
+    moment = m * g * (1 - 1 / (1 + SPHERE)) * sin(slope) * r
     return Publication(
         "sphere on a slope of 15°",
         "Drake",
@@ -97,7 +97,7 @@ def _drake_incline() -> Publication:
         case,
         (
             Number("speed after 1 s over sqrt(2 g h/(1 + 2/5))", 1.0, speed_over_formula, 5.5e-4),
-            Number("couple of friction / N m", expected, couple, 1e-9 * expected),
+            Number("couple of friction / N m", moment, couple, 1e-9 * moment),
         ),
     )
 

@@ -111,7 +111,7 @@ BARS = (
 )
 # Limits in CPU seconds: the whole call of the disc's five seconds, `import reference`, the first motion of a process.
 WHOLE, CALL = "simulate by taylor, disc in circle, 5 s", 1.2e-3
-IMPORT, IMPORTED = "import reference", 0.45
+IMPORT, IMPORT_SECONDS = "import reference", 0.45
 FIRST = 0.2
 # Largest cost of a unit of a longer motion over that of a unit of any shorter one: the cost grows in proportion, within
 # 15 %, or more slowly. Cheaper units are expected, because calls have fixed costs and loops warm up.
@@ -236,7 +236,7 @@ def bars(findings: CostRows) -> list[dict[str, Any]]:
         bar_rows.append(
             _bar(f"a later one of {what.quantity}", "the cheapest of those before it", DEARER, _dearer(units))
         )
-    bar_rows.append(_bar(IMPORT, "s", IMPORTED, findings.import_s))
+    bar_rows.append(_bar(IMPORT, "s", IMPORT_SECONDS, findings.import_s))
     bar_rows += [_bar(f"first motion, {row['case']}", "s", FIRST, row["warm_s"]) for row in findings.cold]
     return bar_rows
 

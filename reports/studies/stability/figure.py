@@ -69,7 +69,7 @@ def outcomes(stability: Stability) -> Figure:
     figure, ax = plt.subplots(figsize=(2.6 + 0.95 * (len(routes) + 2), 0.9 + 0.21 * len(labels)), layout="constrained")
     for y, label in enumerate(labels):
         scene = stability.scenes[label]
-        for x, value in enumerate((scene.conditioning.scaled, scene.spread.centre)):
+        for x, value in enumerate((scene.conditioning.dimensionless, scene.spread.centre)):
             ax.text(x + 0.5, y + 0.5, _small(value), ha="center", va="center", fontsize=7, color="#555555")
         for x, route_key in enumerate(routes, start=2):
             _cell(ax, x, y, cells[route_key][label])

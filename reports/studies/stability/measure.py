@@ -291,7 +291,7 @@ def _brackets(requests: Sequence[tuple], calls: Calls) -> tuple[step_limit.Brack
     """The brackets of the unstable step for the requested cases and routes."""
     answers = calls.all("unstable steps", step_limit.bracket, requests, limit=step_limit.PATIENCE, keep=StorePolicy())
     return tuple(
-        answer.value if answer.outcome == "done" else step_limit.Bracket.unknown(case, name, route, answer.failure[1])
+        answer.value if answer.outcome == "done" else step_limit.Bracket.failure(case, name, route, answer.failure[1])
         for (case, name, route, _), answer in zip(requests, answers, strict=True)
     )
 
@@ -332,7 +332,7 @@ def rows(stability: Stability) -> list[dict[str, Any]]:
                 "gap": residual_values.gap,
                 "gap_drift": residual_values.gap_drift,
                 "tangency": residual_values.tangency,
-                "condition": _number(scene.conditioning.scaled),
+                "condition": _number(scene.conditioning.dimensionless),
                 "condition_si": _number(scene.conditioning.largest),
                 "condition_time": scene.conditioning.when,
                 "spread": _number(scene.spread.centre),

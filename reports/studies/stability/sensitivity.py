@@ -32,7 +32,7 @@ class Conditioning(NamedTuple):
     units (its mass, its radius of gyration, arc lengths), and the time (s) of the latter."""
 
     largest: float
-    scaled: float
+    dimensionless: float
     when: float
 
 
@@ -48,11 +48,11 @@ def conditioning(case: Case, motion: Trajectory) -> Conditioning:
         system = fill(case, mode, (at.xi1, at.xi2, at.xi1_dot, at.xi2_dot), time=float(t))
         if not np.all(np.isfinite(system.matrix)):
             continue
-        scaled = condition(case, system)
+        dimensionless = condition(case, system)
         largest_so_far = Conditioning(
             max(largest_so_far.largest, float(np.linalg.cond(system.matrix))),
-            max(largest_so_far.scaled, scaled),
-            float(t) if scaled > largest_so_far.scaled else largest_so_far.when,
+            max(largest_so_far.dimensionless, dimensionless),
+            float(t) if dimensionless > largest_so_far.dimensionless else largest_so_far.when,
         )
     return largest_so_far
 

@@ -46,7 +46,7 @@ class Bracket(NamedTuple):
     how: str
 
     @classmethod
-    def unknown(cls, case: Case, name: str, route: str, why: str) -> Bracket:
+    def failure(cls, case: Case, name: str, route: str, why: str) -> Bracket:
         """No bracket, because the search itself failed."""
         return cls(case.label, name, route, "", nan, nan, nan, why)
 
