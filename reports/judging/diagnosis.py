@@ -1,7 +1,7 @@
-"""What a motion from outside seems to have wrong: velocities beside their poses, an axis that points the other way,
-another unit, a creep that it does not declare.
+"""Probable causes of a submitted motion's errors: velocities of other times than the poses, a mirrored axis, another
+unit, an undeclared creep.
 
-Pure functions; each gives a sentence, or nothing. Nothing is mended: the motion is judged as it was given.
+Pure functions; each returns a sentence, or "". Nothing is corrected: the motion is judged unchanged.
 """
 
 from __future__ import annotations
@@ -14,15 +14,13 @@ import numpy as np
 from cases import Case, Trajectory
 from cases.contact import slip_velocity
 
-# Velocities stand half a step beside the poses if they are so far from there, in steps; and if, moved there, they are
-# off by no more than this part.
-HALF, MENDED = (0.25, 0.75), 0.3
-# An axis is mirrored, or a column in another unit, if the motion read so is off the truth by no more than this part.
+# Velocities count as half a step away from the poses if their offset is within these bounds, in steps, and if removing
+# the offset leaves at most this fraction of their error.
+HALF, LARGEST_REST = (0.25, 0.75), 0.3
+# An axis counts as mirrored, or a column as in another unit, if changing it leaves at most this fraction of the error.
 NEARER = 0.1
-# Of fewer samples than these in the truth's time nothing is said.
+# Fewest samples within the truth's duration for a diagnosis.
 LEAST = 3
-
-
 # A plate that turns by less (rad) does not turn: an angle of this size counts as much as all of its way. (By a smaller
 # one the rounding of angles would outweigh every error of places.)
 STILL = 1e-3
@@ -51,9 +49,9 @@ Columns = Mapping[str, np.ndarray]
 
 
 def half_step(columns: Columns) -> str:
-    """Whether the velocities of a table stand half a step before or after its poses, as semi-implicit steps leave them.
+    """A sentence if the velocities of a table are half a step before or after its poses, as with semi-implicit steps.
 
-    To first order v(t + s h) = v + s h v̇: the share s is fitted to what the given rates differ by from the slopes of
+    To first order v(t + s h) = v + s h v̇: the offset s is fitted to the difference between the rates and the slopes of
     the poses.
     """
     t, shifts = columns["t"], dict[str, float]()
@@ -72,14 +70,14 @@ def half_step(columns: Columns) -> str:
 
 
 def slip_half_a_step_beside(case: Case, motion: Trajectory) -> str:
-    """Whether the slip that a motion tells stands half a step beside its poses, though its velocities do not."""
+    """A sentence if the slip of a motion is half a step before or after its poses, though its velocities are not."""
     touches = np.isfinite(motion.xi1) & np.isfinite(motion.slip)
-    t, told = motion.t[touches], motion.slip[touches]
+    t, column = motion.t[touches], motion.slip[touches]
     if len(t) < 3:
         return ""
-    moved = (getattr(motion, name)[touches] for name in ("x", "y", "vx", "vy", "omega", "xi1"))
-    own = slip_velocity(case, *moved)
-    shift = _shift(told, own, np.gradient(own, t) * np.gradient(t))
+    values = (getattr(motion, name)[touches] for name in ("x", "y", "vx", "vy", "omega", "xi1"))
+    own = slip_velocity(case, *values)
+    shift = _shift(column, own, np.gradient(own, t) * np.gradient(t))
     if not shift:
         return ""
     when = "before" if shift < 0.0 else "after"
@@ -89,10 +87,12 @@ def slip_half_a_step_beside(case: Case, motion: Trajectory) -> str:
     )
 
 
-def _shift(told: np.ndarray, own: np.ndarray, growth: np.ndarray) -> float:
-    """By which share of a step a column is beside its samples' times, if that is about half and explains what it is
-    off by; else 0. `growth`: of what it should be, from one sample to the next."""
-    off = told - own
+def _shift(column: np.ndarray, own: np.ndarray, growth: np.ndarray) -> float:
+    """The offset of a column in time, in steps, if it is about half a step and explains the column's error; else 0.
+
+    `own`: the values that follow from the other columns; `growth`: their change from one sample to the next.
+    """
+    off = column - own
     # Kinks of the motion are few and large: the middle nine tenths decide.
     usual = np.abs(off) <= np.quantile(np.abs(off), 0.9)
     off, growth = off[usual], growth[usual]
@@ -100,13 +100,13 @@ def _shift(told: np.ndarray, own: np.ndarray, growth: np.ndarray) -> float:
     if size == 0.0:
         return 0.0
     shift = float(off @ growth) / size
-    left = off - shift * growth
-    mended = left @ left <= MENDED**2 * (off @ off)
-    return shift if HALF[0] <= abs(shift) <= HALF[1] and mended else 0.0
+    rest = off - shift * growth
+    explains = rest @ rest <= LARGEST_REST**2 * (off @ off)
+    return shift if HALF[0] <= abs(shift) <= HALF[1] and explains else 0.0
 
 
 def mirror_axis(columns: Columns, truth: Trajectory) -> str:
-    """Whether the poses of a table, with an axis turned round, come much nearer to the truth."""
+    """A sentence if mirroring an axis brings the poses of a table much closer to the truth."""
     images = {name: dict(zip(("x", "y", "theta"), signs, strict=True)) for name, signs in _IMAGES.items()}
     name = _much_nearer(columns, truth, images)
     if not name:
@@ -119,29 +119,29 @@ def mirror_axis(columns: Columns, truth: Trajectory) -> str:
 
 
 def other_unit(columns: Columns, truth: Trajectory) -> str:
-    """Whether a table, with one column taken for another unit's, comes much nearer to the truth."""
+    """A sentence if reading one column in another unit brings a table much closer to the truth."""
     images = {f"{name} seems to be in {unit}": {name: factor} for name, unit, factor in _UNITS}
     seems = _much_nearer(columns, truth, images)
     return seems and (f"{seems}: read so, the motion comes much nearer to the truth; give seconds, metres and radians")
 
 
 def _much_nearer(columns: Columns, truth: Trajectory, images: Mapping[str, Mapping[str, float]]) -> str:
-    """The image of a table, by factors of its columns, that is nearest to the truth; "" if that is not much nearer than
-    the table itself."""
+    """The name of the image (factors of columns) of a table that is closest to the truth; "" if it is not much closer
+    than the table itself."""
     whole = truth(np.linspace(truth.t[0], truth.t[-1], len(columns["t"])))
-    # A turn counts as much as the way that goes with it.
+    # Angles are converted to lengths by the whole motion's ratio of both.
     size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), STILL)
 
-    @np.errstate(over="ignore", invalid="ignore")  # what is given may be of any size
+    @np.errstate(over="ignore", invalid="ignore")  # the values may be of any size
     def off(factors: Mapping[str, float]) -> float:
         t, x, y, theta = (factors.get(name, 1.0) * columns[name] for name in ("t", "x", "y", "theta"))
         inside = t <= truth.t[-1]
         if inside.sum() < LEAST:
             return np.inf
         true = truth(t[inside])
-        turned = theta[inside] - true.theta
-        turned = size * (turned - 2 * pi * np.round(turned[0] / (2 * pi)))
-        return float(np.sqrt(np.mean(np.hypot(x[inside] - true.x, y[inside] - true.y) ** 2 + turned**2)))
+        turn = theta[inside] - true.theta
+        turn = size * (turn - 2 * pi * np.round(turn[0] / (2 * pi)))
+        return float(np.sqrt(np.mean(np.hypot(x[inside] - true.x, y[inside] - true.y) ** 2 + turn**2)))
 
     name = min(images, key=lambda image: off(images[image]))
     return name if off(images[name]) < NEARER * off({}) else ""

@@ -1,4 +1,4 @@
-"""How far a motion is from the truth: pose, slip, forces, energy; pure functions of trajectories. SI units."""
+"""Errors of a motion relative to the truth: pose, slip, forces, energy. Pure functions of trajectories; SI units."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from cases import Case, State, Trajectory
 from cases.mechanics import energy, kinetic_energy
 
-# The square of what is larger overflows, or nearly.
-_SQUARED = 1e150
+# The square of a larger number is close to the largest double, or overflows.
+_LARGEST_SQUARE_ROOT = 1e150
 
 
 class Distance(NamedTuple):
-    """How far a motion is from the truth: largest and root-mean-square distance of the centre in m, of the angle in
-    rad, of the slip velocity in m/s; distance of the last pose in m; mean errors of the normal force (NaN where the
-    solver tells none) and of the mechanical energy, as parts of the true motion's own (`differences`)."""
+    """Errors of a motion: largest and root-mean-square error of the centre in m, of the angle in rad, of the slip
+    velocity in m/s; error of the last pose in m; mean errors of the normal force (NaN if the solver reports none) and
+    of the mechanical energy, relative to the true motion (`differences`)."""
 
     centre_max: float
     centre_rms: float
@@ -30,27 +30,27 @@ class Distance(NamedTuple):
     energy_mean: float = nan
 
 
-# A force that is told for less than this part of the samples is not told.
-_REPORTED = 0.5
-# Even times at which a motion that is known between its steps is compared.
+# Smallest fraction of the samples with a force for which a mean error of the force is computed.
+_LEAST_SHARE = 0.5
+# Number of evenly spaced times at which a dense motion is compared.
 _EVEN = 1001
 
 
 def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[str, np.ndarray]:
-    """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at even ones
-    if it knows its motion between them (its steps are few, and doubled where the forces jump).
+    """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at evenly
+    spaced times if its motion is dense (its steps are few, and doubled where the forces jump).
 
     Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (the paper's multiplier),
     and pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
     root-mean-square distance of the plate's points;
-    force_share: the normal force's difference over the mean size of the true one at these times (not over m g, so that
-    a case without gravity has one too);
-    energy_share: the mechanical energy's difference over the true motion's largest kinetic energy.
-    Angles that differ by whole turns at the start are counted from different zeros, and the turns are taken off.
+    force_share: the difference of the normal force relative to the mean true force at these times (not to m g, so that
+    it is also defined without gravity);
+    energy_share: the difference of the mechanical energy relative to the true motion's largest kinetic energy.
+    Whole turns between the angles at the start are subtracted: they only mean that angles are counted differently.
     """
-    times, found = _states(trajectory, truth)
+    times, state = _states(trajectory, truth)
     exact = truth(times)
-    result = {"t": times, "centre": np.hypot(found.x - exact.x, found.y - exact.y)}
+    result = {"t": times, "centre": np.hypot(state.x - exact.x, state.y - exact.y)}
     for key, name in (
         ("x", "x"),
         ("y", "y"),
@@ -60,7 +60,7 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
         ("xi2", "xi2"),
         ("normal_force", "normal_force"),
     ):
-        result[key] = getattr(found, name) - np.asarray(getattr(exact, name))
+        result[key] = getattr(state, name) - np.asarray(getattr(exact, name))
     turns = np.round(result["angle"][:1] / (2 * np.pi))
     result["angle"] = result["angle"] - 2 * np.pi * (turns[0] if len(turns) else 0.0)
     result["lambda"] = result["normal_force"] / case.track.speed(np.asarray(exact.xi1))
@@ -69,13 +69,13 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     press = float(force.mean()) if len(force) else nan
     fastest = np.max(kinetic_energy(case, exact), initial=0.0)
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
-    off = energy(case, found) - energy(case, exact)
+    off = energy(case, state) - energy(case, exact)
     result["energy_share"] = off / (fastest if fastest > 0.0 else nan)
     return result
 
 
 def _states(trajectory: Trajectory, truth: Trajectory) -> tuple[np.ndarray, State]:
-    """Where the two are compared: times and the solver's states there, arrays."""
+    """The times at which both are compared, and the solver's states at these times, arrays."""
     if trajectory.dense is not None:
         times = np.linspace(trajectory.t[0], trajectory.t[-1], _EVEN)
         state = trajectory(times)
@@ -88,8 +88,9 @@ def _states(trajectory: Trajectory, truth: Trajectory) -> tuple[np.ndarray, Stat
 def distance(off: dict[str, np.ndarray]) -> Distance:
     """The largest and the root-mean-square of `differences`; NaN where there is nothing in common.
 
-    Of force and energy the mean size: they jump at transitions and impacts, where a late solver is wrong by the whole
-    jump for a short while; the largest error would not fall, and the root mean square with the root of that while only.
+    For force and energy the mean of the absolute error is used: they jump at transitions and impacts, where a solver
+    that is late by a short time has an error of the whole jump. Refinement would not reduce the largest error, and the
+    root mean square only with the square root of that time.
     """
     if not len(off["t"]):
         return Distance(*len(Distance._fields) * (nan,))
@@ -100,13 +101,14 @@ def distance(off: dict[str, np.ndarray]) -> Distance:
         size = size if len(size) else np.array([nan])
         values += [float(size.max()), _rms(size)]
     force = np.abs(off["force_share"][np.isfinite(off["force_share"])])
-    told = len(force) >= _REPORTED * len(off["t"])
-    values += [float(off["pose"][-1]), float(force.mean()) if told else nan, float(np.abs(off["energy_share"]).mean())]
+    has_force = len(force) >= _LEAST_SHARE * len(off["t"])
+    force_mean = float(force.mean()) if has_force else nan
+    values += [float(off["pose"][-1]), force_mean, float(np.abs(off["energy_share"]).mean())]
     return Distance(*values)
 
 
 def _rms(size: np.ndarray) -> float:
-    """The root mean square; of what is so large that its square is no number, by parts of the largest."""
+    """The root mean square; scaled by the largest value if its square would overflow."""
     top = float(size.max())
-    unit = top if _SQUARED < top < np.inf else 1.0
+    unit = top if _LARGEST_SQUARE_ROOT < top < np.inf else 1.0
     return unit * float(np.sqrt(np.mean((size / unit) ** 2)))

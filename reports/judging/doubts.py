@@ -1,7 +1,7 @@
-"""How much of a score may be due to the samples of a motion: their distance in time, and their noise.
+"""The part of a score that may be due to a motion's samples: their spacing in time, and their noise.
 
-A sample is compared with the cubic through its neighbours. What it differs by is noise, or what a finer sampling would
-show; either way nothing below it can be blamed on the solver.
+A sample is compared with the cubic through its neighbours. The difference is noise, or would be resolved by finer
+sampling; in both cases smaller differences are not attributed to the solver.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ def gap(motion: Trajectory) -> float:
 
 
 def _residuals(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """What each value differs by from the cubic through its two neighbours on each side; NaN where there is none."""
-    found = np.full(len(t), np.nan)
+    """Each value minus the cubic through its two neighbours on each side; NaN where there are fewer."""
+    result = np.full(len(t), np.nan)
     if len(t) < 5:
-        return found
+        return result
     nodes = np.stack([t[:-4], t[1:-3], t[3:-1], t[4:]])
     near = np.stack([values[:-4], values[1:-3], values[3:-1], values[4:]])
     middle, cubic = t[2:-2], np.zeros(len(t) - 4)
@@ -41,13 +41,13 @@ def _residuals(t: np.ndarray, values: np.ndarray) -> np.ndarray:
         for k in range(4):
             others = [j for j in range(4) if j != k]
             cubic += near[k] * np.prod([(middle - nodes[j]) / (nodes[k] - nodes[j]) for j in others], axis=0)
-    found[2:-2] = values[2:-2] - cubic
-    found[~np.isfinite(found)] = np.nan
-    return found
+    result[2:-2] = values[2:-2] - cubic
+    result[~np.isfinite(result)] = np.nan
+    return result
 
 
 def roughness(t: np.ndarray, values: np.ndarray) -> float:
-    """How far the samples of a quantity are from a smooth curve, in its unit; 0 where there are too few to know.
+    """The distance of a quantity's samples from a smooth curve, in its unit; 0 if there are too few samples.
 
     Noise with the standard deviation s has 1.6 s: the residual's is 1.39 s, and three quarters of a normal distribution
     are within 1.15 of its standard deviations.
@@ -58,9 +58,9 @@ def roughness(t: np.ndarray, values: np.ndarray) -> float:
 
 
 def time(motion: Trajectory, reading: Reading, reach: float) -> float:
-    """The doubt of the times of the transitions read, s, all together.
+    """The sum of the doubts of all transition times of a reading, s.
 
-    Where the reading extrapolates nothing (a landing, or a motion that its solver ends), an engine with a fixed step
+    Where the reading does not extrapolate (a landing, or a motion that its solver ends), an engine with a fixed step
     has the transition at the end of the step that it falls into: the doubt is the time between the samples around it.
     """
     signals = {True: reach * motion.omega, False: motion.slip}
@@ -72,7 +72,7 @@ def time(motion: Trajectory, reading: Reading, reach: float) -> float:
         if Mode.FLIGHT not in (event.before, event.after):
             turns = Mode.REST in (event.before, event.after)
             begins = event.before in (Mode.ROLL, Mode.REST)
-            total += _hidden(motion.t, np.abs(signals[turns]), _CERTAIN * noise[turns], event.time, begins)
+            total += _time_below_noise(motion.t, np.abs(signals[turns]), _CERTAIN * noise[turns], event.time, begins)
     return float(total)
 
 
@@ -82,9 +82,9 @@ def _gap_at(t: np.ndarray, event: float) -> float:
     return float(t[i] - t[i - 1])
 
 
-def _hidden(t: np.ndarray, size: np.ndarray, noise: float, event: float, begins: bool) -> float:
-    """For how long next to an event the slip is below its noise, s: as a straight line through the nearest sample above
-    it, or as a parabola where slip begins (it then grows with the square of time)."""
+def _time_below_noise(t: np.ndarray, size: np.ndarray, noise: float, event: float, begins: bool) -> float:
+    """The time around an event in which the slip is below its noise, s, from a straight line through the nearest sample
+    above the noise, or from a parabola where slip begins (slip then grows with the square of time)."""
     above = np.flatnonzero(size > noise)
     if noise == 0.0 or not len(above):
         return 0.0
@@ -96,8 +96,8 @@ def _hidden(t: np.ndarray, size: np.ndarray, noise: float, event: float, begins:
 
 
 def unresolved(motion: Trajectory, phases: Sequence[ModePhase], slips: Sequence[float]) -> float:
-    """Seconds of the truth's phases that the samples of a motion cannot show: those shorter than a few gaps, and those
-    whose largest slip (`slips`, m/s) is below their noise."""
+    """The total duration, s, of those phases of the truth that a motion's samples cannot resolve: phases shorter than a
+    few gaps, and phases whose largest slip (`slips`, m/s) is below the noise."""
     least, noise = RESOLVABLE_GAPS * gap(motion), _CERTAIN * roughness(motion.t, motion.slip)
     return sum(
         phase.duration

@@ -1,4 +1,4 @@
-"""Phases of a motion, one for each mode it passes through, and how two sequences of phases differ."""
+"""Phases of a motion, one for each mode, and the difference between two sequences of phases."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cases import Mode, Transition
 
 
 class ModePhase(NamedTuple):
-    """A mode and the times between which it lasts, s."""
+    """A mode, its begin and its end, s."""
 
     mode: Mode
     begin: float
@@ -27,8 +27,8 @@ class ModePhase(NamedTuple):
 def phases_of(first: Mode | None, transitions: Sequence[Transition], end: float) -> tuple[ModePhase, ...]:
     """The phases of a motion up to the time `end`; flights between impacts are one phase.
 
-    Phases without duration are left out, unless there is no other. Where the first mode is not known, it is the one
-    before the first transition.
+    Phases without duration are omitted, unless there is no other. If the first mode is unknown, it is the mode before
+    the first transition.
     """
     if first is None:
         if not transitions:
@@ -37,44 +37,44 @@ def phases_of(first: Mode | None, transitions: Sequence[Transition], end: float)
     times = np.maximum.accumulate([0.0, *(min(t.time, end) for t in transitions), end]).tolist()
     modes = [first, *(t.after for t in transitions)]
     whole = [ModePhase(mode, a, b) for mode, a, b in zip(modes, times[:-1], times[1:], strict=True)]
-    return _joined(phase for phase in whole if phase.duration > 0.0) or tuple(whole[-1:])
+    return _join(phase for phase in whole if phase.duration > 0.0) or tuple(whole[-1:])
 
 
-def _joined(phases: Iterable[ModePhase]) -> tuple[ModePhase, ...]:
-    """The phases with neighbours of one mode joined."""
-    joined: list[ModePhase] = []
+def _join(phases: Iterable[ModePhase]) -> tuple[ModePhase, ...]:
+    """The phases with adjacent ones of the same mode joined."""
+    result: list[ModePhase] = []
     for phase in phases:
-        if joined and joined[-1].mode == phase.mode:
-            joined[-1] = joined[-1]._replace(end=phase.end)
+        if result and result[-1].mode == phase.mode:
+            result[-1] = result[-1]._replace(end=phase.end)
         else:
-            joined.append(phase)
-    return tuple(joined)
+            result.append(phase)
+    return tuple(result)
 
 
 def flights(phases: Sequence[ModePhase]) -> tuple[ModePhase, ...]:
-    """The phases without their modes in contact: flights, and rolls in place of everything else."""
-    return _joined(p if p.mode is Mode.FLIGHT else p._replace(mode=Mode.ROLL) for p in phases)
+    """The phases with all modes of contact replaced by rolling: flights and rolls only."""
+    return _join(p if p.mode is Mode.FLIGHT else p._replace(mode=Mode.ROLL) for p in phases)
 
 
 def rolling_within(phases: Sequence[ModePhase], spans: Sequence[tuple[float, float]]) -> tuple[ModePhase, ...]:
-    """The phases with rolls in place of slips within the time spans."""
+    """The phases with slip replaced by rolling within the time spans."""
     slips = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
     for span in spans:
-        kept = outside([p for p in phases if p.mode in slips], [span])
+        rest = outside([p for p in phases if p.mode in slips], [span])
         inside = [p._replace(begin=max(p.begin, span[0]), end=min(p.end, span[1])) for p in phases]
         rolls = [p._replace(mode=Mode.ROLL) for p in inside if p.mode in slips and p.duration > 0.0]
-        phases = sorted((*(p for p in phases if p.mode not in slips), *kept, *rolls), key=lambda p: p.begin)
-    return _joined(phases)
+        phases = sorted((*(p for p in phases if p.mode not in slips), *rest, *rolls), key=lambda p: p.begin)
+    return _join(phases)
 
 
 def outside(phases: Sequence[ModePhase], spans: Sequence[tuple[float, float]]) -> tuple[ModePhase, ...]:
     """The parts of the phases that are in none of the time spans."""
-    left = list(phases)
+    remaining = list(phases)
     for begin, end in spans:
-        before = [p._replace(end=min(p.end, begin)) for p in left]
-        after = [p._replace(begin=max(p.begin, end)) for p in left]
-        left = sorted((p for p in (*before, *after) if p.duration > 0.0), key=lambda p: p.begin)
-    return tuple(left)
+        before = [p._replace(end=min(p.end, begin)) for p in remaining]
+        after = [p._replace(begin=max(p.begin, end)) for p in remaining]
+        remaining = sorted((p for p in (*before, *after) if p.duration > 0.0), key=lambda p: p.begin)
+    return tuple(remaining)
 
 
 def time_by_mode(phases: Sequence[ModePhase]) -> dict[Mode, float]:
@@ -116,20 +116,20 @@ class _Merging:
         return float(self.durations.min()) if len(self.phases) > 1 else inf
 
     def remove_up_to(self, longest: float) -> None:
-        """Remove all phases of no more than `longest` seconds, the shortest first, but not the last one left."""
+        """Remove all phases of up to `longest` seconds, the shortest first, but never the last remaining one."""
         while self.shortest() <= longest:
             self._remove(int(self.durations.argmin()))
 
     def _remove(self, i: int) -> None:
-        gone = self.phases.pop(i)
+        shortest = self.phases.pop(i)
         if i == 0:
-            self.phases[0] = self.phases[0]._replace(begin=gone.begin)
+            self.phases[0] = self.phases[0]._replace(begin=shortest.begin)
         elif i == len(self.phases):
-            self.phases[-1] = self.phases[-1]._replace(end=gone.end)
+            self.phases[-1] = self.phases[-1]._replace(end=shortest.end)
         elif self.phases[i - 1].mode == self.phases[i].mode:
             self.phases[i - 1 : i + 1] = [self.phases[i - 1]._replace(end=self.phases[i].end)]
         else:
-            middle = 0.5 * (gone.begin + gone.end)
+            middle = 0.5 * (shortest.begin + shortest.end)
             self.phases[i - 1] = self.phases[i - 1]._replace(end=middle)
             self.phases[i] = self.phases[i]._replace(begin=middle)
         self.durations = np.array([p.duration for p in self.phases])

@@ -1,6 +1,6 @@
-"""How sound a motion is, whatever its truth: the energy's balance, the contact's gap, laws of mechanics it contradicts.
+"""Checks of a motion without the truth: balance of energy, gap at the contact, violated laws of mechanics.
 
-Pure functions of cases and trajectories; SI units, residuals relative to the scene's own sizes.
+Pure functions of cases and trajectories; SI units, residuals relative to the scene's sizes.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from cases import (
 from cases.contact import start_motion
 from cases.trajectory import State
 
-# Effects whose energy is known here: a conservative force, what friction takes, and a bound that does no work.
-_BALANCED = (Gravity, CoulombFriction, Unilateral)
-# Instants at which residuals and condition numbers are looked at: enough to meet the worst to within a few per cent.
+# Effects included in the balance of energy: a conservative force, friction, and a bound that does no work.
+_ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral)
+# Number of times at which residuals and condition numbers are computed: gives their maxima to within a few per cent.
 _LOOKS = 200
 # Gauss points between two samples of a dense motion: its steps carry polynomials of up to degree 25, their product with
 # the slip's is integrated to rounding by 26, and between two of a DOP853's steps by far less.
@@ -46,11 +46,11 @@ ROUNDING = 1e-12
 
 
 class Residuals(NamedTuple):
-    """Residuals of a motion, NaN where it does not tell enough.
+    """Residuals of a motion; NaN where the motion lacks the quantities for them.
 
     `energy`: largest of |E(t) − E(0) − work of friction|, over the energy that moves; `energy_drift`: its slope, 1/s;
-    `gap`: largest distance of the two contact points told (5) over the plate's size, `gap_drift` its slope, m/s;
-    `tangency`: largest sine between the tangents at the contact parameters told (6).
+    `gap`: largest distance of the two reported contact points (5) over the plate's size, `gap_drift` its slope, m/s;
+    `tangency`: largest sine between the tangents at the reported contact parameters (6).
     """
 
     energy: float = nan
@@ -71,8 +71,11 @@ def examine(case: Case, motion: Trajectory) -> Residuals:
 
 
 def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
-    """E(t) − E(0) − ∫ T v dt at the motion's samples, in parts of the energy that moves; NaN if it cannot be told."""
-    if any(not isinstance(effect, _BALANCED) for effect in case.effects):
+    """E(t) − E(0) − ∫ T v dt at the samples, relative to the energy that moves.
+
+    NaN if the energy of an effect is unknown.
+    """
+    if any(not isinstance(effect, _ENERGY_EFFECTS) for effect in case.effects):
         return np.full(len(motion.t), nan)
     total = mechanics.energy(case, motion)
     off = total - total[0] - (work_of_friction(motion) if case.effect(CoulombFriction) else 0.0)
@@ -139,7 +142,7 @@ def _tangency(case: Case, motion: Trajectory) -> float:
 
 
 def motion_extent(case: Case, motion: Trajectory) -> float:
-    """How far the centre of mass travels, m, at least a thousandth of the plate's size: what errors are parts of."""
+    """The largest displacement of the centre, m, at least a thousandth of the plate's size; a scale of errors."""
     start = start_motion(case)
     return max(float(np.hypot(motion.x - start.x, motion.y - start.y).max()), 1e-3 * case.plate.reach)
 
@@ -148,79 +151,79 @@ def motion_extent(case: Case, motion: Trajectory) -> float:
 
 
 def broken_laws(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
-    """Facts of mechanics the motion contradicts, one sentence each."""
-    broken, far = [], LOOSE * case.plate.reach
+    """The laws of mechanics that a motion violates, one sentence each."""
+    violations, far = [], LOOSE * case.plate.reach
     if np.nanmin(gap) < -far:
         at = motion.t[np.nanargmin(gap)]
-        broken.append(f"the plate overlaps its track by {-np.nanmin(gap):.3g} m at t = {at:.6g} s")
+        violations.append(f"the plate overlaps its track by {-np.nanmin(gap):.3g} m at t = {at:.6g} s")
     if not case.effect(Flight) and gap.max() > far:
-        broken.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
+        violations.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
     growth, kinetic = energy_growth(case, motion), mechanics.kinetic_energy(case, motion).max()
-    known = ROUNDING * float(np.abs(mechanics.energy(case, motion)).max())
-    if not case.effect(Load) and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + known:
-        broken.append(f"the energy grows by {growth:.3g} J without a load")
+    rounding = ROUNDING * float(np.abs(mechanics.energy(case, motion)).max())
+    if not case.effect(Load) and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + rounding:
+        violations.append(f"the energy grows by {growth:.3g} J without a load")
     if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
-        broken += _broken_force_laws(case, motion)
-    return broken
+        violations += _broken_force_laws(case, motion)
+    return violations
 
 
 def _broken_force_laws(case: Case, motion: Trajectory) -> list[str]:
-    """What the forces contradict: the cone, the slip they should oppose, and the motion they should cause."""
-    broken, friction = [], case.effect(CoulombFriction)
+    """Violations by the forces: outside the cone, driving the slip, or not the cause of the motion."""
+    violations, friction = [], case.effect(CoulombFriction)
     t, normal, tangential = motion.t, motion.normal_force, motion.friction_force
     slow = _slow(case, motion)
-    # A force that no motion of the scene would show is none: of a plate that rests without weight all are rounding.
+    # Forces too small to affect a motion of the scene are ignored: those of a weightless plate at rest are rounding.
     scale = CONE * max(float(np.abs(normal).max()), case.plate.mass * slow**2 / case.plate.reach)
     beyond = np.abs(tangential) - (friction.stick if friction else 0.0) * np.abs(normal)
     if not case.effect(PerfectlyRough) and np.max(beyond) > scale:
-        broken.append(f"friction exceeds its cone by {np.max(beyond):.3g} N at t = {t[np.argmax(beyond)]:.6g} s")
+        violations.append(f"friction exceeds its cone by {np.max(beyond):.3g} N at t = {t[np.argmax(beyond)]:.6g} s")
     if case.effect(Unilateral) and normal.min() < -scale:
-        broken.append(f"the track pulls with {-normal.min():.3g} N at t = {t[np.argmin(normal)]:.6g} s")
+        violations.append(f"the track pulls with {-normal.min():.3g} N at t = {t[np.argmin(normal)]:.6g} s")
     power = np.where(np.isnan(motion.slip), 0.0, tangential * motion.slip)
     # Creep in stick has either sign; it is a small part of the speed.
     fastest = max(float(np.hypot(motion.vx, motion.vy).max()), slow)
     if power.max() > LOOSE * max(float(np.abs(tangential).max()), scale) * fastest:
-        broken.append(f"friction drives the slip with {power.max():.3g} W at t = {t[np.argmax(power)]:.6g} s")
-    # The impulse of an impact is in no column.
-    for what, missing, allowed in () if case.effect(Impact) else _momentum(case, motion):
-        if missing > allowed:
-            broken.append(f"the forces do not make the motion: {what} is off by {missing:.3g} kg m/s")
-    return broken
+        violations.append(f"friction drives the slip with {power.max():.3g} W at t = {t[np.argmax(power)]:.6g} s")
+    # No column contains the impulse of an impact.
+    for what, error, tolerance in () if case.effect(Impact) else _momentum(case, motion):
+        if error > tolerance:
+            violations.append(f"the forces do not make the motion: {what} is off by {error:.3g} kg m/s")
+    return violations
 
 
 def _slow(case: Case, motion: Trajectory) -> float:
-    """A speed below which nothing moves, m/s."""
+    """The speed, m/s, below which the plate counts as at rest."""
     return slowest(case, float(motion.t[-1] - motion.t[0]))
 
 
 def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
-    """Names of m vx and m vy, by how much they differ from what the forces sum up to, and what is allowed (kg m/s)."""
+    """For m vx and m vy: name, difference from the integral of the forces, and its tolerance (kg m/s)."""
     gravity, load, mass = mechanics.gravity(case), case.effect(Load), case.plate.mass
     place = np.where(np.isnan(motion.xi1), case.start.xi1, motion.xi1)  # in flight there are no forces
     normal, tangent = case.track.normal(place), case.track.tangent(place)
-    applied = np.zeros((3, len(motion.t)))
+    load_forces = np.zeros((3, len(motion.t)))
     if load:
         state = (motion.t, motion.x, motion.y, motion.theta, motion.vx, motion.vy, motion.omega)
-        applied = np.array([load.at(*now) for now in zip(*state, strict=True)]).T
-    found = []
+        load_forces = np.array([load.at(*now) for now in zip(*state, strict=True)]).T
+    rows = []
     for axis, rate in enumerate((motion.vx, motion.vy)):
-        force = motion.normal_force * normal[axis] + motion.friction_force * tangent[axis] + applied[axis]
+        force = motion.normal_force * normal[axis] + motion.friction_force * tangent[axis] + load_forces[axis]
         force = force + mass * gravity[axis]
         off = mass * (rate - rate[0]) - cumulative_trapezoid(force, motion.t, initial=0.0)
-        # Of forces that balance to rounding the sum is known no better than the larger of them.
-        known = mass * _slow(case, motion) + ROUNDING * float(trapezoid(np.abs(motion.normal_force), motion.t))
-        # Where a force jumps between two samples, its sum is known to half the jump in that time.
+        # The sum of forces that balance is uncertain by the rounding of the larger ones.
+        uncertainty = mass * _slow(case, motion) + ROUNDING * float(trapezoid(np.abs(motion.normal_force), motion.t))
+        # Where a force jumps between two samples, its integral is uncertain by half the jump times the gap.
         leaps = np.abs(np.diff(force))
-        known += 0.5 * float(np.sum((leaps * np.diff(motion.t))[leaps > JUMP * np.abs(force).max()]))
-        allowed = ENERGY * float(trapezoid(np.abs(force), motion.t)) + known
-        found.append((f"m v{'xy'[axis]}", float(np.abs(off).max()), allowed))
-    return found
+        uncertainty += 0.5 * float(np.sum((leaps * np.diff(motion.t))[leaps > JUMP * np.abs(force).max()]))
+        tolerance = ENERGY * float(trapezoid(np.abs(force), motion.t)) + uncertainty
+        rows.append((f"m v{'xy'[axis]}", float(np.abs(off).max()), tolerance))
+    return rows
 
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
-    """The most the energy (J) rises above its least value so far, but for single samples at impacts."""
+    """The largest rise of the energy (J) above its previous minimum, without single samples at impacts."""
     total = mechanics.energy(case, motion)
     if case.effect(Impact):
-        # Differences across an impact are no velocities; it is two samples of any nine that they spoil.
+        # Velocities computed from differences across an impact are wrong, at two samples of any nine.
         total = median_filter(total, size=9, mode="nearest")
     return float(mechanics.energy_growth(total).max())

@@ -30,7 +30,7 @@ RESOLVABLE_GAPS = 2.5
 # and such parts of the branch (noisy ones, where only many samples average the noise out).
 _DEGREES, _SPARE, _PARTS = (1, 2, 3, 4, 5), (1, 3, 12), (16, 6, 3)
 # A friction force this close to its bound (relative) may already be the sliding one of a regularised law.
-_SATURATED = 2e-3
+_AT_BOUND = 2e-3
 
 
 class Reading(NamedTuple):
@@ -91,8 +91,8 @@ def _samples(trajectory: Trajectory, mu: float | None):
     normal, friction = trajectory.normal_force[keep], trajectory.friction_force[keep]
     use = np.full(normal.shape, nan)
     if mu:
-        known = np.isfinite(friction) & (normal > 0)
-        use[known] = np.abs(friction[known]) / (mu * normal[known])
+        is_known = np.isfinite(friction) & (normal > 0)
+        use[is_known] = np.abs(friction[is_known]) / (mu * normal[is_known])
     return trajectory.t[keep], trajectory.slip[keep], use
 
 
@@ -118,13 +118,13 @@ def _phases(t: np.ndarray, v: np.ndarray, band: float) -> list[_Phase]:
     runs = _runs(np.where(np.abs(v) > band, np.sign(v), 0).astype(int))
     signs = [np.full(r.stop - r.start, 0 if _is_overshoot(t, runs, i) else r.sign) for i, r in enumerate(runs)]
     runs = _runs(np.concatenate(signs))
-    kept = [run for i, run in enumerate(runs) if run.sign or _is_roll(t, v, runs, i, band)]
-    merged: list[_Phase] = []
-    for run in kept:
-        if merged and merged[-1].sign == run.sign:
-            run = _Phase(run.sign, merged.pop().start, run.stop)
-        merged.append(run)
-    return merged
+    phases = [run for i, run in enumerate(runs) if run.sign or _is_roll(t, v, runs, i, band)]
+    result: list[_Phase] = []
+    for run in phases:
+        if result and result[-1].sign == run.sign:
+            run = _Phase(run.sign, result.pop().start, run.stop)
+        result.append(run)
+    return result
 
 
 def _runs(signs: np.ndarray) -> list[_Phase]:
@@ -168,11 +168,11 @@ def _event(t, v, use, before: _Phase, after: _Phase, resolution: float, band: fl
     # Contaminated: the sample that may straddle the kink. Three are kept where there are no more.
     used = slipping[:-1] if len(slipping) > 3 else slipping
     end = t[after.start] + band / _slope(t, v, slice(int(used[-1]) - 1, int(used[-1]) + 1))
-    found = branch_zero(t[used], np.abs(v[used]), float(end))
+    estimate = branch_zero(t[used], np.abs(v[used]), float(end))
     cause = "slip ends" if after.sign == 0 else "slip reverses"
-    if found is None:
+    if estimate is None:
         return (*_between(t, before.stop), cause)
-    return (*found, cause)
+    return (*estimate, cause)
 
 
 def _slipping(t, v, phase: _Phase, band: float) -> np.ndarray:
@@ -184,21 +184,21 @@ def _slipping(t, v, phase: _Phase, band: float) -> np.ndarray:
 def _onset(t, v, use, before: _Phase, after: _Phase, resolution: float) -> tuple[float, float, str]:
     estimates = []
     rolling = np.arange(before.start + 1, before.stop - 1)
-    saturated = np.flatnonzero(use[rolling] >= 1.0 - _SATURATED)
+    at_bound = np.flatnonzero(use[rolling] >= 1.0 - _AT_BOUND)
     # A regularised law stays saturated from here on; an isolated high value earlier is noise and stays in.
-    if len(saturated) and saturated[-1] == len(rolling) - 1:
-        breaks = np.flatnonzero(np.diff(saturated) > 1)
-        rolling = rolling[: saturated[breaks[-1] + 1] if len(breaks) else saturated[0]]
+    if len(at_bound) and at_bound[-1] == len(rolling) - 1:
+        breaks = np.flatnonzero(np.diff(at_bound) > 1)
+        rolling = rolling[: at_bound[breaks[-1] + 1] if len(breaks) else at_bound[0]]
     if len(rolling) > 3 and np.all(np.isfinite(use[rolling])):
-        found = branch_zero(t[rolling], 1.0 - use[rolling], float(t[after.start]))
-        if found:
-            estimates.append((*found, "friction reaches its bound"))
+        zero = branch_zero(t[rolling], 1.0 - use[rolling], float(t[after.start]))
+        if zero:
+            estimates.append((*zero, "friction reaches its bound"))
     index = np.arange(after.start + 1, after.stop)[::-1]
     # A regularised law's slip grows from its creep, another's from zero; the one that fits moves less.
     for creep in {0.0, resolution} if len(index) > 3 else ():
-        found = branch_zero(-t[index], np.sqrt(np.maximum(np.abs(v[index]) - creep, 0.0)), float(-t[before.start]))
-        if found:
-            estimates.append((-found[0], found[1], "slip grows from zero"))
+        zero = branch_zero(-t[index], np.sqrt(np.maximum(np.abs(v[index]) - creep, 0.0)), float(-t[before.start]))
+        if zero:
+            estimates.append((-zero[0], zero[1], "slip grows from zero"))
     if not estimates:
         return (*_between(t, before.stop), "slip grows from zero")
     return min(estimates, key=lambda estimate: estimate[1])

@@ -35,7 +35,7 @@ from .slip_phases import Reading
 
 # An impact is listed if it closes with at least this part of the greatest closing speed since the plate last lay on its
 # track (the reference's rule), and if samples resolve the flight that it begins.
-_LISTED = 7e-4
+_LEAST_SHARE = 7e-4
 # A rebound that flies for a whole gap g between samples needs a jump of the velocity by a·g at least, with the
 # acceleration a of free flight: half of that is an impact.
 _JUMP = 0.5
@@ -58,7 +58,7 @@ class _Change(NamedTuple):
 
 
 class _Impact(NamedTuple):
-    """When, how far the time moves, and with what speed along the track's normal it closes (m/s)."""
+    """Time and its spread (s), and the closing speed along the track's normal (m/s)."""
 
     time: float
     spread: float
@@ -91,7 +91,7 @@ def read_motion(case: Case, trajectory: Trajectory) -> Reading:
 
 
 class _Motion:
-    """A sampled motion and what the case says of it."""
+    """A sampled motion and the facts of its case."""
 
     def __init__(self, case: Case, trajectory: Trajectory):
         self.case, self.all = case, trajectory
@@ -129,19 +129,19 @@ class _Motion:
     # --- stretches ----------------------------------------------------------------------------------------------------
 
     def _stretches(self) -> list[_Stretch]:
-        """Flights and contacts in turn; contacts that are but an impact belong to the flight."""
+        """Flights and contacts in turn; contacts that are only an impact belong to the flight."""
         aloft, t = np.isnan(self.all.xi1), self.all.t
         edges = [0, *(np.flatnonzero(np.diff(aloft.astype(int))) + 1).tolist(), len(t)]
-        merged: list[_Stretch] = []
+        stretches: list[_Stretch] = []
         for start, stop in zip(edges[:-1], edges[1:], strict=True):
             up = bool(aloft[start]) or self._is_impact(start, stop)
-            if merged and merged[-1].aloft and up:
-                start = merged.pop().start
-            merged.append(_Stretch(up, start, stop))
+            if stretches and stretches[-1].aloft and up:
+                start = stretches.pop().start
+            stretches.append(_Stretch(up, start, stop))
         # A motion that ends where it lands is in flight to its end.
-        if self.all.status in ("landing", "energy_gain") and len(merged) > 1 and merged[-2].aloft:
-            merged.pop()
-        return merged
+        if self.all.status in ("landing", "energy_gain") and len(stretches) > 1 and stretches[-2].aloft:
+            stretches.pop()
+        return stretches
 
     def _is_impact(self, start: int, stop: int) -> bool:
         """Whether a contact between two flights is too short for its samples to be more than an impact."""
@@ -170,15 +170,15 @@ class _Motion:
         return _with_stick(part, reading, self.case.plate.reach) if self.turns else reading
 
     def _leaving(self, stretch: _Stretch, before: Mode) -> _Change:
-        """Where the contact lets go: the normal force vanishes between its last sample and the first in flight."""
+        """The lift-off: the zero of the normal force between the contact's last sample and the first in flight."""
         t, force = self.all.t, self.all.normal_force
         last, next_ = float(t[stretch.stop - 1]), float(t[stretch.stop])
-        pressed = np.arange(stretch.start, stretch.stop)
-        pressed = pressed[np.isfinite(force[pressed]) & (np.diff(t[pressed], append=inf) > 0)]
-        found = slip_phases.branch_zero(t[pressed], np.abs(force[pressed]), next_) if len(pressed) >= _FEWEST else None
-        if found is None or not last <= found[0] <= next_:
-            found = 0.5 * (last + next_), 0.5 * (next_ - last)
-        return _Change(found[0], before, Mode.FLIGHT, found[1], "the normal force vanishes")
+        samples = np.arange(stretch.start, stretch.stop)
+        samples = samples[np.isfinite(force[samples]) & (np.diff(t[samples], append=inf) > 0)]
+        zero = slip_phases.branch_zero(t[samples], np.abs(force[samples]), next_) if len(samples) >= _FEWEST else None
+        if zero is None or not last <= zero[0] <= next_:
+            zero = 0.5 * (last + next_), 0.5 * (next_ - last)
+        return _Change(zero[0], before, Mode.FLIGHT, zero[1], "the normal force vanishes")
 
     # --- flight -------------------------------------------------------------------------------------------------------
 
@@ -206,42 +206,42 @@ class _Motion:
         return np.column_stack([self.all.vx, self.all.vy])
 
     def _rebounds(self, stretch: _Stretch, landing: _Change | None) -> Iterable[_Change]:
-        """The impacts of a flight that close fast enough to be listed and fly on for long enough to be seen."""
+        """The impacts of a flight that are fast enough to be listed and followed by a long enough flight."""
         impacts = self._impacts(stretch)
         if not impacts:
             return
-        # What the last of them begins lasts until the plate lands for good, surely; or as long as the motion.
+        # The flight after the last impact lasts until the final landing, or to the end of the motion.
         last = float(self.all.t[stretch.stop - 1]) if landing is None else landing.time - np.nan_to_num(landing.spread)
         ends = [*(impact.time for impact in impacts[1:]), last]
-        seen = slip_phases.RESOLVABLE_GAPS * float(
+        shortest = slip_phases.RESOLVABLE_GAPS * float(
             np.max(np.diff(self.all.t[stretch.start : stretch.stop]), initial=0.0)
         )
         greatest = 0.0
         for impact, end in zip(impacts, ends, strict=True):
             greatest = max(greatest, impact.closing)
-            # The last flight of a motion is seen as far as it goes, if there is one.
+            # The last flight of a motion counts however short it is.
             goes_on = landing is None and impact is impacts[-1] and end - impact.time > _ROUNDING * end
-            whole = end - impact.time >= seen or goes_on
-            if whole and impact.closing >= _LISTED * greatest:
+            whole = end - impact.time >= shortest or goes_on
+            if whole and impact.closing >= _LEAST_SHARE * greatest:
                 yield _Change(impact.time, Mode.FLIGHT, Mode.FLIGHT, impact.spread, "impact")
 
     def _impacts(self, stretch: _Stretch) -> list[_Impact]:
         """The impacts of a flight, in order."""
         inside = slice(stretch.start, stretch.stop)
-        # A solver whose impacts last tells no force in them: those samples are neither contact nor free.
+        # Solvers with impacts of finite duration report no force in them: such samples are neither contact nor flight.
         free = np.isnan(self.all.xi1[inside]) & ~np.isnan(self.all.normal_force[inside])
         aloft = stretch.start + np.flatnonzero(free)
-        found = []
+        impacts = []
         for i, j in zip(aloft[:-1].tolist(), aloft[1:].tolist(), strict=True):
-            # Samples left out between the two are a contact: there it touched, jump or not.
+            # Samples omitted between the two are in contact: an impact, with or without a jump.
             if j > i + 1 or self._jumps(i, j):
                 time, spread = self._meeting(i, j)
-                found.append(_Impact(time, spread, self._closing(i, j, time)))
-        return found
+                impacts.append(_Impact(time, spread, self._closing(i, j, time)))
+        return impacts
 
     def _closing(self, i: int, j: int, time: float) -> float:
-        """With what speed the outline's nearest point closes at a time between the samples i and j, m/s; the change of
-        the whole velocity where no point of the track is near."""
+        """The closing speed of the outline's nearest point at a time between samples i and j, m/s; the change of the
+        whole velocity if no point of the track is near."""
         motion, free = self.all, np.nan_to_num(self._free)
         after = motion.t[j] - time
         before, later = self._rates[i] + (time - motion.t[i]) * free[i], self._rates[j] - after * free[j]
@@ -297,10 +297,10 @@ class _Motion:
         return _Change(time, Mode.FLIGHT, after, spread, "landing")
 
     def _rest(self, flight: _Stretch) -> float | None:
-        """When the bouncing of a flight comes to rest: the limit of its last three impacts that samples resolve."""
+        """The time at which bouncing comes to rest: the limit of its last three resolved impacts, or None."""
         times = np.array([impact.time for impact in self._impacts(flight)])
         gap = float(np.max(np.diff(self.all.t[flight.start : flight.stop]), initial=0.0))
-        # Two impacts nearer to each other than this share the samples their times are read from.
+        # The times of two impacts closer than this would be read from the same samples.
         short = np.flatnonzero(np.diff(times) < slip_phases.RESOLVABLE_GAPS * gap)
         times = times[: short[0] + 1] if len(short) else times
         if len(times) < 3:
@@ -310,7 +310,7 @@ class _Motion:
 
 
 def _with_stick(part: Trajectory, reading: Reading, reach: float) -> Reading:
-    """The reading of a contact with its rolls told apart from sticks: whether it turns is read as slip is."""
+    """The reading of a contact with rolling and rest distinguished, by the same rules as slip and rolling."""
     edges = [-inf, *(event.time for event in reading.transitions), inf]
     modes = [reading.first_mode, *(event.after for event in reading.transitions)]
     first, changes = modes[0], list[_Change]()
@@ -340,14 +340,14 @@ def _turning(part: Trajectory, inside: np.ndarray, reach: float) -> Reading:
         still = len(inside) > 0 and np.all(np.abs(spin) <= slip_phases.SURELY * part.slip_resolution)
         return Reading(Mode.REST if still else Mode.ROLL, (), ())
     values = {name: getattr(part, name)[inside] for name in State._fields} | {"slip": spin}
-    told = slip_phases.read_contact(replace(part, t=part.t[inside], **values, status="completed"), None)
+    turning = slip_phases.read_contact(replace(part, t=part.t[inside], **values, status="completed"), None)
     rows = [
         (replace(event, before=_turns(event.before), after=_turns(event.after), cause=cause), spread)
-        for event, spread in zip(told.transitions, told.spreads, strict=True)
-        # A roll that turns around is a roll.
+        for event, spread in zip(turning.transitions, turning.spreads, strict=True)
+        # A roll that reverses remains a roll.
         if (cause := _TURNING.get((_turns(event.before), _turns(event.after))))
     ]
-    return Reading(_turns(told.first_mode), tuple(event for event, _ in rows), tuple(spread for _, spread in rows))
+    return Reading(_turns(turning.first_mode), tuple(event for event, _ in rows), tuple(spread for _, spread in rows))
 
 
 _TURNING = {(Mode.ROLL, Mode.REST): "turning ends", (Mode.REST, Mode.ROLL): "turning begins"}
