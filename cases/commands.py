@@ -74,10 +74,10 @@ def _work(words: list[str]) -> None:
     elif not words:
         print(listing())
     else:
-        run(words[0], words[1:])
+        run_command(words[0], words[1:])
 
 
-def run(command: str, words: Sequence[str]) -> None:
+def run_command(command: str, words: Sequence[str]) -> None:
     """One of the commands; raises CaseError if it cannot."""
     if command not in OWN + BY_OTHERS:
         raise unknown_name("command", command, OWN + BY_OTHERS)
@@ -149,11 +149,11 @@ def _shadows(name: str) -> bool:
 def check(text: str, changes: Sequence[str] = ()) -> str:
     """Make every variant of the cases that a word names (or the one with `changes`) and run it, where there is a
     solver; raises CaseError with file and line of what is wrong."""
-    selection, run = lookup.case_name(text), _of_others("check")
+    selection, run_command = lookup.case_name(text), _of_others("check")
     lines = []
     for case in [selection.one(changes)] if changes else selection.every():
         try:
-            does = run(case) if run else NO_SOLVER
+            does = run_command(case) if run_command else NO_SOLVER
         except CaseError as problem:
             raise BadValue(f"{case.label}: {problem}") from problem
         lines.append(f"{case.label}: fits; {does}")

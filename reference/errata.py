@@ -32,7 +32,7 @@ class Erratum(NamedTuple):
     """
 
     where: str
-    as_printed: str
+    printed: str
     corrected: str
     printed_residual: float
     corrected_residual: float
@@ -104,13 +104,13 @@ def _9() -> Erratum:
 
 def _14() -> Erratum:
     case, k = _generic()
-    as_printed = k.Rp @ k.turn  # a row of two numbers: it has no sign
+    printed = k.Rp @ k.turn  # a row of two numbers: it has no sign
     slip = case.track.tangent(k.q[0]) @ (k.q_dot[0] * k.Rp - k.q_dot[1] * (k.turn @ k.rp))
     v = k.R0_dot + k.theta_dot * (U @ k.turn @ k.r)
     corrected = k.Rp @ v / np.linalg.norm(k.Rp)
     return Erratum(
         "(14)", "R_pᵀ·θ < 0", "R_pᵀ·v < 0", float("nan"), _relative(corrected, slip),
-        f"R_pᵀ·θ has shape {as_printed.shape} and no sign; R_pᵀ·v is the slip velocity times |R_p|",
+        f"R_pᵀ·θ has shape {printed.shape} and no sign; R_pᵀ·v is the slip velocity times |R_p|",
     )  # fmt: skip
 
 
@@ -178,7 +178,7 @@ def _35_slip() -> Erratum:
 
 def _35_axes() -> Erratum:
     xi1, xi1_dot, L, g = 0.6, 1.7, 0.9, 9.81
-    as_printed = [g / L * (cos(xi1) - MU * sin(xi1)) - MU * xi1_dot**2, g * sin(xi1) + L * xi1_dot**2]
+    printed = [g / L * (cos(xi1) - MU * sin(xi1)) - MU * xi1_dot**2, g * sin(xi1) + L * xi1_dot**2]
 
     def actual(direction):
         case = cases.load("disc_in_circle", mu=MU)
@@ -189,7 +189,7 @@ def _35_axes() -> Erratum:
 
     return Erratum(
         "(35), axes", "(no word on the axes: Y up)", "Y points down (gravity along +Y), and v > 0",
-        _relative(as_printed, actual(-np.pi / 2)), _relative(as_printed, actual(np.pi / 2)),
+        _relative(printed, actual(-np.pi / 2)), _relative(printed, actual(np.pi / 2)),
         "ξ̈₁ and N of (35) are those of (27) with gravity along +Y",
     )  # fmt: skip
 

@@ -18,7 +18,7 @@ from cases.errors import between, unknown_name
 
 from . import augmented_integrator
 from .minimal.decision import Undecidable, decide
-from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, run, undecidable
+from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, simulate_phases, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, kinds, phase, senses, start_state, state_in
@@ -90,7 +90,7 @@ def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
 
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate):
     """The motion without samples: (segments, transitions, (status, sentence)), cut at a second contact."""
-    return until_second_contact(case, run(case, regime, start, rtol, integrate))
+    return until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
 
 
 def as_trajectory(

@@ -218,7 +218,7 @@ def _study(plan: BuildPlan, calls: Calls) -> list[Result]:
             words += ["--case-file", *map(os.path.relpath, plan.files)] if selection and plan.files else []
             words += ["--solver", *solvers] if solvers and set(solvers) != set(options.solvers()) else []
             request = studies.Request(selection, solvers, full)
-            results.append(studies.run(name, request, calls, options.command("reports.study", words)))
+            results.append(studies.run_study(name, request, calls, options.command("reports.study", words)))
     return results
 
 

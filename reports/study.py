@@ -63,7 +63,7 @@ def _make(
     try:
         with Display() as display, Calls(jobs, store=store, progress=display) as calls:
             calls.ask_versions(request.solvers)
-            result = studies.run(name, request, calls, command)
+            result = studies.run_study(name, request, calls, command)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     if result.failure:

@@ -99,11 +99,11 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
         try:
             with Display() as display:
                 machines = run.Machines(jobs, arguments.dask, display)
-                new_count = run.run(plan, folder, arguments.certify, machines)
+                new_count = run.run_reference(plan, folder, arguments.certify, machines)
                 engines: dict[str, str] = {}
                 for name in solvers:
                     engines |= run.run_engine(plan, folder, name, ways[name], machines)
-            edges = boundary_search.run(plan, folder, width) if width is not None else None
+            edges = boundary_search.search_and_write(plan, folder, width) if width is not None else None
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"finished rows are in {out}; give the same command to continue") from None
         counts = maps.counts(folder)

@@ -42,7 +42,7 @@ def load(route: Route) -> None:
     """A frictionless disc on a level line: m v̇ = −c v, so v = v₀ exp(−c t/m); J ω̇ = M sin(w t)."""
     drag, moment, rate, initial = 0.8, 0.02, 4.0, 1.0
     push = Load(fx=f"-{drag}*vx", moment=f"{moment}*sin({rate}*t)")
-    run = route.run(Case(LEVEL, DISC, (Gravity(G), push, Unilateral()), Start(0.0, slip=initial), duration=1.0))
+    run = route.simulate(Case(LEVEL, DISC, (Gravity(G), push, Unilateral()), Start(0.0, slip=initial), duration=1.0))
     t = run.motion.t
     # Forces act up to a step early or late.
     tolerance = 2.0 * run.step + 10 * run.rounding * len(t) ** 0.5 + 1e-9
@@ -67,7 +67,7 @@ def bounce(route: Route) -> None:
     """A disc that falls from h on a level line rises to e² h again."""
     restitution = 0.5
     case = _drop(restitution, 0.0, 0.0, duration=0.42)
-    run, (time, speed) = route.run(case), _fall(case)
+    run, (time, speed) = route.simulate(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
     top, exact = float(run.motion.y[after].max()) - RADIUS, (restitution * speed) ** 2 / (2 * G)
     tolerance = 2 * restitution * speed * run.kick / G + 2 * RESTITUTION * exact
@@ -78,7 +78,7 @@ def bounce_with_friction(route: Route) -> None:
     """A spinning disc that slips through its impact: friction takes μ of the impulse, so v_t grows by μ (1 + e) v_n."""
     restitution, mu, omega = 0.5, 0.1, 60.0
     case = _drop(restitution, mu, omega, duration=0.38)
-    run, (time, speed) = route.run(case), _fall(case)
+    run, (time, speed) = route.simulate(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
     _check_spin(
         "bounce with friction",
@@ -93,7 +93,7 @@ def landing(route: Route) -> None:
     """A spinning disc that stays where it lands: v_t grows by μ v_n in the impact, and by μ g t from then on."""
     mu, omega = 0.1, 60.0
     case = _drop(0.0, mu, omega, duration=0.4)
-    run, (time, speed) = route.run(case), _fall(case)
+    run, (time, speed) = route.simulate(case), _fall(case)
     after = run.motion.t > time + 2 * run.step + 0.02
     _check_spin("landing", run, after, -mu * (speed + G * (run.motion.t[after] - time)), RESTITUTION * mu * speed)
 
@@ -111,7 +111,7 @@ def perfectly_rough(route: Route) -> None:
     """A disc rolls down an incline of 69°, whatever friction that takes: (m + J/r²) v̇ = m g sin."""
     angle, duration = 1.2, 0.5
     track = Curve(lambda s: (s * curves.cos(angle), -s * curves.sin(angle)))
-    run = route.run(Case(track, DISC, (Gravity(G), PerfectlyRough(), Unilateral()), Start(0.0), duration=duration))
+    run = route.simulate(Case(track, DISC, (Gravity(G), PerfectlyRough(), Unilateral()), Start(0.0), duration=duration))
     growth = G * sin(angle) / (1 + INERTIA / (MASS * RADIUS**2))
     motion = run.motion
     hold("perfectly rough", "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step)
@@ -125,7 +125,7 @@ def guide(route: Route) -> None:
     initial = 0.2
     # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
     track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
-    run = route.run(Case(track, DISC, (Gravity(G),), Start(initial), duration=1.2))
+    run = route.simulate(Case(track, DISC, (Gravity(G),), Start(initial), duration=1.2))
     motion = run.motion
     hold("guide", "the end of the motion", float(motion.t[-1]) - 1.2, 2 * run.step)
     length = 1.0 + RADIUS
@@ -144,7 +144,7 @@ def rolling_resistance(route: Route) -> None:
     """A disc that rolls on a level line against a couple a·N: (m + J/r²) v̇ = −m g a/r, until it rests."""
     arm, initial, duration = 2e-3, -6.0, 1.0
     effects = (Gravity(G), CoulombFriction(0.5), RollingResistance(arm), Unilateral())
-    run = route.run(Case(LEVEL, DISC, effects, Start(0.0, omega=initial), duration=duration))
+    run = route.simulate(Case(LEVEL, DISC, effects, Start(0.0, omega=initial), duration=duration))
     deceleration = G * arm / (RADIUS**2 * (1 + INERTIA / (MASS * RADIUS**2)))
     exact = initial + deceleration * run.motion.t
     # The couple acts up to a step early or late, and a rolling disc may creep.

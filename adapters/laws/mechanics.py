@@ -122,7 +122,7 @@ def friction_torque(route: Route) -> None:
         Start(0.0, slip=1.0),
         duration=0.3,
     )
-    run = route.run(case)
+    run = route.simulate(case)
     exact = -mu * G * run.motion.t * mass * radius / inertia
     # The kick of friction, with the same lever.
     tolerance = mu * run.kick * mass * radius / inertia
@@ -131,7 +131,7 @@ def friction_torque(route: Route) -> None:
 
 def cone(route: Route, scene: Case) -> None:
     """|T| ≤ μ N at every sample: friction never exceeds Coulomb's bound, nor acts without a normal force."""
-    run = route.run(scene)
+    run = route.simulate(scene)
     normal, friction = run.forces
     mu = _mu(scene)
     # A normal force whose direction has the error `tilt` has this part along the tangent; 1e-9 of the weight is
@@ -143,7 +143,7 @@ def cone(route: Route, scene: Case) -> None:
 
 def friction_opposes_slip(route: Route, scene: Case) -> None:
     """T = −μ N sign(v) where the plate certainly slips: the force's direction, and its mean size."""
-    run, mu = route.run(scene), _mu(scene)
+    run, mu = route.simulate(scene), _mu(scene)
     motion = run.motion
     # Slip that a step can reverse is left out: friction acts in both directions there.
     sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * _ease(scene.plate)
@@ -161,7 +161,7 @@ def sticking_threshold(route: Route) -> None:
     mu, off, duration = 0.1, 1e-3, 1.0
     for share, slips in ((1 - off, False), (1 + off, True)):
         angle = atan(3 * mu * share)
-        run = route.run(_slope(angle, mu, duration=duration))
+        run = route.simulate(_slope(angle, mu, duration=duration))
         # m r²/J = 2, so slip grows with g (sin − 3 μ cos), if it grows.
         exact = G * (sin(angle) - 3 * mu * cos(angle)) * duration if slips else 0.0
         # Half of the slip on the other side distinguishes the two.
@@ -172,7 +172,7 @@ def sticking_threshold(route: Route) -> None:
 
 def no_friction_no_spin(route: Route) -> None:
     """Without friction a disc keeps its spin, since the normal force points at its centre."""
-    run = route.run(replace(SCENES["disc in a circle"], effects=(Gravity(G), Unilateral())))
+    run = route.simulate(replace(SCENES["disc in a circle"], effects=(Gravity(G), Unilateral())))
     omega = run.motion.omega
     from scipy.integrate import trapezoid  # slow to import
 
@@ -187,21 +187,21 @@ def no_friction_no_spin(route: Route) -> None:
 def energy_conservation(route: Route, scene: Case) -> None:
     """Without friction the energy is constant."""
     frictionless = replace(scene, effects=(Gravity(G), Unilateral()))
-    run = route.run(frictionless)
+    run = route.simulate(frictionless)
     total = energy(frictionless, run.motion)
     hold("energy conservation without friction", "the energy", total - total[0], run.loss + _swing(run))
 
 
 def energy_never_grows(route: Route, scene: Case) -> None:
     """With friction and no load the energy never increases."""
-    run = route.run(scene)
+    run = route.simulate(scene)
     total = energy(scene, run.motion)
     hold("energy never grows", "the energy, above its least so far,", energy_growth(total), _swing(run))
 
 
 def mirror_image(route: Route, scene: Case) -> None:
     """The mirrored case has the mirrored motion."""
-    here, there = route.run(scene), route.run(mirror(scene))
+    here, there = route.simulate(scene), route.simulate(mirror(scene))
     a, b = _common(here, there)
     image = replace(b, x=-b.x, theta=-b.theta)
     _hold_same_motion("mirror image", here, a, image)
@@ -210,7 +210,7 @@ def mirror_image(route: Route, scene: Case) -> None:
 def turn_frame(route: Route, scene: Case) -> None:
     """The case turned about the origin, gravity and all, has the turned motion."""
     angle = 2.1
-    here, there = route.run(scene), route.run(turn_gravity(scene, angle))
+    here, there = route.simulate(scene), route.simulate(turn_gravity(scene, angle))
     a, b = _common(here, there)
     back = replace(
         b, x=b.x * cos(angle) + b.y * sin(angle), y=b.y * cos(angle) - b.x * sin(angle), theta=b.theta - angle
@@ -220,7 +220,7 @@ def turn_frame(route: Route, scene: Case) -> None:
 
 def on_its_track(route: Route, scene: Case) -> None:
     """The plate touches the case's track, at the reported parameters, with the reported slip."""
-    run = route.run(scene)
+    run = route.simulate(scene)
     motion, reach = run.motion, scene.plate.reach
     gap = follow(scene, motion.x, motion.y, motion.theta)[2]
     # The displacement in a step, the corners' sagitta, and the overlap that engines do not correct.
@@ -234,7 +234,7 @@ def momentum_balance(route: Route, scene: Case) -> None:
     """m v and J ω change by the integrals of the reported forces: m v̇ = N n + T t + m g, J ω̇ = arm × force."""
     from scipy.integrate import cumulative_trapezoid  # slow to import
 
-    run, motion, plate = route.run(scene), route.run(scene).motion, scene.plate
+    run, motion, plate = route.simulate(scene), route.simulate(scene).motion, scene.plate
     tangent, normal = scene.track.tangent(motion.xi1), scene.track.normal(motion.xi1)
     normal_force, friction_force = run.forces
     fx, fy = normal_force * normal + friction_force * tangent
@@ -265,7 +265,7 @@ def lift_off(route: Route) -> None:
     # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
     track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
     case = Case(track, disc(0.1, 2.0), (Gravity(G), Unilateral()), Start(0.2), duration=1.2)
-    run = route.run(case)
+    run = route.simulate(case)
     motion, length = run.motion, 1.1
     if motion.status != "lift_off":
         raise AssertionError(f"lift-off: the motion should end with lift_off, and its status is {motion.status}")
@@ -281,7 +281,7 @@ def free_fall(route: Route) -> None:
     start = Start(0.0, slip=0.4, omega=3.0, gap=0.5)
     # It would land after 0.32 s.
     case = Case(Curve(lambda s: (s, 0)), disc(0.1, 2.0), (Gravity(G), Unilateral(), Flight()), start, duration=0.25)
-    run, start_state = route.run(case), start_motion(case)
+    run, start_state = route.simulate(case), start_motion(case)
     motion, t = run.motion, run.motion.t
     hold("free fall", "the end of the motion", float(t[-1]) - case.duration, 2 * run.step)
     # Gravity acts up to a step early or late, and the angle has an error of one step's turn; 1e-9 is rounding, and so

@@ -43,7 +43,7 @@ class Route:
     adapter: Any
     name: str
 
-    def run(self, case: Case) -> LawRun:
+    def simulate(self, case: Case) -> LawRun:
         """The motion at the second-finest rung; raises NotSupported."""
         return _run(self.adapter, self.name, case)
 

@@ -145,7 +145,7 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
 
     start = start_state(case)
     regime = solve.first_regime(case, start)
-    segments, transitions, ending = hybrid.run(case, regime, start, rtol, integrate_perturbation)
+    segments, transitions, ending = hybrid.simulate_phases(case, regime, start, rtol, integrate_perturbation)
     return _witness(
         f"component {component} moved by {roundings:g} roundings",
         solve.as_trajectory(case, segments, transitions, ending),

@@ -110,7 +110,7 @@ class Step(NamedTuple):
     is_listed: bool = True  # whether an impact between two flights is listed
 
 
-def run(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
+def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
     """Simulate phases until the end of the time span or a status: (segments, transitions, (status, sentence))."""
     t, y, initial = 0.0, start, start_motion(case)
     segments: list[Segment] = []

@@ -53,7 +53,7 @@ def _advance(scenes: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
         together = np.flatnonzero(one_contact(scenes))
         if together.size:
             wave = _Wave(scenes.only(together), rtol, optimised)
-            wave.run()
+            wave.integrate_phases()
             wave.put(motions, together)
             remaining = np.flatnonzero(motions.status == "")
     simulate_rows(scenes, remaining, rtol, motions)
@@ -88,7 +88,7 @@ class _Wave:
         self.status, self.reason = (np.full(n, "", dtype=object) for _ in range(2))
         self.events: list[Events] = []
 
-    def run(self) -> None:
+    def integrate_phases(self) -> None:
         """Integrate phase after phase until every scenario has ended or must be simulated alone."""
         self._begin()
         while (self.now >= 0).any():

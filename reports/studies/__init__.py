@@ -109,7 +109,7 @@ def study(name: str) -> ModuleType:
     return importlib.import_module(f"{module.__name__}.study") if hasattr(module, "__path__") else module
 
 
-def run(name: str, request: Request, calls: Calls, command: str) -> Result:
+def run_study(name: str, request: Request, calls: Calls, command: str) -> Result:
     """Run a study. A failure is recorded in the result and affects nothing else."""
     module = study(name)
     try:

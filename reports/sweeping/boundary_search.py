@@ -69,7 +69,7 @@ def check(plan: Plan) -> None:
             )
 
 
-def run(plan: Plan, folder: Folder, width: float) -> BoundaryPoints:
+def search_and_write(plan: Plan, folder: Folder, width: float) -> BoundaryPoints:
     """Search the boundaries to a width in the first parameter (in the second: the same fraction of its range), and
     write them to the folder."""
     edges = find_boundaries(plan, width)

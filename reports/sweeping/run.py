@@ -63,7 +63,7 @@ def scene(plan: Plan) -> str:
         return "unknown"
 
 
-def run(plan: Plan, folder: Folder, certified: bool, machines: Machines) -> int:
+def run_reference(plan: Plan, folder: Folder, certified: bool, machines: Machines) -> int:
     """Compute the missing parts of the reference's rows; returns the number of scenarios computed now."""
     return _provenance(SweepWork(plan, certified=certified), folder, ROWS, machines)
 

@@ -82,7 +82,7 @@ def test_every_fault_is_a_row_of_every_study(name, broken, capfd):
     with Calls(2, limit=6.0) as calls:
         calls.ask_versions(names)
         chosen = (cases.load(fake_adapter.CASE),) if "case" in studies.study(name).TAKES else ()
-        result = studies.run(name, studies.Request(chosen, names), calls, "")
+        result = studies.run_study(name, studies.Request(chosen, names), calls, "")
     assert result.failure == ""
     frame = result.frames[name]
     for solver in names:

@@ -292,7 +292,7 @@ def test_a_study_that_fails_with_a_solver_is_made_without_it(fails, monkeypatch)
 
     monkeypatch.setattr(studies, "study", lambda name: Study)
     with Calls(1, versions={SOUND: "1", SPOILT: "1"}) as calls:
-        result = studies.run("x", Request(solvers=(SOUND, SPOILT)), calls, "")
+        result = studies.run_study("x", Request(solvers=(SOUND, SPOILT)), calls, "")
     assert result.failure == "" and list(result.frames["x"]["solver"]) == [SOUND]
     assert [row["solver"] for row in result.findings] == [SOUND]
     assert [one[:2] for one in result.left_out] == [("study x", SPOILT)]

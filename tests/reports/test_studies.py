@@ -87,7 +87,7 @@ def test_a_study_that_fails_is_said_in_its_result(monkeypatch):
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr(study, "run", run)
-    result = studies.run("formulations", studies.Request(), None, "the command")
+    result = studies.run_study("formulations", studies.Request(), None, "the command")
     assert (result.failure, result.frames, result.command) == ("ZeroDivisionError: by zero", {}, "the command")
 
 

@@ -118,14 +118,14 @@ def closed_form_by_heyoka(mu: float, tolerance: float) -> Callable[[], float]:
     event = hy.t_event(L * u + r * w, direction=hy.event_direction.negative)
     integrator = hy.taylor_adaptive(equations, [0.0] * 4, t_events=[event], tol=tolerance)
 
-    def run() -> float:
+    def solve_once() -> float:
         integrator.time = 0.0
         integrator.state[:] = 0.0
         integrator.reset_cooldowns()
         integrator.propagate_until(2.5)
         return integrator.time
 
-    return run
+    return solve_once
 
 
 def first_slip(mu: float, rtol: float, method: str) -> Callable[[], float]:
@@ -145,13 +145,13 @@ def whole_call(mu: float, rtol: float, method: str) -> Callable[[], float]:
     end = 1.01 * _exact(mu)
     number = count()
 
-    def run() -> float:
+    def solve_once() -> float:
         # Each call has a different friction, so that only results independent of μ are cached between calls.
         other = mu * (1.0 + 1e-14 * next(number))
         case = cases.load("disc_in_circle", mu=other, duration=end)
         return reference.simulate(case, rtol=rtol, method=method).transitions[0].time
 
-    return run
+    return solve_once
 
 
 def simulate_new_case(case: cases.Case, method: str) -> int:

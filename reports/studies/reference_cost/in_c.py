@@ -79,7 +79,7 @@ def first_slip(mu: float, nodes: int) -> Callable[[], float] | None:
     x, c = 0.5 * (places + 1.0), 0.5 * weights
     nodes_of_c, weights_of_c = (np.ctypeslib.as_ctypes(np.ascontiguousarray(part)) for part in (x, c))
 
-    def run() -> float:
+    def solve() -> float:
         return compiled_library.first_slip(mu, 9.81, 0.9, nodes, nodes_of_c, weights_of_c)
 
-    return run
+    return solve
