@@ -119,7 +119,7 @@ def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
     assert found.tangency <= 1e-12 + rounding * max(1.0, float(np.abs(motion.theta).max()))
     # Energy is as sure as the equations are conditioned, and as the little that moves is of the coordinates' digits.
     if case.label not in CHAOTIC:
-        condition = sensitivity.conditioning(case, motion).scaled
+        condition = sensitivity.conditioning(case, motion).dimensionless
         assert found.energy <= 1e-12 + 1e2 * np.finfo(float).eps * min(condition, 1e9)
 
 

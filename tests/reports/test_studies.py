@@ -57,7 +57,7 @@ FOUND = {
     ),
     "settings": [settings.SettingCell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
     "stability": stability.Stability(
-        (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.unknown(CASE, "engine", "native", "It hung."),)
+        (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.failure(CASE, "engine", "native", "It hung."),)
     ),
 }  # fmt: skip
 
