@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from reports.running.storage import source_code
+
 ROOT = Path(__file__).parent.parent
 ALLOWED = {
     "cases": set(),
@@ -78,6 +80,11 @@ def test_reports_import_downwards():
             continue  # the package itself holds nothing
         here, there = name.split(".")[1], other.split(".")[1]
         assert here == there or floor(name) < floor(other) or (here, there) in NEIGHBOURS, f"{name} imports {other}"
+
+
+def test_keys_of_results_know_the_floors_of_reports():
+    floors = [*reversed([name for floor in FLOORS if len(floor) == 1 for name in floor])]
+    assert tuple(floors[: len(source_code.LAYERS)]) == source_code.LAYERS
 
 
 def test_reports_have_no_circle():

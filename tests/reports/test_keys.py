@@ -3,7 +3,7 @@
 import dataclasses
 import os
 from copy import deepcopy
-from functools import partial
+from functools import cache, partial
 from importlib.metadata import EntryPoint
 
 import numpy as np
@@ -12,10 +12,12 @@ import pytest
 import cases
 from adapters import Setting
 from cases import Mode, Transition, compile_cache
+from reports import studies
 from reports.running import calls, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.records import Truth
 from reports.running.storage import fingerprint, source_code
+from tests.test_import_layers import imports, modules, reached
 
 TRUTH = Truth("taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE)
 
@@ -212,6 +214,38 @@ def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engin
     assert {"reference.solve", "reference.certification.certificate", "reference.minimal.elimination"} <= truth
 
 
+@cache
+def import_graph() -> dict[str, set[str]]:
+    known = {name: path for room in source_code.SUITE for name, path in modules(room).items()}
+    graph = {name: imports(name, path, known) for name, path in known.items()}
+    graph["adapters.lookup"] -= {"adapters.by_process"}
+    for name in known:
+        if name.startswith("cases.") and not name.startswith("cases.pictures"):
+            graph[name] = {other for other in graph[name] if not other.startswith("cases.pictures")}
+    return graph
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        "reports.running.tasks", "reports.running.timing.clock", "reports.drawing.figures", "reports.page.pictures",
+        "reference.sweeping.table", "adapters.pymunk", "adapters.exudyn", "adapters.by_process",
+        *(f"reports.studies.{name}" for name in studies.names()),
+    ],
+)  # fmt: skip
+def test_code_includes_all_that_a_module_imports(module):
+    """Directly or not, except for methods that draw, and for adapters, which have keys of their own."""
+    reachable = {name for name in reached(module, import_graph()) if "." in name} - {"cases.catalogue"}
+    assert reachable <= source_code.dependency_files(module, ()).keys()
+
+
+def test_a_study_that_loads_a_case_by_name_depends_on_the_catalogue():
+    files = source_code.dependency_files("reports.studies.paper.measure", ())
+    assert "cases.catalogue.paper" in files
+    assert not any(name.startswith("reports.studies.stability") for name in files)
+    assert "cases.catalogue.paper" not in source_code.dependency_files("reports.running.tasks", ())
+
+
 def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     package = tmp_path / "an_engine_of_tests"
@@ -223,7 +257,7 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     monkeypatch.setattr(source_code, "entry_points", lambda group, name=None: [point])
 
     def told() -> str:
-        for cached in (fingerprint.adapter_sources, source_code.of, source_code.tree_of, source_code.imports_of):
+        for cached in (fingerprint.adapter_sources, source_code.of, source_code.tree_of):
             cached.cache_clear()
         return fingerprint.adapter_sources("an_engine_of_tests")
 
@@ -237,7 +271,7 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
 def test_code_says_the_same_whether_it_is_parsed_or_was_kept(tmp_path, monkeypatch):
     def told(cache: str) -> str:
         monkeypatch.setenv(compile_cache.VARIABLE, cache)
-        for cached in (fingerprint.adapter_sources, source_code.of, source_code.imports_of, source_code._of_suite):
+        for cached in (fingerprint.adapter_sources, source_code.of, source_code._of_suite):
             cached.cache_clear()
         return fingerprint.adapter_sources("pymunk")
 

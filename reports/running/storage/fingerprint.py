@@ -135,9 +135,9 @@ def plain(value: Any) -> Any:
 
 @lru_cache(maxsize=64)
 def sources(module: ModuleType, apart: tuple[ModuleType, ...] = ()) -> str:
-    """Digest of the code of a module and its imports from the suite or its own package, except modules in `apart`.
+    """Digest of the code that a module's results may depend on, except that of the modules and packages in `apart`.
 
-    Layout and comments do not count. Imports are read from the source, not executed.
+    Whole folders count (`source_code.dependency_files`), layout and comments do not.
     """
     return _digest_of(module.__name__, tuple(m.__name__ for m in apart))
 

@@ -1,4 +1,4 @@
-"""Analysis of Python source without running it: imported modules, digests of the syntax, routes of adapters.
+"""Analysis of Python source without running it: files that a result depends on, digests of syntax, routes of adapters.
 
 Importing an adapter loads its engine, which takes seconds and may end the process.
 """
@@ -15,13 +15,19 @@ from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from adapters.lookup import GROUP, NO_ADAPTERS, executables
 from cases import compile_cache
 
-# The suite's packages. Only imports from these and from a module's own package are followed.
+# The suite's packages.
 SUITE = ("adapters", "cases", "reference", "reports")
+# The folders of `reports` whose code makes results: each may import those before it (tests/test_architecture.py).
+LAYERS = ("judging", "running", "analysis", "drawing", "sweeping", "studies", "page")
+# The modules of `adapters` that all adapters may import.
+SHARED = ("", "common", "gate", "interface", "lookup")
+# The first layers whose results depend on these folders of `cases`.
+FIRST_WITH = {"pictures": "drawing", "catalogue": "studies"}
 
 
 def of_adapter(engine: str) -> str:
@@ -82,8 +88,9 @@ def literal_of(engine: str, name: str) -> Any:
 def _lines(engine: str) -> list[ast.stmt]:
     """The top-level statements of an adapter's modules."""
     module = of_adapter(engine)
-    own = [path for name, path in dependency_files(module, SUITE[1:]).items() if f"{name}.".startswith(f"{module}.")]
-    return [line for path in own if (tree := tree_of(path)) for line in tree.body]
+    files = dependency_files(module, SUITE[1:])
+    own = [path for name, path in files.items() if f"{name}.".startswith(f"{module}.")]
+    return [line for path in own if path.suffix == ".py" for line in tree_of(path).body]
 
 
 def _packages(line: ast.stmt) -> list[str]:
@@ -100,105 +107,89 @@ def _name(line: ast.Assign) -> str:
 
 
 def dependency_files(module: str, apart: tuple[str, ...]) -> dict[str, Path]:
-    """Files of a module and its imports from the suite or its own package, by module name, except those in `apart`.
+    """Files that a module's results may depend on, by module name, except those of the packages in `apart`.
 
-    Raises LookupError if the module has no file.
+    These are whole folders: its own, and those that it may import by docs/architecture.md. An import added within them
+    needs no change here, and code that is found by name at run time is included. Raises LookupError if the module has
+    no file.
     """
     if file_of(module) is None:
         raise LookupError(f"the module {module} has no file, so its code cannot be read")
-    own = {*SUITE, module.partition(".")[0]}
-    result: dict[str, Path] = {}
-    waiting = [module]
-    while waiting:
-        name = waiting.pop()
-        if name in result or name.partition(".")[0] not in own or any(f"{name}.".startswith(f"{a}.") for a in apart):
-            continue
-        path = file_of(name)
-        if path is not None:
-            result[name] = path
-            waiting += [other for other in imports_of(name, path) if not _picture(other) or not _answer(name)]
-        parent = name.rpartition(".")[0]
-        waiting += [parent] if parent else []
+    own = module.rpartition(".")[0] or module
+    files = {} if module.partition(".")[0] in SUITE else _files_in(own) or _files_in(module)
+    for room in SUITE:
+        files |= {name: path for name, path in _files_in(room).items() if _may_depend(module, name)}
+    return {name: path for name, path in files.items() if not any(f"{name}.".startswith(f"{a}.") for a in apart)}
+
+
+def _may_depend(module: str, other: str) -> bool:
+    """Whether a module's results may depend on another module, of the suite."""
+    room, layer, name, *_ = (*module.split("."), "", "")
+    other_room, other_layer, other_name, *_ = (*other.split("."), "", "")
+    level = LAYERS.index(layer) if room == "reports" and layer in LAYERS else -1
+    if other_room == "cases":
+        # Calls get their cases as arguments, which have keys of their own; only studies load cases by name.
+        return other_layer not in ("catalogue", "pictures") or level >= LAYERS.index(FIRST_WITH[other_layer])
+    if other_room == "adapters":
+        return other_layer in SHARED or (room, layer) == (other_room, other_layer)
+    if other_room == "reference":
+        return room in ("reference", "reports")
+    if room != "reports" or other_layer not in LAYERS:
+        return False
+    is_other_study = layer == other_layer == "studies" and other_name not in ("", name)
+    return LAYERS.index(other_layer) <= level and not is_other_study
+
+
+@lru_cache(maxsize=16)
+def _files_in(package: str) -> dict[str, Path]:
+    """The files of a package's modules by their names, or of a module that is no package."""
+    file = file_of(package)
+    if file is None or not file.name.startswith("__init__."):
+        return {} if file is None else {package: file}
+    result = {}
+    for path in sorted(file.parent.rglob("*")):
+        stem = path.name.partition(".")[0]
+        if path.name[len(stem) :] in _SUFFIXES:
+            parts = path.relative_to(file.parent).parts[:-1]
+            result[".".join((package, *parts, *(() if stem == "__init__" else (stem,))))] = path
     return result
-
-
-def _picture(name: str) -> bool:
-    return f"{name}.".startswith("cases.pictures.")
-
-
-def _answer(name: str) -> bool:
-    """Whether a module of `cases` affects results; its imports of pictures do not."""
-    return name.startswith("cases.") and not _picture(name)
-
-
-@lru_cache(maxsize=512)
-def imports_of(name: str, path: Path) -> tuple[str, ...]:
-    """Every module that a module may import, and imported names that may be modules."""
-    package = name if path.stem == "__init__" else name.rpartition(".")[0]
-    result: list[str] = []
-    for level, base, names in _source_facts(path).imports:
-        parts = package.split(".")
-        above = ".".join(parts[: len(parts) - level + 1]) if level else ""
-        whole = ".".join(filter(None, (above, base)))
-        result += [whole, *(f"{whole}.{one}" for one in names)]
-    return tuple(result)
 
 
 @lru_cache(maxsize=512)
 def of(path: Path) -> str:
     """Digest of a file's syntax; layout and comments do not count."""
-    return _source_facts(path).digest
-
-
-class _SourceFacts(NamedTuple):
-    """Digest of a file's syntax, and its imports: number of dots, module and names."""
-
-    digest: str
-    imports: tuple[tuple[int, str, tuple[str, ...]], ...] = ()
-
-
-def _source_facts(path: Path) -> _SourceFacts:
     content = path.read_bytes()
-    if path.suffix != ".py":
-        return _SourceFacts(hashlib.sha256(content).hexdigest())
-    return _of_suite().get(hashlib.sha256(content).hexdigest()) or _read(content)
+    bare = hashlib.sha256(content).hexdigest()
+    return (_of_suite().get(bare) or _syntax_digest(content)) if path.suffix == ".py" else bare
 
 
 @lru_cache(maxsize=1)
-def _of_suite() -> dict[str, _SourceFacts]:
-    """Facts of the suite's files by the digests of their contents; cached, because parsing takes longer than a small
-    report's other work."""
+def _of_suite() -> dict[str, str]:
+    """Digests of the syntax of the suite's files by the digests of their contents; cached, because parsing takes longer
+    than a small report's other work."""
     if compile_cache.place() is None:
         return {}
-    roots = [root.parent for name in SUITE if (root := file_of(name))]
-    contents = [file.read_bytes() for root in roots for file in sorted(root.rglob("*.py"))]
+    contents = [path.read_bytes() for room in SUITE for path in _files_in(room).values()]
     digests = [hashlib.sha256(content).hexdigest() for content in contents]
 
-    def make() -> dict[str, _SourceFacts]:
+    def make() -> dict[str, str]:
         result = {}
         for digest, content in zip(digests, contents, strict=True):
             with suppress(SyntaxError, ValueError):  # the error is raised when the file is requested
-                result[digest] = _read(content)
+                result[digest] = _syntax_digest(content)
         return result
 
     return compile_cache.cached("code", tuple(digests), Path(__file__).parent, make)
 
 
-def _read(content: bytes) -> _SourceFacts:
-    tree = ast.parse(content)
-    result: list[tuple[int, str, tuple[str, ...]]] = []
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            result += [(0, alias.name, ()) for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            result.append((node.level, node.module or "", tuple(alias.name for alias in node.names)))
-    return _SourceFacts(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(result))
+def _syntax_digest(content: bytes) -> str:
+    return hashlib.sha256(ast.dump(ast.parse(content)).encode()).hexdigest()
 
 
 @lru_cache(maxsize=512)
-def tree_of(path: Path) -> ast.Module | None:
-    """The syntax of a module; None if it is compiled."""
-    return ast.parse(path.read_bytes()) if path.suffix == ".py" else None
+def tree_of(path: Path) -> ast.Module:
+    """The syntax of a module."""
+    return ast.parse(path.read_bytes())
 
 
 def file_of(name: str) -> Path | None:
@@ -217,5 +208,6 @@ def file_of(name: str) -> Path | None:
     return None
 
 
-# File endings of a package and of a module, as strings: thousands of names are checked, and `Path` is slow.
+# File endings of modules, and of packages and modules as strings.
+_SUFFIXES = (*importlib.machinery.SOURCE_SUFFIXES, *importlib.machinery.EXTENSION_SUFFIXES)
 _ENDINGS = [end for suffix in importlib.machinery.all_suffixes() for end in (f"{os.sep}__init__{suffix}", suffix)]
