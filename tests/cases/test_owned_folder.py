@@ -451,5 +451,5 @@ class UserAndWe(RuleBasedStateMachine):
 
 TestUserAndWe = UserAndWe.TestCase
 TestUserAndWe.settings = settings(
-    max_examples=30 if QUICK else 300, stateful_step_count=12 if QUICK else 30, deadline=None
+    max_examples=15 if QUICK else 300, stateful_step_count=12 if QUICK else 30, deadline=None
 )

@@ -196,7 +196,7 @@ def test_a_second_contact_is_seen_by_both_formulations():
         "disc_in_circle[mu=0.2]",
         "nearly_conforming[gap=1e-06]",
         "nearly_conforming[gap=1e-08]",
-        "tightest_fit[gap=1e-06]",
+        pytest.param("tightest_fit[gap=1e-06]", marks=pytest.mark.slow),
         "superellipse_on_hill",
     ],
 )

@@ -34,7 +34,9 @@ def quadrature(mu: float) -> closed_form.FirstZero:
 
 
 @pytest.mark.parametrize("method", reference.METHODS)
-@pytest.mark.parametrize("mu", [0.03, 0.15, 0.4])
+@pytest.mark.parametrize(
+    "mu", [pytest.param(0.03, marks=pytest.mark.slow), 0.15, pytest.param(0.4, marks=pytest.mark.slow)]
+)
 def test_first_transition_of_other_sliding_discs_is_the_quadratures(mu, method, accuracy):
     case = cases.load("disc_in_circle", R=1.5, r=0.25, mu=mu)
     exact = quadrature(mu)

@@ -58,7 +58,8 @@ for method in sys.argv[2:]:
 @pytest.mark.parametrize(
     "name, methods",
     [
-        ("disc_in_circle", ("taylor", "dop853")),
+        ("disc_in_circle", ("taylor",)),
+        pytest.param("disc_in_circle", ("dop853",), marks=pytest.mark.slow),
         pytest.param("ellipse_in_circle", ("dop853",), marks=pytest.mark.slow),
     ],
 )

@@ -31,8 +31,15 @@ SCENES = {
 }
 
 
+# Each is derived and compiled twice. Those left to the slow tests have what another of these has.
+LONGER = ("a third inside a cosine", "its square", "a sixth root")
+
+
 @pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
-@pytest.mark.parametrize("case", SCENES.values(), ids=SCENES)
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, id=name, marks=pytest.mark.slow if name in LONGER else ()) for name, case in SCENES.items()],
+)
 def test_fractions_in_curves_and_loads_move_alike_by_both_integrators(case):
     ours, theirs = simulate(case, rtol=1e-13, method="taylor"), simulate(case, rtol=1e-13, method="dop853")
     assert ours.status == theirs.status == "completed"

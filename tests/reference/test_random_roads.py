@@ -126,11 +126,14 @@ ROAD_THAT_NEVER_ENDED = Case(
 )  # fmt: skip
 
 
-def test_a_step_that_ends_a_rounding_beyond_its_bound_is_repeated_shorter():
+@pytest.mark.parametrize(
+    "digits", [range(2, 15, 4), pytest.param(range(2, 15), marks=pytest.mark.slow)], ids=["few", "all"]
+)
+def test_a_step_that_ends_a_rounding_beyond_its_bound_is_repeated_shorter(digits):
     """The same step came again without end: its end lay beyond a feature's bound by less than its length's rounding."""
     end, x, status = by_hand(ROAD_THAT_NEVER_ENDED, 7.044)
     for method in reference.METHODS:
-        for rtol in 10.0 ** -np.arange(2.0, 15.0):
+        for rtol in 10.0 ** -np.array(digits):
             with cpu_limit(PATIENCE):
                 motion = reference.simulate(ROAD_THAT_NEVER_ENDED, rtol=rtol, method=method)
             assert (motion.status, float(motion.t[-1])) == (status, pytest.approx(end, abs=1e3 * rtol + 1e-9))
@@ -157,7 +160,7 @@ def test_far_from_a_steep_step_its_series_have_values():
         assert float(motion.t[-1]) == pytest.approx(end, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 8))])
+@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 4, 5, 6, 7))])
 def test_random_roads_a_few(seed):
     check_road(seed)
 

@@ -96,7 +96,7 @@ def test_certificates_and_sweeps_are_the_same_in_threads():
 
 def test_threads_that_derive_everything_at_once(tmp_path):
     # Alone in a fresh process, where nothing is derived yet and nothing is taken from disk.
-    labels = ["ellipse_in_circle", "driven_disc", "disc_on_trochoid"]
+    labels = ["driven_disc", "disc_on_trochoid"]
     program = (
         "import json, sys, threading\n"
         "from concurrent.futures import ThreadPoolExecutor\n"

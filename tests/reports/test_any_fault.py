@@ -54,11 +54,8 @@ FATES = {
     ("read", "own"): "crashed",
     **{("read", way): "crashed" for way in fake_adapter.ODD_STEPS},
 }
-# One fault of each kind that is over at once, for every run of the tests.
-FEW = [
-    ("file", "syntax"), ("import", "exits"), ("version", "raises"), ("ladder", "unwritable"), ("run", "forks"),
-    ("read", "raises"), ("read", "text"), ("read", "fails"),
-]  # fmt: skip
+# Faults that are over at once, of the part that is imported, asked, run and read: each takes workers of its own.
+FEW = [("import", "exits"), ("ladder", "unwritable"), ("run", "forks"), ("read", "text")]
 # A finite pose so far away that its square is no number: whatever it is called, it is a row.
 FAR = ("read", "far")
 # A worker needs a second or two to import what an adapter imports: that is no hang.

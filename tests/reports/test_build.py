@@ -141,7 +141,7 @@ def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogu
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
+def report(tmp_path_factory, in_process):
     """A small report of two solvers, made by the command."""
     out = tmp_path_factory.mktemp("made") / "deep" / "report"
     argv = [
@@ -155,7 +155,8 @@ def report(tmp_path_factory):
         "reference",
         "pymunk",
     ]
-    assert build.main(argv) == 0
+    with in_process():
+        assert build.main(argv) == 0
     return out
 
 
@@ -234,7 +235,7 @@ def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
         assert "Make it again: `python -m reports.build" in file.read_text(), file
 
 
-def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkeypatch, capsys):
+def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkeypatch, capsys, in_process):
     before = (report / "index.html").read_bytes()
 
     def full(*_):
@@ -242,7 +243,8 @@ def test_a_report_that_fails_half_way_leaves_the_old_one_standing(report, monkey
 
     monkeypatch.setattr(text, "write", full)
     argv = ["--out", str(report), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
-    assert build.main(argv) == 1
+    with in_process():
+        assert build.main(argv) == 1
     assert "no space left" in capsys.readouterr().err
     assert (report / "index.html").read_bytes() == before
     assert [p.name for p in report.parent.iterdir()] == ["report"]
@@ -280,16 +282,18 @@ def test_no_two_labels_share_a_name(labels):
     assert len({*names}) == len(labels) and not any("/" in name or name.startswith(".") for name in names)
 
 
-def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report, tmp_path, capsys):
+def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report, tmp_path, capsys, in_process):
     out = tmp_path / "report"
     shutil.copytree(report, out)
     argv = ["--out", str(out), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
-    assert build.main(argv) == 0
+    with in_process():
+        assert build.main(argv) == 0
     assert "disc_on_line" not in (out / "tables" / "truth.csv").read_text()
     assert [p.name for p in tmp_path.iterdir()] == ["report"]
     before = {p.name: p.read_bytes() for p in (out / "figures").iterdir()}
     capsys.readouterr()
-    assert build.main(argv) == 0
+    with in_process():
+        assert build.main(argv) == 0
     assert "store: 1 figure and " in (told := capsys.readouterr().out) and "nothing made now" in told
     assert {p.name: p.read_bytes() for p in (out / "figures").iterdir()} == before
 

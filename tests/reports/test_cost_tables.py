@@ -40,7 +40,7 @@ def report(tmp_path_factory, without_figures):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timings, "time_together", undisturbed)
         patch.setattr(options.BuildPlan, "select_rungs", coarse)
-        for name, seconds in (("BUDGET", 2.5), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
+        for name, seconds in (("BUDGET", 1.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
         patch.setattr(which_engine, "LEVELS", (1e-4,))
         with redirect_stdout(io.StringIO()) as told, without_figures():

@@ -179,11 +179,12 @@ def test_grid_is_every_combination_from_coarse_to_fine(name):
 # --- the command -----------------------------------------------------------------------------------------------------
 
 
-def test_command_writes_a_row_for_every_setting_and_a_picture(tmp_path, capsys):
+def test_command_writes_a_row_for_every_setting_and_a_picture(tmp_path, capsys, in_process):
     pytest.importorskip("adapters.pymunk")
     out = tmp_path / "parts"
     argv = ["error_parts", "--case", "disc_on_line[mu=0.1]", "--solver", "pymunk", "--out", str(out)]
-    assert study.main([*argv, "--store", str(tmp_path / "store")]) == 0
+    with in_process():
+        assert study.main([*argv, "--store", str(tmp_path / "store")]) == 0
     assert str(out / "error_parts.csv") in capsys.readouterr().out
     lines = (out / "error_parts.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + 2 * 16 * len(error_parts.QUANTITIES)

@@ -39,14 +39,14 @@ def file(tmp_path, motion):
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory, motion):
+def report(tmp_path_factory, motion, in_process):
     """The folder of a report of one case with two trajectories from external."""
     folder = tmp_path_factory.mktemp("elsewhere")
     motion.to_csv(folder / "mine.csv", index=False)
     motion[["t", "x", "y", "theta"]].to_csv(folder / "poses.csv", index=False)
     given = ["--trajectory", f"mine={folder}/mine.csv", "--trajectory", f"theirs@{LABEL}={folder}/poses.csv"]
     out = folder / "report"
-    with pytest.MonkeyPatch.context() as patch:
+    with in_process(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(timings, "BUDGET", 1.0)  # s: who is ranked is asked here, not how surely
         assert build.main(["--case", LABEL, "--solver", "reference", "--out", str(out), *given]) == 0
     return out

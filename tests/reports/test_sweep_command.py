@@ -24,6 +24,13 @@ from reports.sweeping.parts import SweepWork
 VARY = ["disc_in_circle", "--vary", "mu=0.05:0.25:6", "--vary", "xi1=0:1.2:5"]
 
 
+@pytest.fixture
+def at_once(in_process):
+    """Parts of a sweep are computed in this process."""
+    with in_process():
+        yield
+
+
 def rows_of(folder) -> pa.Table:
     return pa.concat_tables(Folder(folder).rows("rows"))
 
@@ -48,7 +55,7 @@ def test_a_sweep_writes_rows_and_a_map_and_goes_on_where_it_was(tmp_path, monkey
     assert before == {file: file.stat().st_mtime_ns for file in out.glob("rows/*")}
 
 
-def test_a_fresh_sweep_deletes_its_own_files_and_none_of_the_users(tmp_path, monkeypatch, capsys):
+def test_a_fresh_sweep_deletes_its_own_files_and_none_of_the_users(tmp_path, monkeypatch, capsys, at_once):
     monkeypatch.chdir(tmp_path)
     few = ["disc_on_line", "--vary", "mu=0.1:0.2:2", "--vary", "v0=1:2:2"]
     assert sweep.main([*few, "--refine", "0.01"]) == 0
@@ -72,7 +79,7 @@ def test_a_fresh_sweep_deletes_its_own_files_and_none_of_the_users(tmp_path, mon
         (out / name).unlink()
 
 
-def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypatch, capsys):
+def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypatch, capsys, at_once):
     monkeypatch.chdir(tmp_path)
     few = ["disc_on_line", "--vary", "mu=0.1:0.2:2"]
     assert sweep.main(few) == 0

@@ -22,7 +22,6 @@ from cases.pictures import animation
 from reports import animate, build, export, options, publish, show, study, sweep
 from reports.drawing import figures
 from reports.drawing.figure_files import FigureContent, FigureEntry, file_name
-from reports.running.processes import worker_process, workers
 
 from . import test_publish
 
@@ -95,17 +94,9 @@ TAKEN = [name for name in NAMES if name not in (LIST, "tables", ".slip-to-roll")
 
 
 @pytest.fixture(scope="module")
-def inline():
-    """Calls are made in this process, not in one of their own: to start those is most of what a small report takes."""
-
-    def run(self, function, arguments, limit=60.0, skip=lambda index: None, groups=(), brief=False):
-        for i, args in enumerate(arguments):
-            given = skip(i)
-            yield i, given or worker_process._call(function, args, Path(tempfile.mkdtemp()))
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(workers.WorkerPool, "run", run)
-        patch.setattr(workers.WorkerPool, "begin", lambda self, groups: None)
+def briefly(in_process):
+    """Calls are made in this process, and films and figures are small."""
+    with in_process(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(animation, "FRAMES_A_SECOND", 1)
         if QUICK:  # figures are most of the rest
             patch.setattr(figures, "draw_case", one_line)
@@ -117,7 +108,7 @@ LEAVE = [name for name in COMMANDS if not name.endswith((" fresh", " force"))]
 
 
 @pytest.fixture(scope="module")
-def made(inline, tmp_path_factory) -> dict[str, Path]:
+def made(briefly, tmp_path_factory) -> dict[str, Path]:
     """What each command leaves in an empty folder, and the report that is published."""
     folders = {"made": tmp_path_factory.mktemp("report") / "report"}
     test_publish.made_report(folders["made"])

@@ -98,7 +98,9 @@ def test_address_space_is_not_bounded():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a process that leaves its group is not found")
-@pytest.mark.parametrize("then", ["return", "segfault", "hang", "vanish"])
+@pytest.mark.parametrize(
+    "then", ["return", "hang", *(pytest.param(t, marks=pytest.mark.slow) for t in ("segfault", "vanish"))]
+)
 def test_a_process_with_a_session_of_its_own_ends_with_the_call_that_left_it(then, tmp_path, monkeypatch):
     monkeypatch.setenv("LEFT_BEHIND", str(tmp_path))
     pool = workers.WorkerPool(1)
