@@ -7,9 +7,10 @@ from .solve import METHODS, simulate
 
 if TYPE_CHECKING:
     from .certification.certificate import certify
+    from .proofs.prove import prove
     from .sweeping import sweep, sweep_chunks
 
-__all__ = ["METHODS", "certify", "simulate", "sweep", "sweep_chunks"]
+__all__ = ["METHODS", "certify", "prove", "simulate", "sweep", "sweep_chunks"]
 
 
 def __getattr__(name: str) -> Any:
@@ -18,6 +19,15 @@ def __getattr__(name: str) -> Any:
         from .certification.certificate import certify
 
         return certify
+    if name == "prove":
+        try:
+            from .proofs.prove import prove
+        except ModuleNotFoundError as problem:
+            if problem.name != "flint":
+                raise
+            message = 'reference.prove needs python-flint; type: pip install "slip-to-roll[proofs]"'
+            raise AttributeError(message) from problem
+        return prove
     if name in ("sweep", "sweep_chunks"):
         return getattr(import_module(".sweeping", __name__), name)
     if name == "certification":

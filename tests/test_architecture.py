@@ -115,6 +115,7 @@ PARTS = {
     "solve": {"minimal", "augmented_integrator"},
     "narration": {"solve"},
     "errata": {"paper", "solve"},
+    "proofs": set(),
     "certification": {"solve", "minimal", "contact_frame"},
     "sweeping": {"certification", "solve", "minimal"},
 }

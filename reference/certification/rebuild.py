@@ -28,7 +28,8 @@ def parser() -> Parser:
     result = Parser(
         prog="python -m reference",
         description="Certify the cases of the catalogue again and store their truth (truth.json).",
-        epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"',
+        epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"\n'
+        "To prove a case's motion instead: python -m reference --prove NAME --help",
     )
     result.add_argument(
         "--only",

@@ -1,0 +1,78 @@
+"""The command `python -m reference --prove NAME`: prove a case's motion and write the proof record."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+import cases
+from cases import BadValue, NotSupported, owned_folder
+from cases.command_line import Parser, status
+
+
+def parser() -> Parser:
+    """The command's options."""
+    result = Parser(
+        prog="python -m reference --prove",
+        description="Prove the motion of a case and write the proof record (JSON).",
+        epilog='Example: python -m reference --prove "disc_in_circle[mu=0.2]" --digits 50 --transitions 1',
+    )
+    result.add_argument("--prove", metavar="NAME", required=True, help='a case: "name" or "name[parameter=value,…]"')
+    result.add_argument("--digits", metavar="N", default="20", help="digits of each transition's time (default: 20)")
+    result.add_argument("--transitions", metavar="N", help="prove so many transitions only (default: the whole motion)")
+    result.add_argument("--out", metavar="FILE", help="the record (default: NAME.proof.json, with _ for [ ] = ,)")
+    result.add_argument("--force", action="store_true", help="overwrite the record if it exists")
+    return result
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status: 0, 1 if a proof is incomplete, 2 for invalid arguments."""
+    return status("reference", _run, argv)
+
+
+def _run(argv: list[str]) -> int:
+    options = parser().parse_args(argv)
+    if find_spec("flint") is None:
+        raise BadValue('proofs need python-flint, which is not installed; type: pip install "slip-to-roll[proofs]"')
+    digits, transitions = _count("--digits", options.digits), _count("--transitions", options.transitions)
+    chosen = cases.select(options.prove)
+    if options.out and len(chosen) > 1:
+        raise BadValue(
+            f"{options.prove} has {len(chosen)} variants; name one with --out, for example {chosen[0].label}"
+        )
+    paths = [Path(options.out or _file_name(case.label)) for case in chosen]
+    for path in paths:
+        owned_folder.check_new(path, options.force)
+    from .prove import prove
+
+    incomplete = 0
+    for case, path in zip(chosen, paths, strict=True):
+        try:
+            proof = prove(case, digits or 20, transitions, report=lambda text: print(f"  {text}", flush=True))
+        except NotSupported as problem:
+            print(f"not proved: {problem}")
+            incomplete += 1
+            continue
+        owned_folder.write(path, proof.as_json(), options.force)
+        print(f"{proof.statement}\nwritten: {path} ({proof.status}, {proof.cpu_s:g} s of CPU time)")
+        if proof.status == "unproved":
+            print(f"not proved further: {proof.reason}")
+            incomplete += 1
+    return 1 if incomplete else 0
+
+
+def _count(option: str, text: str | None) -> int | None:
+    try:
+        return None if text is None else int(text)
+    except ValueError as problem:
+        raise BadValue(f"{option} is {text!r}; give a whole number, for example 20") from problem
+
+
+def _file_name(label: str) -> str:
+    return "".join("_" if c in "[]=,/ " else c for c in label).strip("_") + ".proof.json"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

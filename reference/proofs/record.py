@@ -1,0 +1,150 @@
+"""Proof records: what is stated about a case, its enclosures in decimal digits, and how it was proved."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from flint import arb
+
+KIND, FORMAT = "proved", 1
+
+
+class Interval(NamedTuple):
+    """A closed interval whose ends are decimal numbers, as text: every digit counts."""
+
+    low: str
+    high: str
+
+    @property
+    def width(self) -> float:
+        """An upper bound of its width."""
+        return float(Fraction(self.high) - Fraction(self.low)) * (1 + 2**-50)
+
+    @property
+    def middle(self) -> float:
+        return float((Fraction(self.low) + Fraction(self.high)) / 2)
+
+    def __contains__(self, value: object) -> bool:
+        return Fraction(self.low) <= Fraction(str(value)) <= Fraction(self.high)
+
+    def inside(self, value: float, bar: float) -> bool:
+        """Whether the interval is inside value ± bar, compared exactly."""
+        return Fraction(value) - Fraction(bar) <= Fraction(self.low) and Fraction(self.high) <= Fraction(
+            value
+        ) + Fraction(bar)
+
+    def __str__(self) -> str:
+        return f"[{self.low}, {self.high}]"
+
+
+@dataclass(frozen=True)
+class ProvedTransition:
+    """A proved change of mode: enclosures of its time (s), place and velocities, and why that mode follows."""
+
+    before: str
+    after: str
+    time: Interval
+    xi1: Interval
+    state: Mapping[str, Interval]
+    cause: str
+    decision: str
+    rolling_share: Interval | None = None  # of the cone, the part that rolling needs where the slip vanishes
+
+
+@dataclass(frozen=True)
+class ProvedPhase:
+    """A mode, its beginning and end, and the conditions that were proved on all of it."""
+
+    mode: str
+    begin: Interval
+    end: Interval
+    conditions: tuple[str, ...]
+    steps: int
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A proof record. `status` is that of the motion, or "unproved" or "limited" if the proof ends before it.
+
+    `statement` is the theorem in words, `scene` has the exact numbers that it is about, `assumptions` what it rests on.
+    """
+
+    case: str
+    status: str
+    reason: str
+    statement: str
+    first_mode: str
+    transitions: tuple[ProvedTransition, ...]
+    phases: tuple[ProvedPhase, ...]
+    end: Interval
+    scene: Mapping[str, Any]
+    proved: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    method: str
+    precision: Mapping[str, int]
+    versions: Mapping[str, str]
+    cpu_s: float
+    kind: str = KIND
+
+    @property
+    def complete(self) -> bool:
+        """Whether the whole motion is proved, up to its duration or its end."""
+        return self.status not in ("unproved", "limited")
+
+    def as_json(self) -> str:
+        """The record as JSON text."""
+        return json.dumps({"format": FORMAT, **asdict(self)}, indent=1, ensure_ascii=False, default=str) + "\n"
+
+
+def outward(ball: arb, digits: int) -> Interval:
+    """A decimal interval that contains the ball, with ends rounded outward to so many significant digits of its
+    middle (more if the ball is narrower than that)."""
+    low, high = _fraction(ball.lower()), _fraction(ball.upper())
+    size = max(abs(low), abs(high))
+    places = digits - _exponent(size) if size else 0
+    return Interval(_decimal(low, places, up=False), _decimal(high, places, up=True))
+
+
+def _fraction(exact: arb) -> Fraction:
+    mantissa, exponent = (int(part) for part in exact.man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def _exponent(size: Fraction) -> int:
+    """The power of ten above a positive number, give or take one."""
+    return len(str(size.numerator)) - len(str(size.denominator)) + 1
+
+
+def _decimal(number: Fraction, places: int, up: bool) -> str:
+    """The number rounded down or up to so many decimal places, as text."""
+    scaled = number * Fraction(10) ** places
+    whole = -(-scaled.numerator // scaled.denominator) if up else scaled.numerator // scaled.denominator
+    if places <= 0:
+        return str(whole * 10**-places)
+    text = f"{abs(whole):0{places + 1}d}"
+    fraction = text[-places:].rstrip("0")
+    sign = "-" if whole < 0 else ""
+    return f"{sign}{text[:-places]}.{fraction}" if fraction else f"{sign}{text[:-places]}"
+
+
+def statement(label: str, first_mode: str, transitions: Sequence[ProvedTransition], status: str, end: Interval) -> str:
+    """The theorem in words."""
+    lines = [f"The motion of {label} (exact numbers: see scene) exists, is unique and begins in the mode {first_mode}."]
+    for n, t in enumerate(transitions, start=1):
+        lines.append(
+            f"Transition {n}, {t.before} to {t.after} ({t.cause}), is at a time in {t.time} s, xi1 in {t.xi1}."
+        )
+        if t.rolling_share and Fraction(t.rolling_share.low) > 1:
+            more = float(Fraction(t.rolling_share.low))
+            lines.append(f"There rolling would need more than {more:.6g} times the friction of the cone.")
+    if status == "completed":
+        lines.append(f"There is no other transition before the end of the duration, {end.high} s.")
+    elif status in ("unproved", "limited"):
+        lines.append(f"There is no other transition before {end.low} s; nothing is stated about later times.")
+    else:
+        lines.append(f"There is no other transition; the motion ends ({status}) at a time in {end} s.")
+    return " ".join(lines)

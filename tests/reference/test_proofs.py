@@ -1,0 +1,189 @@
+"""Proofs of transitions: enclosures against independent values, and planted faults that must make a proof fail."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+
+import cases
+from cases import NotSupported
+from reference.certification import read
+
+flint = pytest.importorskip("flint")
+from flint import arb, ctx  # noqa: E402
+
+import reference  # noqa: E402
+from reference.proofs import equations, motion, prove, record, signs, steps  # noqa: E402
+from reference.proofs.command import main  # noqa: E402
+from reference.proofs.record import outward  # noqa: E402
+from reference.proofs.scene import exact_scene  # noqa: E402
+
+# Section 4.2 of the paper with 50 digits. The first 20 digits of each were computed with mpmath by a quadrature of the
+# linear equation for the square of the speed (`tests/authorities/paper_application.py`).
+PAPER = {0.01: "1.0854336058486487598", 0.1: "0.80999527777318536126", 0.2: "0.63005376392730307737"}
+
+QUICK = [
+    "almost_rolling[slip=1e-12]",
+    "at_any_size[length=1e-06,mass=1e-09]",
+    "disc_in_circle[mu=0.01]",
+    "disc_in_circle[mu=0.1]",
+    "disc_in_circle[mu=0.2]",
+    "disc_in_weightless_ring",
+    "disc_on_line[mu=0.1]",
+    "disc_on_spring",
+    "disc_rolling_off_hill",
+    "disc_rolling_to_rest",
+    "disc_sliding_off_hill",
+    "driven_disc",
+    "guided_loop",
+    "rolling_loop[ratio=3.5]",
+    "sliding_loop[ratio=4.9]",
+    "thrown_with_spin[backspin=-2.5]",
+    "thrown_with_spin[shape=0.4]",
+]
+
+
+@pytest.mark.parametrize("label", QUICK)
+def test_whole_sequence_is_proved_inside_the_witnessed_bars(label):
+    proof, truth = prove(cases.load(label)), read()[label]
+    assert proof.complete and proof.status == truth.status
+    assert [(t.before, t.after) for t in proof.transitions] == [(str(t[0]), str(t[1])) for t in truth.transitions]
+    for proved, (_, _, time, place) in zip(proof.transitions, truth.transitions, strict=True):
+        assert proved.time.width < 1e-12
+        assert proved.time.inside(*time)
+        assert proved.xi1.inside(*place)
+
+
+@pytest.mark.parametrize("mu", PAPER)
+def test_papers_transition_to_fifty_digits(mu):
+    (first,) = prove(cases.load("disc_in_circle", mu=mu), digits=50, transitions=1).transitions
+    assert first.time.width < 1e-50 * first.time.middle * 1.1
+    assert abs(Fraction(first.time.low) - Fraction(PAPER[mu])) < Fraction(1, 10**18)
+    # The paper claims that rolling follows; it needs friction outside the cone for the two smaller coefficients.
+    share = first.rolling_share
+    assert Fraction(share.low) > 1 if mu < 0.2 else Fraction(share.high) < 1
+    assert first.after == ("roll" if mu == 0.2 else "slip_backward")
+
+
+def test_proof_agrees_with_closed_forms():
+    (line,) = prove(cases.load("disc_on_line", mu=0.1), digits=40).transitions
+    assert Fraction(line.time.low) <= Fraction(1, 3) / (Fraction("0.1") * Fraction("9.81")) <= Fraction(line.time.high)
+    (slide,) = prove(cases.load("long_slide"), digits=30).transitions
+    assert Fraction(slide.time.low) <= 1 / (3 * Fraction("1e-6") * Fraction("9.81")) <= Fraction(slide.time.high)
+    (ring,) = prove(cases.load("disc_in_weightless_ring"), digits=40).transitions
+    assert 0.75 in ring.time
+
+
+def test_equations_of_a_plate_and_of_a_disc_agree():
+    """A disc proved by the general equations, in slip velocity and spin, has the same transitions."""
+    scene = exact_scene(cases.load("disc_rolling_off_hill"))
+    precision = ctx.prec
+    try:
+        ctx.prec = 130
+        pair = [
+            motion.follow(made, 24, arb(10) ** -20, 2)
+            for made in (equations.equations(scene), equations.PlateEquations(scene))
+        ]
+    finally:
+        ctx.prec = precision
+    for one, other in zip(*(m.transitions for m in pair), strict=True):
+        assert one.after is other.after and one.time.overlaps(other.time)
+        assert one.time.rad() < 1e-15 and other.time.rad() < 1e-6  # the general equations lose digits by wrapping
+    assert len(pair[0].transitions) == 2
+
+
+# --- planted faults ---------------------------------------------------------------------------------------------------
+
+
+def test_wrong_sign_of_friction_proves_nothing(monkeypatch):
+    """With the sign of the paper's printed (32) friction drives the slip: no mode is consistent with the start."""
+    right = equations.Equations._ratio
+    monkeypatch.setattr(equations.Equations, "_ratio", lambda self, regime: -right(self, regime))
+    proof = prove(cases.load("disc_on_line", mu=0.1))
+    assert not proof.transitions
+
+
+def test_interval_of_a_record_contains_its_ball():
+    precision, ctx.prec = ctx.prec, 300
+    try:
+        for text in ("0.1", "-0.1", "123456.789", "3e-15", "-2"):
+            for digits in (5, 30, 60):
+                ball = arb(text) * arb.pi() + arb(0, f"1e-{digits}")
+                interval = outward(ball, digits)
+                low, high = (record._fraction(end) for end in (ball.lower(), ball.upper()))
+                assert Fraction(interval.low) <= low < high <= Fraction(interval.high)
+    finally:
+        ctx.prec = precision
+
+
+def test_step_whose_remainder_is_left_out_is_not_validated(monkeypatch):
+    """Without inflation the box does not contain the solutions in its interior, and no step passes."""
+    field, start = (lambda x: ([x[0] * x[0]], {})), [arb(1)]
+    assert steps.step(field, start, arb("0.5"), 0.0, 20, arb("1e-10")).length > 0
+    inside = arb.contains_interior
+    assert not inside(arb(1, "0.1"), arb(1, "0.1"))
+    with pytest.raises(steps.NotProved):  # the solution 1/(1 - t) does not exist up to t = 2 in one step
+        steps.step(lambda x: ([1 / (x[0] - x[0])], {}), start, arb(2), 0.0, 20, arb("1e-10"))
+
+
+def test_step_encloses_an_exact_solution():
+    """ẋ = x² from 1 is 1/(1 − t)."""
+    now = steps.step(lambda x: ([x[0] * x[0]], {"x": x[0]}), [arb(1)], arb("0.25"), 0.0, 30, arb("1e-12"))
+    for part in (0, 0.25, 0.5, 1):
+        s = now.length * part
+        assert now.states[0](s).overlaps(1 / (1 - s))
+        assert now.guards["x"](s).overlaps(1 / (1 - s))
+
+
+def test_first_of_two_zeros_is_found():
+    """(s − 1)(s − 2) on [0, 3] decreases to its first zero, at 1."""
+    guard = steps.Expansion((arb(2), arb(-3), arb(1), arb(0)))
+    zero = signs.first_zero(guard, arb(3), "test")
+    assert zero is not None and zero.low <= 1 <= zero.high and zero.high < 1.1
+
+
+@pytest.mark.parametrize("shift", ["0", "1e-30"])
+def test_double_zero_is_not_proved(shift):
+    """(s − 1)² + e with an uncertain e: a touch is neither a zero nor none."""
+    guard = steps.Expansion((1 + arb(0, "1e-20") + arb(shift), arb(-2), arb(1), arb(0)))
+    with pytest.raises(steps.NotProved, match="grazing"):
+        signs.first_zero(guard, arb(3), "test")
+
+
+def test_start_that_is_zero_is_divided_out():
+    """s (1 − s) is zero at the start, positive after it, and zero again at 1."""
+    guard = steps.Expansion((arb(0), arb(1), arb(-1), arb(0)), zeros=1)
+    zero = signs.first_zero(guard, arb(2), "test")
+    assert zero is not None and zero.low <= 1 <= zero.high
+
+
+# --- the command ------------------------------------------------------------------------------------------------------
+
+
+def test_command_writes_a_record_and_overwrites_none(tmp_path, capsys):
+    path = tmp_path / "record.json"
+    assert main(["--prove", "disc_on_line[mu=0.1]", "--out", str(path)]) == 0
+    data = json.loads(path.read_text())
+    assert data["kind"] == "proved" and data["transitions"][0]["after"] == "roll"
+    before = path.read_text()
+    assert main(["--prove", "disc_on_line[mu=0.1]", "--out", str(path)]) == 2
+    assert path.read_text() == before
+    assert "exists already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", [["--prove", "no_such_case"], ["--prove", "disc_on_spring", "--digits", "many"], ["--prove"]]
+)
+def test_command_rejects_what_it_cannot_prove(words, capsys):
+    assert main(words) == 2
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_flights_are_not_covered():
+    with pytest.raises(NotSupported, match="begins in flight"):
+        reference.prove(cases.load("bouncing_disc", e=0.5))
+    proof = reference.prove(cases.load("disc_off_ramp"))
+    assert [t.after for t in proof.transitions] == ["slip_forward", "flight"]
+    assert proof.status == "unproved" and "flights" in proof.reason
