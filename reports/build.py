@@ -167,7 +167,7 @@ def _without_truth(experiment: Experiment) -> list[str]:
 
 def _run_by_nobody(experiment: Experiment) -> list[str]:
     """A sentence for each case with a truth but without a motion, with the reason of the first solver."""
-    done_cases = {run.case for run in experiment.runs if run.outcome in ("right", "wrong")}
+    done_cases = {run.case for run in experiment.runs if run.outcome == "answered"}
     done_cases |= {label for label, truth in experiment.truths.items() if truth.failure}
     first = {run.case: run for run in reversed(experiment.runs) if run.case not in done_cases}
     return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
@@ -175,7 +175,7 @@ def _run_by_nobody(experiment: Experiment) -> list[str]:
 
 def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasurements:
     """The timed pass, after all other runs; a quick report has none."""
-    from .analysis import baselines, time_to_accuracy, which_engine, work_precision
+    from .analysis import baselines, time_to_accuracy, which_engine
     from .analysis.work_precision import CostMeasurements
     from .running import per_solver
     from .running.timing import timings
@@ -187,10 +187,7 @@ def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasu
     results = timings.measure(local_runs, full, calls)
     labels = tuple(case.label for case in results.cases)
     costs = CostMeasurements(labels, results.timings, baselines.measure(results.cases, calls), results.failures)
-    points = work_precision.work_precision_rows
-    rows, _ = per_solver.make_per_solver(
-        lambda *some: time_to_accuracy.rows(points(*some)), (local_runs, costs), per_solver.solvers_of(local_runs)
-    )
+    rows, _ = per_solver.make_per_solver(time_to_accuracy.rows, (local_runs, costs), per_solver.solvers_of(local_runs))
     extra = timings.measure_extra(local_runs, which_engine.cold_start_keys(rows), full, calls)
     return costs._replace(cold=extra.cold, parts=extra.parts)
 
@@ -330,11 +327,8 @@ def _summary(
     from .running.timing import phase_times
 
     lines = [verdict.in_terminal(verdicts), "", *verdict.notes(verdicts), "", verdict.sentence(verdicts), ""]
-    counts = tables.outcome_counts(experiment)
-    total = {outcome: sum(count[outcome] for count in counts.values()) for outcome in tables.OUTCOMES}
-    count = ", ".join(f"{count} {outcome}" for outcome, count in total.items() if count)
-    many = len(experiment.cases)
-    lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs in {experiment.seconds:.0f} s: {count}"]
+    many, counts = len(experiment.cases), tables.outcome_counts(experiment)
+    lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs in {experiment.seconds:.0f} s: {counts}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in experiment.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in study_results if result.failure]
     lines += [f"{one.item} made without {one.solver}: {one.reason}" for one in left_out]

@@ -1,7 +1,7 @@
 """`python -m reports.compare CASE FILE.csv`: judge a trajectory from a file, by the criteria of the report.
 
-Columns of the file: `adapters.common.motion_file`. Exit status: 0 if the file could be judged, right or wrong; 2, with
-one sentence, if not.
+Columns of the file: `adapters.common.motion_file`. Exit status: 0 if the file could be judged, whatever its grade; 2,
+with one sentence, if not.
 """
 
 from __future__ import annotations
@@ -60,10 +60,10 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
 
     gap = follow_contact(case, {name: getattr(motion, name) for name in REQUIRED_COLUMNS})[2]
     ledger = [
-        (r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, _time_text(motion, r.time), r.verdict)
+        (r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, _time_text(motion, r.time), r.pairing)
         for r in run.ledger
     ]
-    head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "verdict")
+    head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "pairing")
     distance = [(name, value) for name, value in run.distance._asdict().items()]
     total = energy(case, motion)
     energies = [
@@ -75,8 +75,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
     assert run.score is not None, "a motion that is judged has a score"
     return "\n\n".join(
         (
-            f"{run.solver} on {case.label}: {run.outcome}{f' ({run.reason})' if run.reason else ''}",
-            grades.summary(run.score, run.friction_factor, run.grade_reason),
+            f"{run.solver} on {case.label}: {grades.summary(run.score, run.friction_factor, run.reason)}",
             "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=".9g") if ledger else "none, as in the truth"),
             "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
             "Energy\n" + tabulate(energies, floatfmt=".6g"),

@@ -100,7 +100,7 @@ class Comparison:
     runs: tuple[Run, ...]
 
     def __repr__(self) -> str:
-        outcomes = "; ".join(f"{run.solver} {run.outcome}" for run in self.runs)
+        outcomes = "; ".join(f"{run.solver} {run.grade or run.outcome}" for run in self.runs)
         return f"<Comparison on {self.case.label}: {outcomes}>"
 
     def _repr_html_(self) -> str:
@@ -125,9 +125,12 @@ class Comparison:
                 "solver": run.solver,
                 "route": run.route,
                 "outcome": run.outcome,
+                "grade": run.grade,
+                "off": run.score.off if run.score else nan,
+                "off_doubt": run.score.doubt if run.score else nan,
+                "friction_factor": run.friction_factor,
                 "reason": run.reason,
             }
-            row |= {"grade": run.grade, "off": run.score.off if run.score else nan, "grade_reason": run.grade_reason}
             rows.append(row | {"first_transition_error": first_error(run)} | run.distance._asdict())
         return pd.DataFrame(rows)
 

@@ -1,4 +1,4 @@
-"""How an error falls with what is spent: the order, its confidence interval, and where it no longer falls and why."""
+"""The order of convergence of an error with its confidence interval, and where and why the error saturates."""
 
 from __future__ import annotations
 
@@ -8,26 +8,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..running.records import Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
+from ..running.records import Experiment, Run, finest, is_default, is_truth, routes, usable
+from . import quantities
 
-# An error counts where it stands this far above what truth, reading and arithmetic can tell: there a tenth of it is
-# theirs.
-ABOVE = 10.0
-# Fewer rungs, or rungs that differ less in steps, make a slope of noise.
+# An error counts if it is this many times the doubts by truth, reading and rounding: a tenth of it may then be theirs.
+ABOVE = quantities.ABOVE
+# With fewer rungs, or rungs that differ less in steps, a slope would be noise.
 LEAST_RUNGS, LEAST_SPAN = 3, 4.0
 CONFIDENCE = 0.95
 # A ladder's last rungs are level if the finest is better than the worst of them by no more than this factor, over at
 # least LEAST_SPAN in steps: a method of order one half would have gained a factor of two.
 _FLAT = 1.5
-# Rounding of a time read at the end of a run of very many steps, in units of its last place.
-_ULPS = 16
-# What stops an error from falling: the truth's own bar, the reading from samples, rounding, or something of the
-# engine's that the ladder does not refine.
+# Causes of saturation: the truth's error bar, the reading from samples, rounding, or a property of the engine that the
+# ladder does not refine.
 TRUTH, READING, ROUNDING, MODEL = "truth", "reading", "rounding", "model"
 
 
 class ConvergencePoint(NamedTuple):
-    """A rung: what it spent (steps, or seconds), its error, and how sure truth, reading and arithmetic are of it."""
+    """A rung: its cost (steps, or seconds), its error, and the doubts of the error by truth, reading and rounding."""
 
     setting: str
     spent: float
@@ -38,13 +36,13 @@ class ConvergencePoint(NamedTuple):
 
     @property
     def limit(self) -> str:
-        """What does not let the error be told; "" where it stands clear above all of it."""
+        """The doubt that the error does not exceed clearly; "" if it exceeds all of them."""
         limits = ((TRUTH, self.truth), (READING, self.reading), (ROUNDING, self.rounding))
         return next((name for name, size in limits if not self.error > ABOVE * size), "")
 
 
 class Saturation(NamedTuple):
-    """Why the finest rungs of a ladder no longer improve ("": they do), since which setting, and at what error."""
+    """Why the finest rungs of a ladder no longer improve ("": they do), from which setting on, and the error there."""
 
     cause: str = ""
     setting: str = ""
@@ -52,8 +50,8 @@ class Saturation(NamedTuple):
 
 
 class Order(NamedTuple):
-    """p of error ~ spent**-p with its confidence interval, the settings it was fitted to, and why there is none (then
-    NaN)."""
+    """p of error ~ spent**-p with its confidence interval and the settings of the fit; NaN if there is none, with the
+    reason in `note`."""
 
     order: float
     low: float
@@ -63,10 +61,10 @@ class Order(NamedTuple):
 
 
 def saturation(ladder: Sequence[ConvergencePoint]) -> Saturation:
-    """Of a ladder from coarse to fine; rungs without an error are left out.
+    """The saturation of a ladder from coarse to fine; rungs without an error are left out.
 
-    First what the finest rung's error is within (truth's bar, reading, rounding), else whether the last three rungs or
-    more are level. The first of the rungs with the same cause is where it begins.
+    The cause is the doubt that the finest rung's error is within (truth, reading, rounding), else the model if the
+    errors of the last three rungs or more are equal. It begins at the first of the rungs with the same cause.
     """
     points = [p for p in ladder if isfinite(p.error)]
     if not points:
@@ -95,7 +93,7 @@ def order(ladder: Sequence[ConvergencePoint]) -> Order:
     used = [p for p in convergent if isfinite(p.error) and isfinite(p.spent) and p.spent > 0 and not p.limit]
     settings = tuple(p.setting for p in used)
     if len(used) < LEAST_RUNGS:
-        note = f"no order: {len(used)} of {len(ladder)} right rungs stand above the floor, {LEAST_RUNGS} are needed"
+        note = f"no order: {len(used)} of {len(ladder)} rungs are above the floor, {LEAST_RUNGS} are needed"
         return Order(nan, nan, nan, settings, note)
     spent, sizes = np.array([p.spent for p in used], dtype=float), np.array([p.error for p in used])
     if spent.max() < LEAST_SPAN * spent.min():
@@ -118,22 +116,41 @@ def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
 # --- rows -------------------------------------------------------------------------------------------------------------
 
 
+def ladder_of(runs: Sequence[Run], quantity: str, bar: float) -> list[ConvergencePoint]:
+    """The points of a ladder's usable runs, coarse to fine; `bar`: the truth's error bar of the quantity."""
+    return [
+        ConvergencePoint(
+            str(run.setting),
+            run.cost.steps,
+            quantities.error(run, quantity),
+            bar,
+            quantities.doubt(run, quantity),
+            quantities.rounding(run, quantity),
+        )
+        for run in runs
+        if usable(run) and not is_default(run)
+    ]
+
+
+# Quantities of the table `convergence`.
+_QUANTITIES = ("off", "first_transition_time", "centre_max")
+
+
 def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per route and quantity: the observed order with its confidence interval, the error of the finest rung,
-    and what keeps the finest rungs from improving (`saturation`)."""
+    """One row per case, route and quantity: the observed order with its confidence interval, the error of the finest
+    rung, and why the finest rungs do not improve (`saturation`)."""
     rows = []
     for (case, solver, route), group in routes(experiment.runs).items():
         fine = finest(group)
         if fine is None:
             continue
         truth = experiment.truths[case]
-        ladder = [run for run in group if run.outcome == "right" and not is_default(run) and not is_truth(run, truth)]
-        quantities = [("centre_max", [run.distance.centre_max for run in ladder], 0.0, fine.distance.centre_max)]
-        if truth.transitions:
-            errors = [first_error(run) for run in ladder]
-            quantities.insert(0, ("first_transition_time", errors, _floor(truth), first_error(fine)))
-        for quantity, errors, floor, finest_error in quantities:
-            points = _points(ladder, errors, floor)
+        runs = [run for run in group if not is_truth(run, truth)]
+        for quantity in _QUANTITIES:
+            bar = quantities.bar(truth, quantity, {})
+            if not isfinite(bar):
+                continue
+            points = ladder_of(runs, quantity, bar)
             fit, settled = order(points), saturation(points)
             rows.append(
                 {
@@ -144,7 +161,7 @@ def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "order": fit.order,
                     "order_low": fit.low,
                     "order_high": fit.high,
-                    "finest_error": finest_error,
+                    "finest_error": quantities.error(fine, quantity),
                     "settings_used": " | ".join(fit.settings),
                     "note": fit.note,
                     "saturation": settled.cause,
@@ -152,24 +169,3 @@ def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 }
             )
     return rows
-
-
-def _floor(truth: Truth) -> float:
-    return max(truth.error_bars[0], _ULPS * float(np.spacing(truth.transitions[0].time)))
-
-
-def _points(ladder: Sequence[Run], errors: Sequence[float], floor: float) -> list[ConvergencePoint]:
-    return [
-        ConvergencePoint(str(run.setting), run.cost.steps, abs(size), floor, _doubt(run), rounding(run))
-        for run, size in zip(ladder, errors, strict=True)
-    ]
-
-
-def _doubt(run: Run) -> float:
-    """How sure the reading of the first transition is, s."""
-    return run.spreads[0] if run.spreads and isfinite(run.spreads[0]) else 0.0
-
-
-def rounding(run: Run) -> float:
-    """Rounding of a sum of as many terms as the run has steps, of the order one."""
-    return float(np.finfo(float).eps) * max(run.cost.steps, 1) ** 0.5

@@ -1,4 +1,4 @@
-"""The tables of what accuracy costs, by name."""
+"""The tables of accuracy and cost, by name."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 HOLDS = {
-    "which_engine": "Which engine for which accuracy, at what cost, once and a thousand times",
-    "time_to_accuracy": "CPU time of each route to each accuracy, and its ratio to the fastest route",
-    "work_precision": "Error, CPU time, whole calls and parts of time of every right run of the timed cases",
+    "which_engine": "The fastest engine and method of the reference for each level, for the first run and 1,000 runs",
+    "time_to_accuracy": "CPU time of each route to each level, and its ratio to the fastest route",
+    "work_precision": "Error, CPU time, whole calls and parts of time of every usable run of the timed cases",
     "work_precision_fits": "Orders in steps and in CPU time, and where and why the error saturates",
-    "null_scores": "What motions that know nothing of friction's law would score",
+    "null_scores": "Errors of motions that ignore friction's law",
 }
 
 
@@ -26,12 +26,11 @@ def frames(experiment: Experiment, measured: CostMeasurements) -> dict[str, pd.D
 
     if not measured.cases:
         return {}
-    points = work_precision_rows(experiment, measured)
-    told = time_to_accuracy.rows(points)
+    times = time_to_accuracy.rows(experiment, measured)
     return {
-        "which_engine": pd.DataFrame(which_engine.rows(told)),
-        "time_to_accuracy": pd.DataFrame(told),
-        "work_precision": pd.DataFrame(points),
+        "which_engine": pd.DataFrame(which_engine.rows(times)),
+        "time_to_accuracy": pd.DataFrame(times),
+        "work_precision": pd.DataFrame(work_precision_rows(experiment, measured)),
         "work_precision_fits": pd.DataFrame(fit_rows(experiment, measured)),
-        "null_scores": pd.DataFrame([row for told in measured.nulls.values() for row in told.rows]),
+        "null_scores": pd.DataFrame([row for baseline in measured.nulls.values() for row in baseline.rows]),
     }

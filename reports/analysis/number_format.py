@@ -1,10 +1,10 @@
-"""Numbers as they stand in sentences: two digits and a unit, no powers of ten but in an accuracy."""
+"""Numbers in sentences: two digits and a unit; powers of ten only in a level of accuracy."""
 
 from __future__ import annotations
 
 from math import floor, isfinite, log10
 
-# From here on (s) a time is told in seconds: 0.5 s is easier to read than 500 ms, and 170 ms than 0.17 s.
+# Times from here on are written in seconds: 0.5 s is easier to read than 500 ms, and 170 ms than 0.17 s.
 _IN_SECONDS = 0.45
 
 
@@ -36,19 +36,5 @@ def seconds(value: float) -> str:
 
 
 def level(accuracy: float) -> str:
-    """An accuracy: 1e-4, 0.01."""
+    """A level of accuracy: 1e-4, 0.01."""
     return f"{accuracy:g}" if accuracy >= 1e-3 else f"{accuracy:.0e}".replace("e-0", "e-")
-
-
-def quantity(name: str) -> str:
-    """A quantity's name in a sentence."""
-    return {
-        "first_transition_time": "the first transition's time",
-        "all_transitions": "the times of all transitions",
-        "final_pose": "the final pose",
-    }.get(name, name.replace("_", " "))
-
-
-def unit(name: str) -> str:
-    """A unit behind a number, with its blank; nothing for a bare number."""
-    return "" if name in ("", "1") else f" {name}"

@@ -1,4 +1,4 @@
-"""What a motion is asked for: the error of a run in each quantity, and how sure truth and reading are of it."""
+"""The quantities whose error is reported: the error of a run in each, and its doubts by the truth and the reading."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 from ..judging.distances import Distance
 from ..running.records import Run, Truth, first_error
-from .convergence import ABOVE as ABOVE
-from .convergence import rounding as step_rounding
 
-# The unit of each quantity's error. Force and energy are parts of the true motion's own (`distances.differences`).
+# Unit of each quantity's error. Off is a share of the error of ignoring friction's law (`judging.score`); force and
+# energy are relative to the true motion's own (`distances.differences`).
 UNITS = {
+    "off": "1",
     "first_transition_time": "s",
     "all_transitions": "s",
     "final_pose": "m",
@@ -21,53 +21,62 @@ UNITS = {
     "normal_force_mean": "part",
     "energy_mean": "part",
 }
+# An error below this many error bars of the truth is not reported.
+ABOVE = 10.0
+# Rounding of a time at the end of a run of very many steps, in units of its last place.
+_ULPS = 16
 TIMES = ("first_transition_time", "all_transitions")
-# A single event may be met by chance; several of them, or a pose, are not.
-_SEVERAL = 2
+# Quantities that are in a `Distance`.
+DISTANCES = tuple(name for name in UNITS if name not in ("off", *TIMES))
 
 _SHARES = ("normal_force_mean", "energy_mean")
-# No share of a force or an energy is known better than to a few units in the last place of its terms.
+# A share of a force or an energy is known to a few units in the last place of its terms at best.
 _LEAST_SHARE = 1e-15
 
 
-def lead(truth: Truth) -> str:
-    """What a case is judged by first: all its transitions where there are several, else where the plate ends."""
-    return "all_transitions" if len(truth.transitions) >= _SEVERAL else "final_pose"
-
-
 def error(run: Run, quantity: str) -> float:
-    """The run's error, at least zero; NaN where there is none (a missed transition, a force that is not told)."""
+    """The run's error, at least zero; NaN if it has none (a missed transition, a force that is not reported)."""
+    if quantity == "off":
+        return run.score.off if run.score else nan
     if quantity == "first_transition_time":
         return abs(first_error(run))
     if quantity == "all_transitions":
-        if any(row.verdict in ("missed", "spurious") for row in run.ledger):
+        if any(row.pairing in ("missed", "spurious") for row in run.ledger):
             return nan
-        # A rebound that no sample resolves has no time to be wrong by.
+        # A rebound that the samples do not resolve has no time, so no error.
         return max((abs(row.error) for row in run.ledger if isfinite(row.error)), default=nan)
     return from_distance(run.distance, quantity)
 
 
 def from_distance(distance: Distance, quantity: str) -> float:
-    """The error of a quantity that is no time of a transition."""
+    """The error of a quantity of `DISTANCES`."""
     return float(getattr(distance, quantity))
 
 
 def bar(truth: Truth, quantity: str, witnessed: Mapping[str, float]) -> float:
-    """How sure the truth is of the quantity; NaN where it has none (no transitions) or it is not known.
+    """The truth's error bar of the quantity; NaN if there is none (no transitions) or it is not known.
 
-    Times and the centre have certified bars; `witnessed` holds how far the reference's second method is from the
-    truth's, for what the certificate does not keep.
+    Times and the centre have certified bars; `witnessed` holds the distance of the reference's second method from the
+    truth's, for quantities that the certificate does not contain.
     """
+    if quantity == "off":
+        if truth.scale is None:
+            return nan
+        centre = truth.centre_bar / truth.scale.pose if isfinite(truth.centre_bar) else 0.0
+        return max(centre, sum(truth.error_bars) / truth.scale.time)
     if quantity in TIMES:
-        bars = truth.error_bars[:1] if quantity == "first_transition_time" else truth.error_bars
-        return max(bars, default=nan)
+        count = 1 if quantity == "first_transition_time" else len(truth.error_bars)
+        bars = zip(truth.error_bars[:count], truth.transitions[:count], strict=True)
+        return max((max(bar, _ULPS * float(np.spacing(event.time))) for bar, event in bars), default=nan)
     if quantity in _SHARES:
         return max(witnessed.get(quantity, nan), _LEAST_SHARE)
     return max(truth.centre_bar, witnessed.get(quantity, 0.0)) if isfinite(truth.centre_bar) else nan
 
 
 def doubt(run: Run, quantity: str) -> float:
-    """How sure the reading of the run's transitions from its samples is, s; 0 where nothing is read."""
+    """How much of the run's error may be due to its samples, in the quantity's unit; 0 if nothing is read from them."""
+    if quantity == "off":
+        return run.score.doubt if run.score else nan
     if quantity not in TIMES:
         return 0.0
     spreads = run.spreads[:1] if quantity == "first_transition_time" else run.spreads
@@ -75,8 +84,8 @@ def doubt(run: Run, quantity: str) -> float:
 
 
 def rounding(run: Run, quantity: str) -> float:
-    """What rounding alone makes of the quantity in a run of so many steps, all sizes being of the order one."""
+    """The error of the quantity by rounding alone in a run of so many steps, for sizes of the order one."""
     if quantity == "normal_force_mean":
         # A step's force is a difference of velocities over the step.
         return float(np.finfo(float).eps) * max(run.cost.steps, 1)
-    return step_rounding(run)
+    return float(np.finfo(float).eps) * max(run.cost.steps, 1) ** 0.5

@@ -10,27 +10,29 @@ from typing import TYPE_CHECKING, Any
 import reference
 from cases.compile_cache import cached
 
+from ..judging.grades import Grade
 from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
+from ..running.solvers import NOT_INSTALLED
 from ..running.storage.fingerprint import installed_packages
-from . import accuracy_levels, quantities
+from . import levels
 from .convergence import convergence_rows
 
 if TYPE_CHECKING:
     import pandas as pd
 
-OUTCOMES = ("right", "wrong", "refused", "crashed", "timed_out")
+OUTCOMES = ("answered", "unsupported", "crashed", "timed_out", NOT_INSTALLED)
 
 
 # --- the tables -------------------------------------------------------------------------------------------------------
 
 
 def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """The paper's misprints, each formula evaluated; they are the same for every experiment, and kept."""
+    """The paper's misprints, each formula evaluated; the same for every experiment, and cached."""
 
     def make() -> list[dict[str, Any]]:
         from reference.errata import errata  # it imports SciPy's integrators, a quarter of a second
 
-        # A verdict is said of transitions; what is found of a formula has a name of its own.
+        # The column `verdict` of an erratum would be mistaken for the table `verdict`.
         return [
             {"finding" if name == "verdict" else name: value for name, value in erratum._asdict().items()}
             for erratum in errata()
@@ -40,7 +42,7 @@ def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """The motions the runs are judged by: one row per transition, or one with event 0 for a case without."""
+    """The motions that runs are compared with: a row per transition, or one with event 0 for a case without any."""
     rows = []
     for label, truth in experiment.truths.items():
         common: dict[str, Any] = {
@@ -52,8 +54,8 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
         common |= {"friction_sensitivity": truth.friction_sensitivity}
         notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"
         for event, (transition, bar) in enumerate(zip(truth.transitions, truth.error_bars, strict=True), start=1):
-            told = {"before": transition.before, "after": transition.after, "time": transition.time}
-            rows.append({**common, "event": event, **told, "truth_error_bar": bar, "notes": notes})
+            event_columns = {"before": transition.before, "after": transition.after, "time": transition.time}
+            rows.append({**common, "event": event, **event_columns, "truth_error_bar": bar, "notes": notes})
         if not truth.transitions:
             none = {"before": "", "after": "", "time": nan, "truth_error_bar": nan}
             rows.append({**common, "event": 0, **none, "notes": notes})
@@ -61,8 +63,8 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per transition of the truth or of a run: matched, missed, unresolved or spurious. `reading_doubt`, s: how
-    far the time moves when it is read from other samples; empty for a solver that locates its transitions itself."""
+    """One row per transition of the truth or of a run. `reading_doubt`, s: the change of the time if it is read from
+    other samples; empty for a solver that locates its transitions itself."""
     rows = []
     for run in experiment.runs:
         bars, doubts = experiment.truths[run.case].error_bars, _reading_doubts(run)
@@ -79,8 +81,8 @@ def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "time": row.time,
                     "reference_time": row.reference_time,
                     "error": row.error,
-                    "truth_error_bar": nan if row.verdict == "spurious" else bars[row.event - 1],
-                    "verdict": row.verdict,
+                    "truth_error_bar": nan if row.pairing == "spurious" else bars[row.event - 1],
+                    "pairing": row.pairing,
                     "reading_doubt": doubts.get(place, nan),
                 }
             )
@@ -96,10 +98,10 @@ def _reading_doubts(run: Run) -> dict[int, float]:
 
 
 def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per run, whatever came of it."""
+    """One row per run, whatever its outcome."""
     rows = []
     for run in experiment.runs:
-        verdicts = Counter(row.verdict for row in run.ledger)
+        pairings = Counter(row.pairing for row in run.ledger)
         rows.append(
             {
                 "case": run.case,
@@ -107,14 +109,11 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "route": run.route,
                 "setting": run.setting,
                 "outcome": run.outcome,
-                "reason": run.reason,
                 **_score_columns(run),
                 "status": run.status,
                 "first_mode": run.first_mode,
                 "transitions_true": len(experiment.truths[run.case].transitions),
-                "matched": verdicts["matched"],
-                "missed": verdicts["missed"],
-                "spurious": verdicts["spurious"],
+                **{name: pairings[name] for name in ("paired", "missed", "spurious")},
                 **run.distance._asdict(),
                 "cpu_s": run.cost.cpu_s,
                 "setup_s": run.cost.setup_s,
@@ -126,15 +125,15 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def _score_columns(run: Run) -> dict[str, Any]:
-    """The score of a run, its grade and the reason for it."""
+    """The grade of a run with its reason, and the score."""
     score = run.score
     return {
-        "grade": run.grade,
-        "grade_reason": run.grade_reason,
-        "sequence": run.sequence,
+        "grade": str(run.grade),
         "off": score.off if score else nan,
         "off_doubt": score.doubt if score else nan,
         "friction_factor": run.friction_factor,
+        "reason": run.reason,
+        "sequence": run.sequence,
         "pose_score": score.pose if score else nan,
         "mode_score": score.mode if score else nan,
         "slip_score": score.slip if score else nan,
@@ -143,24 +142,28 @@ def _score_columns(run: Run) -> dict[str, Any]:
 
 
 def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per case and route, default and finest: the error of the quantity that leads the case, which chance
-    cannot meet, and what the ladder reached in it; beside it the first transition's error and the centre's."""
+    """One row per case and route: grade and errors with default settings and at the finest setting run, and the
+    smallest level that the ladder reaches."""
     orders = {
         (row["case"], row["solver"], row["route"]): row["order"]
         for row in convergence_rows(experiment)
         if row["quantity"] == "first_transition_time"
     }
+    reached: dict[tuple[str, str, str], list[levels.LevelReached]] = {}
+    for one in levels.levels_reached(experiment):
+        reached.setdefault(one[:3], []).append(one)
     rows = []
-    for (case, solver, route), group in routes(experiment.runs).items():
-        fine, own, truth = finest(group), default(group), experiment.truths[case]
-        lead = quantities.lead(truth)
-        row: dict[str, Any] = {"case": case, "solver": solver, "route": route}
-        row |= {"lead_quantity": lead, "unit": quantities.UNITS[lead]}
-        row["reached"] = accuracy_levels.finest_level(group, lead, truth)
-        row["lead_error_bar"] = quantities.bar(truth, lead, {})
+    for key, group in routes(experiment.runs).items():
+        fine, own, truth = finest(group), default(group), experiment.truths[key[0]]
+        row: dict[str, Any] = dict(zip(("case", "solver", "route"), key, strict=True))
+        row["level"], row["settings_within"] = levels.finest_level(reached.get(key, ()))
         for name, run in (("default", own), ("finest", fine)):
+            score = run.score if run else None
             row |= {
-                f"{name}_lead_error": quantities.error(run, lead) if run else nan,
+                f"{name}_off": score.off if score else nan,
+                f"{name}_off_doubt": score.doubt if score else nan,
+                f"{name}_grade": str(run.grade) if run else "",
+                f"{name}_friction_factor": run.friction_factor if run else nan,
                 f"{name}_first_error": first_error(run),
                 f"{name}_centre_max": run.distance.centre_max if run else nan,
             }
@@ -168,7 +171,7 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
             "default_outcome": own.outcome if own else "",
             "finest_outcome": fine.outcome if fine else group[-1].outcome,
             "finest_setting": str(fine.setting) if fine else "",
-            "order": orders.get((case, solver, route), nan),
+            "order": orders.get(key, nan),
             "transitions_true": len(truth.transitions),
             "truth_error_bar": truth.error_bars[0] if truth.error_bars else nan,
             "is_truth": bool(fine and is_truth(fine, truth)),
@@ -177,16 +180,18 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
     return rows
 
 
-def outcome_counts(experiment: Experiment) -> dict[str, Counter]:
-    """Outcomes by solver."""
-    counts: dict[str, Counter] = {}
-    for run in experiment.runs:
-        counts.setdefault(run.solver, Counter())[run.outcome] += 1
-    return counts
+def outcome_counts(experiment: Experiment) -> str:
+    """The numbers of outcomes in words, with the grades of the answered runs."""
+    outcomes = Counter(run.outcome for run in experiment.runs)
+    grades = Counter(run.grade for run in experiment.runs)
+    words = [f"{outcomes[name]} {name.replace('_', ' ')}" for name in OUTCOMES if outcomes[name]]
+    of_grades = ", ".join(f"{grades[name]} {name}" for name in Grade if grades[name])
+    return ", ".join(f"{text} ({of_grades})" if text.endswith("answered") else text for text in words)
 
 
 TABLES = {
     "headline": headline_rows,
+    "levels": levels.rows,
     "transitions": transition_rows,
     "trajectories": trajectory_rows,
     "convergence": convergence_rows,
@@ -194,13 +199,12 @@ TABLES = {
     "errata": errata_rows,
 }
 HOLDS = {
-    "headline": "What each route reaches, and its errors at the finest setting and as the engine comes",
-    "transitions": (
-        "Every transition of every run: matched, missed, unresolved (a rebound too short for its samples) or spurious"
-    ),
-    "trajectories": "Every run: outcome, grade and score, distance from the truth, cost",
+    "headline": "Grade and errors of each route with default settings and at the finest setting run, case by case",
+    "levels": levels.HOLDS,
+    "transitions": "Every transition of every run, paired with the truth's",
+    "trajectories": "Every run: outcome, grade, score and reason, distance from the truth, cost",
     "convergence": "Observed order of every route",
-    "truth": "The certified transitions the runs are judged by",
+    "truth": "The certified transitions that runs are compared with",
     "errata": "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
 }
 

@@ -7,7 +7,7 @@ it defines the truth.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import hypot, inf, isfinite, log, nan
 from statistics import median
 from typing import Any
@@ -17,6 +17,9 @@ from ..judging.grades import LIMITS, Grade, grade, percent
 from ..judging.ranking import TIE, Standing, ranking
 from ..judging.score import Score
 from ..running.records import REFERENCE, Experiment, Run, default, routes
+from .levels import ONE_SETTING, levels_reached
+from .number_format import seconds
+from .time_to_accuracy import TIMED, cost
 
 HOLDS = (
     "How far each route is from the truth, over the cases that depend on friction's law; engines by themselves first"
@@ -24,9 +27,12 @@ HOLDS = (
 COLUMNS = (
     "digits_rank", "solver", "route", "our_part", "friction_cases", "answered", "unsupported", "crashed", "timed_out",
     "default_off", "default_off_worst", "finest_off", "finest_off_worst", "median_grade", "good_cases",
-    "worst_friction_factor", "digits", "digits_doubt",
+    "good_one_setting", "excellent_cases", "excellent_one_setting", "worst_friction_factor", "digits", "digits_doubt",
+    "cost_case", "good_first_s", "good_thousand_s",
 )  # fmt: skip
-_NOT_ANSWERED = {"refused": "unsupported", "crashed": "crashed", "timed_out": "timed_out"}
+_NOT_ANSWERED = ("unsupported", "crashed", "timed_out")
+# Levels whose cases are counted, and what their columns are called.
+_COUNTED = {"good": LIMITS[Grade.GOOD], "excellent": LIMITS[Grade.EXCELLENT]}
 
 
 def friction_cases(experiment: Experiment) -> list[str]:
@@ -34,10 +40,12 @@ def friction_cases(experiment: Experiment) -> list[str]:
     return [label for label, truth in experiment.truths.items() if truth.friction_sensitivity >= LEAST]
 
 
-def rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per route, as `COLUMNS` has them: engines by themselves, the best first, then routes that are partly this
-    project's, without a rank."""
+def rows(experiment: Experiment, times: Sequence[Mapping[str, Any]] = ()) -> list[dict[str, Any]]:
+    """One row per route with the columns `COLUMNS`: engines by themselves, the best first, then routes that are partly
+    this project's, without a rank. `times`: rows of `time_to_accuracy`."""
     cases = friction_cases(experiment)
+    counts = _level_counts(experiment, cases)
+    costs = _costs(times, cases)
     groups: dict[tuple[str, str], dict[str, list[Run]]] = {}
     for (case, solver, route), group in routes(experiment.runs).items():
         if solver != REFERENCE:
@@ -49,7 +57,39 @@ def rows(experiment: Experiment) -> list[dict[str, Any]]:
     unranked = {key: standing._replace(rank=0) for key, standing in unranked.items()}
     order = [*standings, *sorted(unranked, key=lambda key: (key not in experiment.our_parts, -unranked[key].digits))]
     every = standings | unranked
-    return [_row(key, groups[key], every[key], experiment.our_parts.get(key, ""), cases) for key in order]
+    return [
+        _row(key, groups[key], every[key], experiment.our_parts.get(key, ""), cases) | counts[key] | costs(key)
+        for key in order
+    ]
+
+
+def _level_counts(experiment: Experiment, cases: Sequence[str]) -> dict[tuple[str, str], Counter]:
+    """In how many cases each route reaches the counted levels, and in how many of them by one setting only."""
+    counts: dict[tuple[str, str], Counter] = {}
+    for one in levels_reached(experiment):
+        count = counts.setdefault((one.solver, one.route), Counter())
+        for name, level in _COUNTED.items():
+            counted = one.level == level and one.case in cases
+            count[f"{name}_cases"] += counted and bool(one.settings)
+            count[f"{name}_one_setting"] += counted and one.word == ONE_SETTING
+    return counts
+
+
+def _costs(times: Sequence[Mapping[str, Any]], cases: Sequence[str]) -> Callable[[tuple[str, str]], dict[str, Any]]:
+    """The cost of staying within 1 % in the first timed case, by solver and route: whole calls, s."""
+    case = next((row["case"] for row in times if row["case"] in cases), "")
+    good = {
+        (row["solver"], row["route"]): row
+        for row in times
+        if row["case"] == case and row["level"] == _COUNTED["good"] and row["reached"] in TIMED
+    }
+
+    def columns(key: tuple[str, str]) -> dict[str, Any]:
+        row = good.get(key)
+        spent = {f"good_{name}_s": cost(row, runs) if row else nan for name, runs in (("first", 1), ("thousand", 1000))}
+        return {"cost_case": case} | spent
+
+    return columns
 
 
 def _standings(
@@ -77,7 +117,7 @@ def _row(
     mine = [group[case] for case in cases if case in group]
     last = [run for runs in mine if (run := _finest(runs)) is not None]
     first = [run for runs in mine if (run := default(runs)) is not None and run.score is not None]
-    missing = Counter(_NOT_ANSWERED.get(runs[-1].outcome, "crashed") for runs in mine if _finest(runs) is None)
+    missing = Counter(runs[-1].outcome for runs in mine if _finest(runs) is None)
     finest, defaults = _offs(last), _offs(first)
     middle = median(finest) if finest else nan
     return {
@@ -87,13 +127,12 @@ def _row(
         "our_part": our_part,
         "friction_cases": len(cases),
         "answered": len(last),
-        **{word: missing[word] for word in _NOT_ANSWERED.values()},
+        **{outcome: missing[outcome] for outcome in _NOT_ANSWERED},
         "default_off": median(defaults) if defaults else nan,
         "default_off_worst": max(defaults, default=nan),
         "finest_off": middle,
         "finest_off_worst": max(finest, default=nan),
         "median_grade": str(grade(middle)) if finest else "",
-        "good_cases": sum(off <= LIMITS[Grade.GOOD] for off in finest),
         "worst_friction_factor": _worst_friction([*first, *last]),
         "digits": standing.digits,
         "digits_doubt": standing.doubt,
@@ -137,13 +176,14 @@ def phrase(row: Mapping[str, Any]) -> str:
     default_words = f", {percent(row['default_off'])} with default settings" if isfinite(row["default_off"]) else ""
     return (
         f"{row['solver']} {row['route']}, {percent(row['finest_off'])} off at the finest setting run{default_words} "
-        f"(medians of the {row['answered']} of {row['friction_cases']} cases that it answers)"
+        f"(medians of the {row['answered']} of {row['friction_cases']} cases that it answers); within 1 % in "
+        f"{row['good_cases']}"
     )
 
 
 def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     """The row for readers, as in the terminal and on the page: main text and small text by heading."""
-    lacking = [f"{row[word]} {word.replace('_', ' ')}" for word in _NOT_ANSWERED.values() if row[word]]
+    lacking = [f"{row[outcome]} {outcome.replace('_', ' ')}" for outcome in _NOT_ANSWERED if row[outcome]]
     count = f"{row['answered']} of {row['friction_cases']}"
     factor = row["worst_friction_factor"]
     digits = f"{row['digits']:.2f} ± {row['digits_doubt']:.2f}" if isfinite(row["digits"]) else "–"
@@ -152,10 +192,23 @@ def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
         "default": (_percent(row["default_off"]), _worst(row["default_off_worst"])),
         "finest": (_percent(row["finest_off"]), _worst(row["finest_off_worst"])),
         "grade": (row["median_grade"] or "–", ""),
-        "≤ 1 %": (str(row["good_cases"]), ""),
+        **{f"≤ {percent(level)}": _count(row, name) for name, level in _COUNTED.items()},
         "friction ×": (f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–", ""),
         "digits": (digits, ""),
+        **({"time to 1 %": _time(row)} if row["cost_case"] else {}),
     }
+
+
+def _time(row: Mapping[str, Any]) -> tuple[str, str]:
+    """CPU time of the first run within 1 % in the cost case, and of 1,000 runs."""
+    first, thousand = row["good_first_s"], row["good_thousand_s"]
+    return (seconds(first), f"1,000 runs: {seconds(thousand)}") if isfinite(first) else ("–", "")
+
+
+def _count(row: Mapping[str, Any], name: str) -> tuple[str, str]:
+    """In how many cases a level is reached, and in how many of these no finer setting confirms it."""
+    alone = row[f"{name}_one_setting"]
+    return str(row[f"{name}_cases"]), f"{alone} by one setting" if alone else ""
 
 
 def _percent(off: float) -> str:
@@ -184,7 +237,8 @@ def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
     return [
         "default, finest: error (off) with default settings and at the finest setting run, in",
         "percent of the error of ignoring friction's law; medians of the cases answered",
-        f"cases: those where 1 % of friction makes an off of {LEAST:g} at least; ≤ 1 %: how many are within it",
+        f"cases: those where 1 % of friction makes an off of {LEAST:g} at least; ≤ 1 %, ≤ 0.01 %: number of cases in",
+        "which off + doubt stays within that from a setting on",
         "friction ×: farthest from 1; digits: mean of all cases at the finest setting run, 0 if not answered",
         *(f"not ranked: {name} ({words})" for name, words in parts.items()),
     ]

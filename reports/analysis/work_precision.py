@@ -1,6 +1,6 @@
-"""What accuracy costs in time: errors of the experiment beside timings of the clock, as rows.
+"""Accuracy and its cost in time: errors of the experiment and times of the timed pass, as rows.
 
-Only right runs count, and only times taken alone on a quiet machine are ranked.
+Runs with an unusable motion are left out; times are of runs alone on a quiet machine.
 """
 
 from __future__ import annotations
@@ -9,19 +9,19 @@ from collections.abc import Iterable, Mapping
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
-from ..running.records import Experiment, Run, is_default, routes
+from ..running.records import Experiment, Run, is_default, routes, usable
 from ..running.timing.clock import UNTIMED, Timing
 from ..running.timing.cold_start import ColdStart
 from ..running.timing.time_breakdown import TimeBreakdown
 from ..running.timing.timings import Key
-from . import accuracy_levels, convergence, quantities
+from . import convergence, quantities
 from .baselines import Baseline
-from .quantities import UNITS, error
+from .quantities import UNITS
 
 
 class CostMeasurements(NamedTuple):
-    """Labels of the cases timed, timings, baselines by case, and what could not be timed, with the reason; of the
-    settings that reach an accuracy first also one call from cold, and the parts of a run."""
+    """Labels of the timed cases, timings, baselines by case, and reasons for missing timings; for the settings that
+    reach a level first also cold starts and time breakdowns."""
 
     cases: tuple[str, ...] = ()
     timings: Mapping[Key, Timing] = {}
@@ -32,105 +32,84 @@ class CostMeasurements(NamedTuple):
 
 
 def floor(experiment: Experiment, measured: CostMeasurements, label: str, quantity: str) -> float:
-    """Ten times the truth's error bar: below it no error is told. Infinite where the bar is not known."""
+    """Ten times the truth's error bar: smaller errors are not known. Infinite if the bar is not known."""
     bar = quantities.bar(experiment.truths[label], quantity, measured.nulls[label].witnessed)
-    return convergence.ABOVE * bar if isfinite(bar) else inf
+    return quantities.ABOVE * bar if isfinite(bar) else inf
 
 
 def quantities_of(experiment: Experiment, measured: CostMeasurements, label: str) -> list[str]:
-    """What can be asked of a case: nothing about transitions where there are none."""
+    """The quantities of a case: none of transitions if there are none."""
     return [q for q in UNITS if isfinite(floor(experiment, measured, label, q))]
 
 
-def _runs_with_times(experiment: Experiment, measured: CostMeasurements) -> list[Run]:
-    """The right runs of the timed cases."""
-    return [run for run in experiment.runs if run.case in measured.cases and run.outcome == "right"]
+def _usable_runs(experiment: Experiment, measured: CostMeasurements) -> list[Run]:
+    """The runs of the timed cases with a usable motion."""
+    return [run for run in experiment.runs if run.case in measured.cases and usable(run)]
 
 
 def null_error(measured: CostMeasurements, label: str, quantity: str) -> tuple[float, str]:
-    """The best that a null motion scores, and which; NaN where none scores anything."""
+    """The smallest error of a null motion, and its name; NaN if none has an error."""
     scores = [(row[quantity], row["motion"]) for row in measured.nulls[label].rows if isfinite(row[quantity])]
     return min(scores, default=(nan, ""))
 
 
 def work_precision_rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[str, Any]]:
-    """One row per right run of a timed case and quantity it tells. Times are empty where the budget left none for it.
+    """One row per usable run of a timed case and quantity. Times are empty if the budget left none for the run.
 
-    `standing_error`: the largest error, doubt included, of this rung and all finer ones (`reached`), empty where a
-    finer motion is wrong. `below_floor`: the error is below ten times the truth's bar, so that its size is not known.
-    `null_error`: what the best of the null motions scores, `null_motion`.
+    `below_floor`: the error is below ten times the truth's bar, so its size is not known. `null_error`: the smallest
+    error of a null motion, `null_motion`.
     """
     rows = []
-    for (case, solver, route), ladder in routes(r for r in experiment.runs if r.case in measured.cases).items():
-        told = {
-            quantity: accuracy_levels.rungs(ladder, quantity) for quantity in quantities_of(experiment, measured, case)
-        }
-        lead = quantities.lead(experiment.truths[case])
-        lead = lead if lead in told else next(iter(told), "")
-        for place, run in enumerate(ladder):
-            timing = measured.timings.get((case, solver, route, run.setting), UNTIMED)
-            for quantity, rungs in told.items():
-                rung, least = rungs[place], floor(experiment, measured, case, quantity)
-                if rung is None:
-                    continue
-                null, motion = null_error(measured, case, quantity)
-                rows.append(
-                    {
-                        "case": case,
-                        "solver": solver,
-                        "route": route,
-                        "setting": run.setting,
-                        **vars(timing),
-                        "steps": run.cost.steps,
-                        **_parts(measured, (case, solver, route, run.setting), timing.cpu_s),
-                        "quantity": quantity,
-                        "unit": UNITS[quantity],
-                        "lead": quantity == lead,
-                        "absolute_error": rung.error,
-                        "doubt": rung.doubt,
-                        "standing_error": rung.standing if isfinite(rung.standing) else nan,
-                        "finer_rungs": rung.finer,
-                        "floor_error": least,
-                        "below_floor": rung.error <= least,
-                        "null_error": null,
-                        "null_motion": motion,
-                    }
-                )
+    for run in _usable_runs(experiment, measured):
+        for quantity in quantities_of(experiment, measured, run.case):
+            error, least = quantities.error(run, quantity), floor(experiment, measured, run.case, quantity)
+            if not isfinite(error):
+                continue
+            null, motion = null_error(measured, run.case, quantity)
+            rows.append(
+                {
+                    "case": run.case,
+                    "solver": run.solver,
+                    "route": run.route,
+                    "setting": run.setting,
+                    "steps": run.cost.steps,
+                    **times_of(measured, (run.case, run.solver, run.route, run.setting)),
+                    "quantity": quantity,
+                    "unit": UNITS[quantity],
+                    "absolute_error": error,
+                    "doubt": quantities.doubt(run, quantity),
+                    "floor_error": least,
+                    "below_floor": error <= least,
+                    "null_error": null,
+                    "null_motion": motion,
+                }
+            )
     return rows
 
 
-def _parts(measured: CostMeasurements, key: Key, cpu: float) -> dict[str, float]:
-    """What one call from cold takes, and the parts of a warm run, s; NaN where they were not measured."""
-    cold, parts = measured.cold.get(key), measured.parts.get(key)
+def times_of(measured: CostMeasurements, key: Key) -> dict[str, Any]:
+    """Columns of a setting's times, s: those of the clock, of the first call, and of the parts of a warm run; NaN if
+    they were not measured."""
+    timing, cold, parts = measured.timings.get(key, UNTIMED), measured.cold.get(key), measured.parts.get(key)
     shares = parts._asdict() if parts else dict.fromkeys(TimeBreakdown._fields, nan)
-    return {"first_call_s": cold.call_s if cold else nan} | {f"{n}_s": share * cpu for n, share in shares.items()}
+    first = {"first_call_s": cold.call_s if cold else nan}
+    return {**vars(timing), **first, **{f"{name}_s": share * timing.cpu_s for name, share in shares.items()}}
 
 
 def fit_rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[str, Any]]:
     """One row per route and quantity of a timed case: order in steps and in CPU time, each with its 95 % interval, and
-    where and why the error saturates (`convergence`). The engine's own defaults are no rung; disturbed times do not
-    count."""
+    where and why the error saturates (`convergence`). Default settings and disturbed times are left out."""
     rows = []
-    ladders = routes(run for run in _runs_with_times(experiment, measured) if not is_default(run))
+    ladders = routes(run for run in _usable_runs(experiment, measured) if not is_default(run))
     for (case, solver, route), group in ladders.items():
         for quantity in quantities_of(experiment, measured, case):
-            bar = floor(experiment, measured, case, quantity) / convergence.ABOVE
-            ladder = [
-                convergence.ConvergencePoint(
-                    str(run.setting),
-                    run.cost.steps,
-                    error(run, quantity),
-                    bar,
-                    quantities.doubt(run, quantity),
-                    quantities.rounding(run, quantity),
-                )
-                for run in group
-            ]
+            bar = floor(experiment, measured, case, quantity) / quantities.ABOVE
+            ladder = convergence.ladder_of(group, quantity, bar)
             if not any(isfinite(point.error) for point in ladder):
                 continue
             by_steps, settled = convergence.order(ladder), convergence.saturation(ladder)
-            spent = [_rank_by_cpu(measured, (case, solver, route, run.setting)) for run in group]
-            by_time = convergence.order([p._replace(spent=s) for p, s in zip(ladder, spent, strict=True)])
+            times = [_quiet_cpu(measured, (case, solver, route, run.setting)) for run in group]
+            by_time = convergence.order([p._replace(spent=s) for p, s in zip(ladder, times, strict=True)])
             rows.append(
                 {
                     "case": case,
@@ -154,14 +133,14 @@ def fit_rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[st
     return rows
 
 
-def _rank_by_cpu(measured: CostMeasurements, key: Key) -> float:
-    """CPU time, s, or NaN if there is none to be ranked by."""
+def _quiet_cpu(measured: CostMeasurements, key: Key) -> float:
+    """CPU time, s; NaN if it was disturbed or not measured."""
     timing = measured.timings.get(key, UNTIMED)
     return nan if timing.disturbed else timing.cpu_s
 
 
 def groups(rows: Iterable[dict[str, Any]], *columns: str) -> dict[tuple, list[dict[str, Any]]]:
-    """Rows by the values of some columns, in the order in which they come."""
+    """Rows by the values of some columns, in their order."""
     found: dict[tuple, list[dict[str, Any]]] = {}
     for row in rows:
         found.setdefault(tuple(row[c] for c in columns), []).append(row)

@@ -9,7 +9,7 @@ from cases import Case
 
 from ..running.calls import Calls, StorePolicy
 from ..running.processes.worker_process import settle
-from ..running.records import Experiment
+from ..running.records import Experiment, usable
 from ..running.storage.fingerprint import installed_packages
 from .figure_files import FigureContent, FigureEntry, for_print, writes_pdf
 
@@ -59,17 +59,17 @@ def _part(experiment: Experiment, label: str) -> Experiment:
 
 
 def headline_case(experiment: Experiment) -> Case | None:
-    """The paper's application; without it, the case with transitions that most routes got right (of these, the one
-    with the most transitions); None if no case has a transition."""
+    """The paper's application; without it, the case with transitions in which most routes have a usable motion (of
+    these, the one with the most transitions); None if no case has a transition."""
     having = [case for case in experiment.cases if experiment.truths[case.label].transitions]
     if paper := [case for case in having if case.label == PAPER]:
         return paper[0]
-    right: dict[str, set[tuple[str, str]]] = {}
+    answering: dict[str, set[tuple[str, str]]] = {}
     for run in experiment.runs:
-        if run.outcome == "right":
-            right.setdefault(run.case, set()).add((run.solver, run.route))
+        if usable(run):
+            answering.setdefault(run.case, set()).add((run.solver, run.route))
 
     def worth(case: Case) -> tuple[int, int]:
-        return len(right.get(case.label, ())), len(experiment.truths[case.label].transitions)
+        return len(answering.get(case.label, ())), len(experiment.truths[case.label].transitions)
 
     return max(having, key=worth, default=None)

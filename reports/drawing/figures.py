@@ -21,7 +21,18 @@ from cases.pictures import scene as scenes
 from cases.pictures.layout import Instant, instants
 
 from ..running import per_solver
-from ..running.records import REFERENCE, Experiment, Run, Truth, finest, first_error, is_default, is_truth, routes
+from ..running.records import (
+    REFERENCE,
+    Experiment,
+    Run,
+    Truth,
+    finest,
+    first_error,
+    is_default,
+    is_truth,
+    routes,
+    usable,
+)
 from .figure_files import FigureContent, file_name, picture
 from .style import FAINT, POINTS, STYLE, TRUTH, LineStyles, logarithmic
 
@@ -95,8 +106,8 @@ _MOTION_WORDS = (
 )
 _ERRORS_WORDS = (
     "Error against steps",
-    "Each point is one setting; steps are the solver's own. A cross marks a run with a wrong sequence of transitions "
-    "(its first transition may still be right), a hollow marker the engine's default settings. Grey: within the error "
+    "Each point is one setting; steps are the solver's own. A cross marks an unusable motion (its first "
+    "transition may still be accurate), a hollow marker the engine's default settings. Grey: within the error "
     "bar of the truth.",
 )
 
@@ -259,7 +270,7 @@ def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
         points = [
             (run.cost.steps, max(size, _SMALLEST), run)
             for run in group
-            if run.outcome in ("right", "wrong")
+            if run.outcome == "answered"
             and not is_truth(run, truth)
             and isfinite(size := abs(first_error(run) if has_transitions else run.distance.centre_max))
         ]
@@ -270,7 +281,7 @@ def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
         ax.plot([p[0] for p in ladder], [p[1] for p in ladder], **look, label=_name(points[0][2]))
         for steps, size, run in points:
             hollow = "white" if is_default(run) else look["color"]
-            marker = "x" if run.outcome == "wrong" else looks.marker(run.solver, run.route)
+            marker = "x" if not usable(run) else looks.marker(run.solver, run.route)
             ax.plot(steps, size, marker=marker, markersize=6, color=look["color"], markerfacecolor=hollow)
     logarithmic(ax, "xy")
     if has_transitions:

@@ -13,9 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..analysis import time_to_accuracy, work_precision
-from ..analysis.number_format import level
 from ..analysis.quantities import UNITS
 from ..analysis.work_precision import CostMeasurements
+from ..judging.grades import LEVELS, percent
 from ..running.records import REFERENCE, Experiment
 from .figure_files import FigureEntry, file_name, save
 from .style import STYLE, LineStyles, logarithmic, looks_of
@@ -30,16 +30,14 @@ _WORDS = (
 )
 _SUMMARY_WORDS = (
     "What accuracy costs, over all timed cases",
-    "Performance profiles (Dolan and Moré 2002): the fraction of the cases in which a route reaches the accuracy "
-    "within the given multiple of the fastest route's CPU time (all transitions in s if there are several, otherwise "
-    "the final pose in m). Reached: neither a finer setting nor the reading doubt contradicts it. A route whose line "
-    "ends below 1 does not reach the accuracy in the other cases.",
+    "Performance profiles (Dolan and Moré 2002): the fraction of the cases in which a route reaches the level of off "
+    "within the given multiple of the fastest route's CPU time. Reached: off and its doubt stay within the level at "
+    "the setting and all finer ones. A route whose line ends below 1 does not reach the level in the other cases.",
 )
-# Accuracies of the summary, for games (1e-2), robotics (1e-4) and numerical analysis (1e-6, 1e-8).
-_PANELS = (1e-2, 1e-4, 1e-6, 1e-8)
 # Factor between the error of a null motion and the top of the axis: room for its name.
 _NULL_ROOM = 30.0
 _TITLES = {
+    "off": "off: share of the error of ignoring friction",
     "first_transition_time": "first transition's time / s",
     "all_transitions": "worst transition's time / s",
     "final_pose": "final pose / m",
@@ -52,7 +50,7 @@ _TITLES = {
 def draw(experiment: Experiment, measurements: CostMeasurements, folder: Path) -> Iterator[FigureEntry]:
     """Write a figure for each timed case and one for all; yields the entries of the figures."""
     looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measurements)
-    rows = [row for row in time_to_accuracy.rows(points) if row["lead"]]
+    rows = time_to_accuracy.rows(experiment, measurements)
     with matplotlib.rc_context(STYLE):
         if any(row["solver"] != REFERENCE and isfinite(row["ratio"]) for row in rows):
             yield save(summary(rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
@@ -127,9 +125,9 @@ def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
 
 
 def summary(rows: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
-    """Performance profiles at several accuracies, from rows of the main quantities of the cases."""
+    """Performance profiles at several levels, from rows of `time_to_accuracy`."""
     count = len({row["case"] for row in rows})
-    accuracies = [a for a in _PANELS if any(isfinite(row["ratio"]) for row in rows if row["accuracy"] == a)]
+    accuracies = [a for a in LEVELS if any(isfinite(row["ratio"]) for row in rows if row["level"] == a)]
     figure, axes = plt.subplots(
         1, len(accuracies), figsize=(2.5 * len(accuracies) + 0.6, 3.4), sharey=True, sharex=True, layout="constrained",
         squeeze=False,
@@ -137,13 +135,13 @@ def summary(rows: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
     widest = max(row["ratio"] for row in rows if isfinite(row["ratio"])) * 2
     for ax, accuracy in zip(axes[0], accuracies, strict=True):
         for (solver, route), group in work_precision.groups(rows, "solver", "route").items():
-            ratios = sorted(r["ratio"] for r in group if r["accuracy"] == accuracy and isfinite(r["ratio"]))
+            ratios = sorted(r["ratio"] for r in group if r["level"] == accuracy and isfinite(r["ratio"]))
             shares = [i / count for i in range(len(ratios) + 1)]
             # Also drawn if it stays at zero, so that the legend is the same in all panels.
             ax.step([1.0, *ratios, widest], [0.0, *shares[1:], shares[-1]], where="post", **looks.line(solver, route),
                     label=f"{solver}, {route}")  # fmt: skip
         logarithmic(ax, "x")
-        ax.set_title(f"accuracy {level(accuracy)}", loc="left")
+        ax.set_title(f"within {percent(accuracy)}", loc="left")
         ax.set_xlabel("CPU time / fastest")
     axes[0][0].set_ylabel("share of cases")
     axes[0][0].set_ylim(-0.03, 1.03)

@@ -28,6 +28,8 @@ LIMITS = {
     Grade.ROUGH: 0.1,
     Grade.POOR: 0.5,
 }
+# The levels of accuracy that tables and rankings ask for, the coarsest first: the limits of the grades from rough on.
+LEVELS = tuple(sorted((limit for name, limit in LIMITS.items() if name is not Grade.POOR), reverse=True))
 # Sequences that agree only without phases as long as this part of the motion do not agree.
 _LONGEST = 0.1
 # A friction × within these limits is not a reason for a grade.

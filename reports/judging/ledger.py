@@ -1,7 +1,7 @@
-"""Transitions of a solver matched with the truth's: which are found, which missed, which spurious, and how late.
+"""Transitions of a solver paired with the truth's: which are in both, which only in one of them, and their errors.
 
-An impact of the truth's after which the plate flies for less than a motion's samples resolve is asked of nobody: it is
-unresolved.
+An impact of the truth after which the plate flies for less time than a motion's samples resolve is unresolved: no
+solver is expected to have it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from .slip_phases import RESOLVABLE_GAPS
 
 @dataclass(frozen=True)
 class LedgerRow:
-    """One transition of the truth, of a solver, or of both. `event` counts from 1 in the truth's sequence for matched
-    and missed ones, in the solver's own for spurious ones; times in s, NaN where there is none."""
+    """One transition of the truth, of a solver, or of both. `event` counts from 1 in the truth's sequence for paired
+    and missed ones, in the solver's own for spurious ones; times in s, NaN where there is none. `pairing`: paired,
+    missed, unresolved or spurious."""
 
     event: int
     before: Mode
@@ -26,21 +27,21 @@ class LedgerRow:
     time: float
     reference_time: float
     error: float
-    verdict: str
+    pairing: str
 
 
 def match(truth: Sequence[Transition], found: Sequence[Transition], gap: float = 0.0) -> tuple[LedgerRow, ...]:
     """Pair transitions by kind (before, after) and order: as many as can be, and of these pairings the one with the
-    least sum of time errors. The rest of the truth is missed, or unresolved by samples `gap` seconds apart; the rest of
-    the found spurious."""
+    least sum of time errors. Other transitions of the truth are missed, or unresolved by samples `gap` seconds apart;
+    other transitions of the solver are spurious."""
     pairs = _pairing(truth, found)
     rows = []
     for i, j in pairs:
         error = found[j].time - truth[i].time
-        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, found[j].time, truth[i].time, error, "matched"))
+        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, found[j].time, truth[i].time, error, "paired"))
     for i in sorted(set(range(len(truth))) - {i for i, _ in pairs}):
-        verdict = "unresolved" if _short(truth, i, RESOLVABLE_GAPS * gap) else "missed"
-        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, verdict))
+        pairing = "unresolved" if _short(truth, i, RESOLVABLE_GAPS * gap) else "missed"
+        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, pairing))
     for j in sorted(set(range(len(found))) - {j for _, j in pairs}):
         rows.append(LedgerRow(j + 1, found[j].before, found[j].after, found[j].time, nan, nan, "spurious"))
     return tuple(sorted(rows, key=lambda row: row.reference_time if isfinite(row.reference_time) else row.time))

@@ -1,4 +1,4 @@
-"""Which accuracy a route reaches, and how routes compare over the same cases."""
+"""The level of accuracy that a ladder reaches, and the ranking of routes over the same cases."""
 
 from __future__ import annotations
 
@@ -8,38 +8,30 @@ from typing import NamedTuple
 
 from .score import Score
 
-# Digits of a score: not more than 4, since more are those of the samples; and not less than -1, or one case could
-# outweigh all others.
+# Limits of the digits of a score: beyond 4 they depend on the samples; below -1 one case could outweigh all others.
 _MOST, _LEAST = 4.0, -1.0
 # Routes within a tenth of a digit (26 % of the score) are tied: other constants of the score change it by up to 10 %.
 TIE = 0.1
 
 
 class Reached(NamedTuple):
-    """From which setting on a route stays within a level. `first`: its number in the ladder, None where there is none;
-    `settings`: how many settings there are from it to the finest; one alone confirms nothing. `known`: False where the
-    samples leave open whether the level is reached."""
+    """The setting from which on a route stays within a level. `first`: its number in the ladder, None if there is none;
+    `settings`: number of settings from it to the finest; a single one is not confirmed by a finer one. `known`: False
+    if the doubt leaves open whether the level is reached."""
 
     first: int | None
     settings: int
     known: bool
 
-    @property
-    def confirmed(self) -> bool:
-        """Whether finer settings confirm it."""
-        return self.settings > 1
 
-
-def reached(ladder: Sequence[Score | None], level: float) -> Reached:
-    """From which setting of a ladder, coarse to fine, score and doubt together stay within the level at it and at all
-    finer ones. Settings without a motion (None) say nothing."""
+def reached(ladder: Sequence[tuple[float, float]], level: float) -> Reached:
+    """The first setting of a ladder, coarse to fine, at which off and doubt together stay within the level, as they do
+    at all finer ones. `ladder`: off and doubt of each setting with a motion."""
     first, settings, possible = None, 0, False
     highest, lowest = 0.0, 0.0
-    for number, score in reversed(list(enumerate(ladder))):
-        if score is None:
-            continue
-        highest = max(highest, score.off + score.doubt)
-        lowest = max(lowest, score.off - score.doubt)
+    for number, (off, doubt) in reversed(list(enumerate(ladder))):
+        highest = max(highest, off + doubt)
+        lowest = max(lowest, off - doubt)
         if highest <= level:
             first, settings = number, settings + 1
         possible = possible or lowest <= level
@@ -47,14 +39,14 @@ def reached(ladder: Sequence[Score | None], level: float) -> Reached:
 
 
 def digits(off: float) -> float:
-    """How many digits are right of what friction does: 2 for 1 % off, 0 for ignoring friction's law, less than 0 for a
-    misleading motion."""
+    """-log10 of off within its limits: 2 for 1 % off, 0 for ignoring friction's law, less than 0 for a misleading
+    motion."""
     return min(max(-log10(off) if off > 0.0 else inf, _LEAST), _MOST)
 
 
 class Standing(NamedTuple):
-    """A route in a ranking: its mean `digits` and their `doubt`, how many of the cases it `answered`, and its `rank`,
-    which is 1 + the number of routes that are better by more than a tie."""
+    """A route in a ranking: its mean `digits` and their `doubt`, the number of cases that it `answered`, and its
+    `rank`: 1 + the number of routes that are better by more than a tie."""
 
     route: str
     digits: float
@@ -84,6 +76,6 @@ def _doubt(score: Score) -> float:
 
 
 def _better(mean: tuple[float, float, int], means: Mapping[str, tuple[float, float, int]]) -> int:
-    """How many routes are better than one with that mean, by more than a tie and both doubts. The doubts of different
-    cases are independent."""
+    """The number of routes that are better than one with that mean by more than a tie and both doubts. The doubts of
+    different cases are independent."""
     return sum(other[0] - mean[0] > max(TIE, hypot(other[1], mean[1])) for other in means.values())

@@ -188,6 +188,8 @@ def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolutio
         phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)
         phases = outside(phases, omitted)
         wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
+        if scale.end == 0.0:  # the truth leaves the track at once, and has its first mode only
+            wrong = float(reading.first_mode != scale.phases[0].mode)
         if best is None or wrong < best.wrong * (1.0 - _SAME):
             touching = wrong - time_in_another_mode(flights(phases), true_flights, scale.end) / scale.time
             times = 0.0 if located else doubts.time(motion, reading, case.plate.reach)

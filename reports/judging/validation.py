@@ -1,7 +1,7 @@
-"""Whether what a solver hands back is a motion at all, and one that is told well enough to be judged.
+"""Checks of a motion by itself: whether it is one, which times it leaves out, and where it jumps.
 
-Pure functions of trajectories. What fails `sound` is no motion; what `untold` or `jumps` say makes one wrong, whatever
-its transitions.
+Pure functions of trajectories. A solver's result that is not `sound` is not a motion; `gaps` and `jumps` are remarks in
+the reason of a run.
 """
 
 from __future__ import annotations
@@ -13,24 +13,23 @@ import numpy as np
 
 from cases import Case, Trajectory
 
-# Squares of what is drawn and compared have to be doubles.
+# Squares of all compared numbers have to be doubles.
 LARGEST = 1e100
-# A motion covers the truth's time if it ends no more than this many of its own steps from the ends of that.
+# A motion covers the truth's time if it begins and ends within this many of its own steps of the truth's ends.
 LAST_STEPS = 2.5
-# A stretch without samples is none that a solver left out if it is shorter than this many of its steps, or than this
-# part of the motion.
+# A time without samples is a gap if it is longer than this many steps of the motion and than this part of its duration.
 LONG_STEPS, SHORT_PART = 10.0, 0.02
-# Between two samples a centre moves by what the true motion's fastest speed explains, three times over (an engine may
-# be off by its impacts), or by a tenth of the plate (a contact that pushes the plate out of its track).
+# Between two samples a centre moves by at most three times the way at the true motion's fastest speed (impacts of an
+# engine can be faster), plus a tenth of the plate's size (a contact that pushes the plate out of its track).
 FASTER, PUSHED = 3.0, 0.1
 
-# What a run gave that is not `sound`.
+# Description of a result that is not `sound`.
 UNSOUND = "numbers that are not finite or beyond all sizes, times that do not grow, or one sample only"
 
 
 def sound(motion: Trajectory) -> bool:
-    """Whether it is a motion: finite numbers of ordinary size, times that do not go back, transitions in order, and
-    more than one sample unless it ends where it begins."""
+    """Whether the numbers are finite and of ordinary size, times do not decrease, transitions are in order, and there
+    is more than one sample unless the motion ends where it begins."""
     names = ("t", "x", "y", "theta", "vx", "vy", "omega")
     finite = all(bool(np.all(np.abs(getattr(motion, name)) <= LARGEST)) for name in names)  # NaN is not
     # In flight there is no slip, and then no place of contact either.
@@ -41,10 +40,10 @@ def sound(motion: Trajectory) -> bool:
     return finite and enough and bool(np.all(np.diff(motion.t) >= 0))
 
 
-def untold(motion: Trajectory, begin: float, end: float | None) -> list[str]:
-    """Phrases for what it leaves out of the time from `begin` to `end` (None: it may end when it likes), s."""
+def gaps(motion: Trajectory, begin: float, end: float | None) -> list[str]:
+    """Phrases for the times that the motion leaves out between `begin` and `end`, s (None: it may end at any time)."""
     if len(motion.t) == 1:
-        return []  # it ends where it begins, and says so
+        return []  # it ends where it begins, and has that status
     steps = np.diff(motion.t)
     step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     if motion.dense is not None:  # it is known between its steps, however long
@@ -56,21 +55,21 @@ def untold(motion: Trajectory, begin: float, end: float | None) -> list[str]:
         missing.append(f"ends at {motion.t[-1]:.6g} s, the truth at {end:.6g} s")
     longest = int(np.argmax(steps))
     if motion.dense is None and steps[longest] > max(LONG_STEPS * step, SHORT_PART * (motion.t[-1] - motion.t[0])):
-        missing.append(f"tells nothing between {motion.t[longest]:.6g} s and {motion.t[longest + 1]:.6g} s")
+        missing.append(f"has no samples between {motion.t[longest]:.6g} s and {motion.t[longest + 1]:.6g} s")
     return missing
 
 
 def jumps(case: Case, motion: Trajectory, truth: Trajectory, far: float) -> list[str]:
-    """Phrases for a centre that moves between two samples as the true motion never does, and for one that comes to lie
-    farther from the truth (`far`, m) than that itself ever moves: no better than a plate that stays where it is."""
+    """Phrases for a centre that moves between two samples by more than the true motion explains, and for one whose
+    distance from the truth (`far`, m) exceeds the truth's own path: no better than a plate at rest."""
     fastest = float(np.hypot(truth.vx, truth.vy).max())
-    way = np.hypot(np.diff(motion.x), np.diff(motion.y))
-    beyond = way - FASTER * fastest * np.diff(motion.t) - PUSHED * case.plate.reach
-    told = []
+    moved = np.hypot(np.diff(motion.x), np.diff(motion.y))
+    beyond = moved - FASTER * fastest * np.diff(motion.t) - PUSHED * case.plate.reach
+    remarks = []
     if len(beyond) and np.max(beyond) > 0.0:
         i = int(np.argmax(beyond))
-        told.append(f"jumps by {way[i]:.3g} m at {motion.t[i + 1]:.6g} s")
-    moved = float(np.hypot(truth.x - truth.x[0], truth.y - truth.y[0]).max())
-    if far > max(moved, case.plate.reach):
-        told.append(f"strays {far:.3g} m from the truth, which moves by {moved:.3g} m")
-    return told
+        remarks.append(f"jumps by {moved[i]:.3g} m at {motion.t[i + 1]:.6g} s")
+    extent = float(np.hypot(truth.x - truth.x[0], truth.y - truth.y[0]).max())
+    if far > max(extent, case.plate.reach):
+        remarks.append(f"strays {far:.3g} m from the truth, which moves by {extent:.3g} m")
+    return remarks

@@ -11,22 +11,23 @@ import cases as catalogue
 from cases import Case
 
 from ..drawing.figure_files import FigureEntry, short_digest
+from ..judging.grades import Grade
 from ..running.records import REFERENCE, Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import motions
 from .fragments import command_of, picture, records, switch, table, verbatim
-from .text import error_text, lead_text, level_text
+from .text import first_error_text, level_text, off_text
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# By severity: a wrong result is the worst, because the solver does not report it.
-# "Not installed" lists requested versions only; an engine that is not installed has a line above the tables.
+# Tables of the chapter on failures, by severity: an unusable motion is the worst, because the solver does not report
+# it. "Not installed" lists requested versions only; an engine that is not installed has a line above the tables.
 _FAILURES = {
-    "wrong": "Wrong",
+    Grade.UNUSABLE: "Unusable",
     "crashed": "Crashed",
     "timed_out": "Timed out",
-    "refused": "Refused",
+    "unsupported": "Unsupported",
     NOT_INSTALLED: "Not installed",
 }
 
@@ -103,7 +104,7 @@ def _table(title: str, frame: pd.DataFrame, without: Sequence[str], is_open: boo
 
 
 def headline(frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:
-    """All cases against all routes: the main error at the finest setting, and the error of the first transition."""
+    """All cases against all routes: off at the finest setting run, and the error of the first transition."""
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
     solver_routes = [route_key for route_key in dict.fromkeys(key[1:] for key in rows) if route_key[1]]
     return {
@@ -123,29 +124,26 @@ def headline(frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures
 
 
 def _cell(row: dict[str, Any] | None, solver: str, route: str) -> dict[str, Any]:
-    """A cell's text, and the number by which it is sorted: the main error of its case."""
+    """A cell's text, and the number by which it is sorted: off at the finest setting run."""
     cell: dict[str, Any] = {"solver": solver, "switch": switch(solver, route), "text": "", "small": [], "order": ""}
     if row is None:
         return cell
-    finest, default = (error_text(row, which) for which in ("finest", "default"))
-    lead, level = lead_text(row, "finest"), level_text(row)
-    cell["text"] = verbatim(lead)
-    if isfinite(row["finest_lead_error"]):
-        cell["order"] = repr(float(row["finest_lead_error"]))
-    if lead != finest:  # otherwise both are the same word
-        first = f"first: {finest}" if row["transitions_true"] else finest
-        small = [f"reaches {level}" if level else "reaches none", first, *([f"default: {default}"] if default else [])]
+    cell["text"] = off_text(row, "finest")
+    if isfinite(row["finest_off"]):
+        cell["order"] = repr(float(row["finest_off"]))
+        default = off_text(row, "default")
+        texts = [level_text(row), first_error_text(row, "finest"), f"default: {default}" if default else ""]
         # Single words, so that no line break splits a number.
-        cell["small"] = [verbatim(text).split(" ") for text in small]
+        cell["small"] = [verbatim(text).split(" ") for text in texts if text and not row["is_truth"]]
     return cell
 
 
 def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
-    """Runs that failed, by severity."""
+    """Runs without a usable motion, by severity."""
     tables = []
     columns = {name: name for name in ("case", "solver", "route", "setting", "reason")}
     for outcome, title in _FAILURES.items():
-        rows = frame[frame["outcome"] == outcome] if len(frame) else frame
+        rows = frame[(frame["outcome"] == outcome) | (frame["grade"] == outcome)] if len(frame) else frame
         if outcome == NOT_INSTALLED and not len(rows):
             continue
         tables.append({"title": title, **table(rows, columns)})

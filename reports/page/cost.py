@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..analysis import cost_conclusions, cost_tables, which_engine
-from ..analysis.accuracy_levels import ACCURACIES
-from ..analysis.number_format import level, quantity, seconds, times, unit
-from ..analysis.time_to_accuracy import YES
+from ..analysis.levels import ONE_SETTING
+from ..analysis.number_format import seconds, times
+from ..analysis.time_to_accuracy import TIMED
 from ..analysis.work_precision import CostMeasurements, groups
 from ..drawing.figure_files import FigureEntry
+from ..judging.grades import LEVELS, percent
 from .fragments import picture, records, switch, table
 
 if TYPE_CHECKING:
@@ -36,22 +37,21 @@ def section(
     """Data for the chapter's template; None if nothing was timed."""
     if not measurements.cases:
         return None
-    answers, accuracy_rows, points = (
+    answers, time_rows, points = (
         records(frames[name]) for name in ("which_engine", "time_to_accuracy", "work_precision")
     )
-    headline = cost_conclusions.headline(answers, accuracy_rows)
-    lead = [row for row in accuracy_rows if row["lead"]]
-    fits, main = frames["work_precision_fits"], {row["case"]: row["quantity"] for row in lead}
-    fits = fits[[main.get(row["case"]) == row["quantity"] for row in records(fits)]] if len(fits) else fits
+    headline = cost_conclusions.headline(answers, time_rows)
+    fits = frames["work_precision_fits"]
+    fits = fits[fits["quantity"] == "off"] if len(fits) else fits
     return {
         "first": headline.first,
         "rest": f"{headline.rest} {cost_conclusions.set_up(points)}",
-        "accuracy": level(cost_conclusions.LEVEL),
+        "level": percent(cost_conclusions.LEVEL),
         "runs": ["first run (cold start)" if runs == 1 else f"{runs:,} runs" for runs in which_engine.RUNS],
         "answers": _answers(answers),
         "failed": list(measurements.failures.items()),
-        "shares": _shares(lead),
-        "levels": _levels(lead),
+        "shares": _shares(time_rows),
+        "levels": _levels(time_rows),
         "pictures": [picture(d, figures) for d in figure_entries if d.name == "work_precision"],
         "fits": table(fits, _name(fits)),
         "nulls": table(frames["null_scores"], _name(frames["null_scores"])),
@@ -64,16 +64,15 @@ def _name(frame: pd.DataFrame) -> dict[str, str]:
 
 
 def _answers(answers: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each case at the requested accuracy: first run and 1,000 runs, engine and reference."""
+    """A row for each case at the main level: first run and 1,000 runs, engine and reference."""
     table_rows = []
-    for (case,), rows in groups([r for r in answers if r["accuracy"] == cost_conclusions.LEVEL], "case").items():
+    for (case,), rows in groups([r for r in answers if r["level"] == cost_conclusions.LEVEL], "case").items():
         runs = rows[0]["break_even_runs"]
         even = f"{runs:,.0f} runs" if isfinite(runs) else ("never" if rows[0]["cheaper"] else "")
         sides = [
             _side(row, party) for row in sorted(rows, key=lambda r: r["runs"]) for party in ("engine", "reference")
         ]
-        cells = {"case": case, "quantity": quantity(rows[0]["quantity"]), "sides": sides, "even": even}
-        table_rows.append(cells | {"order": _order(runs)})
+        table_rows.append({"case": case, "sides": sides, "even": even, "order": _order(runs)})
     return table_rows
 
 
@@ -88,13 +87,13 @@ def _side(row: dict[str, Any], party: str) -> dict[str, Any]:
     return side | {"ahead": ahead, "factor": times(row["factor"]) if ahead else ""}
 
 
-def _shares(lead: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Settings that reach the requested accuracy: the parts of a warm run, the whole call, the cold start."""
+def _shares(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Settings within the main level: the parts of a warm run, the whole call, the cold start."""
     rows = []
-    reaching = [r for r in lead if r["award"] == YES and r["accuracy"] == cost_conclusions.LEVEL]
+    reaching = [r for r in time_rows if r["reached"] in TIMED and r["level"] == cost_conclusions.LEVEL]
     for (case,), group in groups(reaching, "case").items():
         for row in sorted(group, key=lambda r: r["call_s"]):
-            cells = [_text(f"{case}, {level(row['accuracy'])}{unit(row['unit'])}"), _text(_who(row))]
+            cells = [_text(case), _text(_who(row))]
             cells += [_time(row[name]) for name in _PARTS]
             runs = row["break_even_runs"]
             cells.append(_number(f"{runs:,.0f}" if isfinite(runs) else "", runs))
@@ -102,25 +101,22 @@ def _shares(lead: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {"heads": _heads("case", "route", *_PARTS.values(), "reference faster from, runs"), "rows": rows}
 
 
-def _levels(lead: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Cases and routes against accuracies, in the main quantity of each case."""
+def _levels(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Cases and routes against levels of off."""
     rows = []
-    for _, group in groups(lead, "case", "solver", "route").items():
-        first = group[0]
-        by_level = {row["accuracy"]: row for row in group}
-        name = f"{first['case']}: {quantity(first['quantity'])} / {first['unit']}"
-        cells = [_text(name), _text(_who(first))]
-        cells += [_level_cells(by_level[a]) if a in by_level else _text("") for a in ACCURACIES]
-        rows.append(_row(first, cells))
-    return {"heads": _heads("case", "route", *map(level, ACCURACIES)), "rows": rows}
+    for _, group in groups(time_rows, "case", "solver", "route").items():
+        by_level = {row["level"]: row for row in group}
+        cells = [_text(group[0]["case"]), _text(_who(group[0]))]
+        rows.append(_row(group[0], [*cells, *(_level_cell(by_level[level]) for level in LEVELS)]))
+    return {"heads": _heads("case", "route", *(f"≤ {percent(level)}" for level in LEVELS)), "rows": rows}
 
 
-def _level_cells(row: dict[str, Any]) -> dict[str, Any]:
-    if row["award"] != YES:
-        return _number(row["award"], float("inf"))
+def _level_cell(row: dict[str, Any]) -> dict[str, Any]:
+    if row["reached"] not in TIMED:
+        return _number(row["reached"], float("inf"))
     ratio = f" ({times(row['ratio'])})" if isfinite(row["ratio"]) else ""
-    marks = ("*" if row["null_reaches"] else "") + ("°" if row["finer_rungs"] == 0 else "")
-    return _number(f"{seconds(row['cpu_s'])}{marks}{ratio}", row["cpu_s"])
+    mark = "°" if row["reached"] == ONE_SETTING else ""
+    return _number(f"{seconds(row['cpu_s'])}{mark}{ratio}", row["cpu_s"])
 
 
 def _who(row: Mapping[str, Any]) -> str:

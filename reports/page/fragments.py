@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from ..analysis import tables
 from ..drawing.figure_files import FigureEntry
+from ..judging.grades import Grade
 from ..running import per_solver
 from ..running.records import REFERENCE
 from .text import shorten
@@ -25,7 +26,7 @@ _TEMPLATES = Path(__file__).parent / "templates"
 _POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
 _REMARKS = ("reason", "note", "notes")
 # Words of a table with their own colours.
-_VERDICTS = (*tables.OUTCOMES, "matched", "missed", "spurious", "unresolved")
+_COLOURED = (*tables.OUTCOMES, *Grade, "paired", "missed", "spurious", "unresolved")
 
 
 @lru_cache(maxsize=1)
@@ -120,8 +121,8 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
             "kind": "number",
             "order": None if _is_number(text_of_number) else f"{value:.10g}",
         }
-    if text in _VERDICTS:
-        kind = text
+    if text in _COLOURED:
+        kind = text.replace(" ", "-")
     elif "setting" in column:
         kind = "setting"
     else:

@@ -44,6 +44,7 @@ def screen(
         "partly_ours": [row for row in rows if row["our_part"]],
         "friction_cases": len(verdict.friction_cases(experiment)),
         "least": f"{LEAST:g}",
+        "cost_case": next((row["cost_case"] for row in records(frames["verdict"])), ""),
         "hero": hero and {"label": hero["label"], "anchor": anchor(hero["label"]), "said": case_summary(case)},
         "absent": missing_words(experiment.versions),
         "provenance": f"Made {manifest['made_at'][:10]} on {manifest['machine']}.",

@@ -155,7 +155,7 @@ def _points(frame: pd.DataFrame | None, manifest: Mapping[str, Any]) -> Markup |
     """The points of the work-precision plot as JSON for its script."""
     if frame is None or not len(frame):
         return ""
-    names = ("case", "solver", "route", "setting", "quantity", "unit", "lead", "cpu_s", "steps", "absolute_error",
+    names = ("case", "solver", "route", "setting", "quantity", "unit", "cpu_s", "steps", "absolute_error",
              "floor_error")  # fmt: skip
     rows = [[_plain(row[name]) for name in names] for row in records(frame)]
     options = " ".join(["python -m reports.build", manifest["options"]]).strip()

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import cost_tables, recommendation, tables, verdict
+from ..analysis import cost_tables, tables, verdict
 from ..analysis.columns import Table, describe_column, with_version
 from ..analysis.work_precision import CostMeasurements
 from ..running import per_solver
 from ..running.per_solver import LeftOut
 from ..running.records import Experiment
 from . import dictionary, text
+from .fragments import records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,22 +89,17 @@ def write(
         output.left_out += result.left_out
         output.add(dict, (result.frames,), {}, f"tables of {result.name}", result.command, result.words)
 
-    output.add(
-        lambda *some: {"answers": pd.DataFrame(recommendation.rows(*some))},
-        (shown, output.frames),
-        {"answers": recommendation.HOLDS},
-        "table answers",
-    )
     verdicts: list[dict[str, Any]] = []
+    times = [output.frames[name] for name in ("time_to_accuracy",) if name in output.frames]
 
-    def make_verdict(experiment: Experiment) -> dict[str, pd.DataFrame]:
-        verdicts[:] = verdict.rows(experiment)
+    def make_verdict(experiment: Experiment, *times: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        verdicts[:] = verdict.rows(experiment, [row for frame in times for row in records(frame)])
         # The terminal's text is made here as well, so that a row that fails there is omitted from both.
         verdict.in_terminal(verdicts), verdict.notes(verdicts), verdict.sentence(verdicts)
         return {"verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS))}
 
-    output.add(make_verdict, (shown,), {"verdict": verdict.HOLDS}, "table verdict")
-    output.frames = {name: output.frames.pop(name) for name in ("verdict", "answers")} | output.frames
+    output.add(make_verdict, (shown, *times), {"verdict": verdict.HOLDS}, "table verdict")
+    output.frames = {"verdict": output.frames.pop("verdict")} | output.frames
     return verdicts
 
 

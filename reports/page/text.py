@@ -12,12 +12,13 @@ import numpy as np
 
 from ..analysis.columns import Table, infinite
 from ..analysis.number_format import level, number
+from ..judging.grades import percent
 
 if TYPE_CHECKING:
     import pandas as pd
 
 # Columns that hold errors, by the end of their names.
-_ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt", "accuracy")
+_ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt")
 
 
 def lost_text(lost_calls: Sequence[str]) -> str:
@@ -28,50 +29,37 @@ def lost_text(lost_calls: Sequence[str]) -> str:
     return f"{count} ended from outside twice ({lost_calls[0]}); run the same command again to complete the report"
 
 
-def error_text(row: Mapping[str, Any], which: str) -> str:
-    """The signed error of the first transition's time of a headline row, or words if there is none; `which` is
-    "default" or "finest".
+def first_error_text(row: Mapping[str, Any], which: str) -> str:
+    """The signed error of the first transition's time of a headline row; `which` is "default" or "finest". "" if there
+    is no motion.
 
     An error within the truth's error bar is written as less than the bar. Without a transition, the text is the error
     of the centre.
     """
-    words = _no_error(row, which)
-    if words is not None:
-        return words
-    value, bar, doubt = row[f"{which}_first_error"], row["truth_error_bar"], _unsure(row, which)
+    if row[f"{which}_outcome"] != "answered" or (which == "finest" and row["is_truth"]):
+        return ""
+    value, bar = row[f"{which}_first_error"], row["truth_error_bar"]
     if not row["transitions_true"]:
-        return f"centre {row[f'{which}_centre_max']:.1e}{doubt}"
+        return f"centre: {row[f'{which}_centre_max']:.1e} m"
     if not isfinite(value):
-        return "missed"
-    return (f"{value:+.1e}" if abs(value) > bar else f"< {bar:.1e}") + doubt
+        return "first: missed"
+    return f"first: {value:+.1e} s" if abs(value) > bar else f"first: < {bar:.1e} s"
 
 
-def lead_text(row: Mapping[str, Any], which: str) -> str:
-    """The error of the case's main quantity with its unit, or words if there is none."""
-    words = _no_error(row, which)
-    if words is not None:
-        return words
-    value, bar = row[f"{which}_lead_error"], row["lead_error_bar"]
-    if not isfinite(value):
-        return "missed"
-    return (f"< {bar:.1e}" if value <= bar else f"{value:.1e}") + f" {row['unit']}{_unsure(row, which)}"
-
-
-def _no_error(row: Mapping[str, Any], which: str) -> str | None:
+def off_text(row: Mapping[str, Any], which: str) -> str:
+    """The score of a headline row in percent, or its outcome in words if there is no motion."""
     if which == "finest" and row["is_truth"]:
         return "is the truth"
-    outcome = row[f"{which}_outcome"]
-    return outcome if outcome in ("", "refused", "crashed", "timed_out", "not_installed") else None
-
-
-def _unsure(row: Mapping[str, Any], which: str) -> str:
-    outcome = row[f"{which}_outcome"]
-    return "" if outcome == "right" else f" ({outcome})"
+    off = row[f"{which}_off"]
+    return percent(off).replace("less than ", "< ") if isfinite(off) else row[f"{which}_outcome"].replace("_", " ")
 
 
 def level_text(row: Mapping[str, Any]) -> str:
-    """The best accuracy that a route reaches; "" if it reaches none."""
-    return level(row["reached"]) if isfinite(row["reached"]) else ""
+    """The smallest level that a route reaches, and by how many settings."""
+    if not isfinite(row["level"]):
+        return "reaches no level"
+    count = row["settings_within"]
+    return f"≤ {percent(row['level'])} by {count:.0f} setting{'s' * (count != 1)}"
 
 
 def write(
@@ -177,7 +165,7 @@ def shorten(value: Any, column: str) -> str:
         value = float(value)
         if not isfinite(value):
             return ""
-        if column in ("accuracy", "reached"):
+        if column == "level":
             return level(value)
         if column in ("time", "reference_time"):
             return f"{value:.9g}"

@@ -137,8 +137,8 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
     if offer.outcome:
         return offer.outcome, offer.reason
     if truth.failure:
-        return "refused", f"there is no truth to judge it by: {truth.failure}"
-    return None if offer.settings else ("refused", "it offers no setting for this case")
+        return "unsupported", f"there is no truth to judge it by: {truth.failure}"
+    return None if offer.settings else ("unsupported", "it offers no setting for this case")
 
 
 def _make(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:

@@ -111,11 +111,11 @@ def judge_motion(external: External, rung: int, truth: Truth) -> Run:
     try:
         return judge_external(row, external.case, external.motion, truth, external.columns)
     except DoesNotFit as problem:
-        return replace(row, outcome="refused", reason=str(problem))
+        return replace(row, outcome="unsupported", reason=str(problem))
 
 
 def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, columns: diagnosis.Columns) -> Run:
-    """The row with its verdict, ledger, errors and the diagnosis of its columns; raises DoesNotFit if there is no
+    """The row with its grade, ledger, errors and the diagnosis of its columns; raises DoesNotFit if there is no
     truth."""
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")

@@ -1,4 +1,4 @@
-"""What an experiment finds out, as plain frozen records: they travel between processes and become the tables' rows."""
+"""Records of an experiment, plain and frozen: they are sent between processes and become the rows of the tables."""
 
 from __future__ import annotations
 
@@ -13,26 +13,27 @@ from adapters import Setting
 from cases import Case, Cost, Mode, Transition
 
 from ..judging.distances import Distance
+from ..judging.grades import Grade, grade
 from ..judging.ledger import LedgerRow
 from ..judging.score import Scale, Score
 
 REFERENCE = "reference"
-# The motion that runs are compared with is the reference's best method at this tolerance; the times of its transitions
-# and their error bars are the certified ones.
+# Runs are compared with the motion of the reference's best method at this tolerance; the times of its transitions and
+# their error bars are the certified ones.
 TRUTH_RTOL = 1e-13
-# No honest sentence is longer; the last error message of an engine fits.
+# Size limit of a text in characters: the last error message of an engine fits.
 _LONGEST_TEXT = 2000
 
-# A row of a table, as it travels and is kept.
+# A row of a table, as it is sent and stored.
 Row = dict[str, str | float | int | bool | None]
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What one route of a solver offers for a case: a ladder of settings, or the reason why not.
+    """The ladder of settings that one route of a solver offers for a case, or the reason why there is none.
 
-    `outcome` is "" for an offer, else "refused", "crashed" or "not_installed". `our_part`: what of the route is not the
-    engine's own, "" for an engine by itself."""
+    `outcome` is "" for an offer, else "unsupported", "crashed" or "not_installed". `our_part`: what of the route is not
+    the engine's own, "" for an engine by itself."""
 
     route: str
     settings: tuple[Setting, ...] = ()
@@ -43,10 +44,11 @@ class Offer:
 
 @dataclass(frozen=True)
 class Truth:
-    """The motion a case's runs are judged by, by `method` of the reference. `error_bars` (s) belong to `transitions`.
+    """The motion that a case's runs are compared with, by `method` of the reference. `error_bars` (s) belong to
+    `transitions`.
 
-    `samples` is for figures; `witnesses` are the ways of solving that agree within the bars. `failure` is a
-    sentence if there is no truth to be had; the rest is then empty.
+    `samples` is for figures; `witnesses` are the ways of solving that agree within the bars. `failure` is the reason
+    why there is no truth; the other fields are then empty.
     """
 
     method: str = ""
@@ -58,18 +60,19 @@ class Truth:
     samples: dict[str, np.ndarray] = field(default_factory=dict)
     witnesses: tuple[str, ...] = ()
     failure: str = ""
-    scale: Scale | None = None  # what the scores of its runs are measured by
+    scale: Scale | None = None  # errors of motions that ignore friction's law
     friction_sensitivity: float = float("nan")  # the score that 1 % of friction makes
-    centre_bar: float = float("nan")  # m; how sure the motion's centre is
+    centre_bar: float = float("nan")  # error bar of the motion's centre, m
 
 
 @dataclass(frozen=True)
 class Run:
-    """One row of the experiment: who ran what, what came of it, and how it compares with the truth.
+    """One row of the experiment: solver, setting, outcome, and the comparison with the truth.
 
-    `outcome` is one of right, wrong, refused, crashed, timed_out. `samples` and `off` (solver minus truth) are for
-    figures, thinned; `spreads` (s) tell how sure the reading of each of the solver's transitions is. `when` it was
-    run: times of another day are that day's.
+    `outcome` is one of answered, unsupported, crashed, timed_out. An answered run has a `score`, a `grade`, its
+    friction × (NaN where it is not known), and as `reason` what the grade is due to; any other has as `reason` why
+    there is no motion. `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading
+    doubts of the solver's transitions. `when`: time of the run, since CPU times vary from day to day.
     """
 
     case: str
@@ -91,15 +94,14 @@ class Run:
     score: Score | None = None
     friction_factor: float = float("nan")
     grade: str = ""
-    grade_reason: str = ""
     sequence: str = ""
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """Everything that was found out, in the order asked for: truths by case label, and the runs. Only the finest run
-    of each route still has its `samples` and `off`. `versions`: of the solvers, "" where one could not tell.
-    `our_parts`: by solver and route, what of it is not the engine's own, for routes that have such a part."""
+    """All results in the requested order: truths by case label, and the runs. Only the finest run of each route has its
+    `samples` and `off`. `versions`: of the solvers, "" if unknown. `our_parts`: by solver and route, what of it is not
+    the engine's own, for routes that have such a part."""
 
     cases: tuple[Case, ...]
     truths: dict[str, Truth]
@@ -110,17 +112,22 @@ class Experiment:
 
 
 def gives_motion(run: Run) -> bool:
-    """Whether a rung of the ladder, not the engine as it comes, gave a motion."""
-    return run.outcome in ("right", "wrong") and not run.setting.is_default
+    """Whether a rung of the ladder, not the default settings, gave a motion."""
+    return run.outcome == "answered" and not run.setting.is_default
+
+
+def usable(run: Run) -> bool:
+    """Whether a run gave a motion that is clearly better than ignoring friction's law: its grade is not the worst."""
+    return run.score is not None and grade(run.score.off) is not Grade.UNUSABLE
 
 
 def is_default(run: Run) -> bool:
-    """Whether the run is the engine as it comes."""
+    """Whether the run has the engine's default settings."""
     return run.setting.is_default
 
 
 def is_truth(run: Run, truth: Truth) -> bool:
-    """Whether the run is the very one the others are judged by, so that its error is zero by construction."""
+    """Whether the run is the one that all others are compared with, so that its error is zero by construction."""
     return run.solver == REFERENCE and run.route == truth.method and run.setting == Setting.of(rtol=TRUTH_RTOL)
 
 
@@ -144,7 +151,7 @@ def default(group: Sequence[Run]) -> Run | None:
 
 def first_error(run: Run | None) -> float:
     """Error of the time of the truth's first transition, s; NaN if it was missed or there is none."""
-    rows = [row for row in run.ledger if row.event == 1 and row.verdict != "spurious"] if run else []
+    rows = [row for row in run.ledger if row.event == 1 and row.pairing != "spurious"] if run else []
     return rows[0].error if rows else nan
 
 
@@ -154,8 +161,8 @@ def now() -> str:
 
 
 def legible(text: object, most: int = _LONGEST_TEXT) -> str:
-    """What a solver says, as text that every file and terminal can hold: of at most so many characters, what is no
-    printable character (a lone surrogate, NUL, an escape) spelled out."""
+    """A solver's text for files and terminals: at most `most` characters, with characters that cannot be printed (a
+    lone surrogate, NUL, an escape) spelled out."""
     whole = str(text)
     shown = whole if len(whole) <= most else f"{whole[: most - 1]}…"
     return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in shown)

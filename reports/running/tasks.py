@@ -1,6 +1,6 @@
-"""What happens in a worker: ask a solver what it offers, find a case's truth, run one setting and judge it.
+"""The tasks of a worker: list the settings that a solver offers, find a case's truth, run one setting and judge it.
 
-Owns the clock. Whatever a solver does short of ending the process becomes a record.
+Run times are measured here. Whatever a solver does short of ending the process becomes a record.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
 from .solvers import NOT_INSTALLED, solver
 from .third_party import third_party
 
-# What a figure can show; samples beyond are left out at even distances.
+# Samples that a figure can show; of more, evenly spaced ones are kept.
 _SHOWN_SAMPLES = 1500
-# What an adapter may have of routes (no more are asked), a ladder or a grid of settings, and a setting of characters:
-# far more than would be run, or read.
+# Limits on the number of an adapter's routes (others are ignored), on the settings of a ladder or grid, and on the
+# characters of a setting: far more than would be run or read.
 _MOST_ROUTES, _MOST_SETTINGS, _LONGEST_SETTING = 20, 1000, 500
 
 
 def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
-    """What each route of a solver offers for a case: the settings of its ladder, or of its grid if it has one."""
+    """The offer of each route of a solver for a case: the settings of its ladder, or of its grid if it has one."""
     try:
         module = solver(name)
     except ImportError as problem:
@@ -56,7 +56,7 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
         part = legible(our_part(module, route))
         refusal = module.refuses(case, route)
         if refusal:
-            return Offer(route, (), "refused", legible(refusal), part)
+            return Offer(route, (), "unsupported", legible(refusal), part)
         offered = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
         if len(offered) > _MOST_SETTINGS:
             raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
@@ -66,7 +66,7 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
 
 
 def _plain(given: object) -> Setting:
-    """The setting, if it is one that may travel and stand in a file."""
+    """The setting as plain values; raises ValueError if it is too long or cannot be printed in a file."""
     setting = gate.setting(given)
     if legible(setting, _LONGEST_SETTING) != str(setting):
         raise ValueError(f"a setting is longer than {_LONGEST_SETTING} characters, or cannot be printed")
@@ -80,8 +80,8 @@ def true_motion(case: Case, method: str) -> Trajectory:
 
 
 def find_truth(case: Case) -> Truth:
-    """The certified truth of a case: kept with the suite for its catalogue, certified now for any other. There is none
-    where the certificate and the reference's motion contradict each other. Raises DamagedTruth."""
+    """The certified truth of a case: from the suite's file for its catalogue, certified now for any other case. There
+    is none if the certificate and the reference's motion contradict each other. Raises DamagedTruth."""
     known = in_catalogue(case)
     try:
         certificate = stored_or_new(case, use_file=known)
@@ -106,14 +106,14 @@ def find_truth(case: Case) -> Truth:
         first_mode=motion.first_mode,
         status=motion.status,
         reason=motion.reason,
-        samples=_short_text(case, _evenly(motion)),
+        samples=_drawn_samples(case, _evenly(motion)),
         witnesses=certificate.witnesses,
         centre_bar=_centre_bar(certificate, motion),
     )
 
 
 def in_catalogue(case: Case) -> bool:
-    """Whether it is a case of a catalogue; what a script calls by the same name may be another."""
+    """Whether it is a case of the catalogue; a script may give the same name to a different case."""
     try:
         return cases.load(case.name, **case.parameters) == case
     except CaseError:
@@ -121,7 +121,7 @@ def in_catalogue(case: Case) -> bool:
 
 
 def _centre_bar(certificate: Certificate, motion: Trajectory) -> float:
-    """How sure the centre of the motion is, m: its largest distance from the certified samples, and their bars."""
+    """Error bar of the motion's centre, m: its largest distance from the certified samples, plus their error bars."""
     state = motion(np.minimum(certificate.times, motion.t[-1]))
     off = []
     for values, certified in ((state.x, certificate.samples["x"]), (state.y, certificate.samples["y"])):
@@ -138,9 +138,9 @@ def _evenly(motion: Trajectory) -> Trajectory:
 
 
 def perform(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
-    """Run one setting of one route and judge it. Only `run` of the solver is on the clock.
+    """Run one setting of one route and judge it. Only `run` of the solver is timed.
 
-    Raises what is the machine's fault and may be mended (ImportError, MemoryError, OSError): it is no result to keep.
+    Raises errors of the machine, which are not results and are not stored: ImportError, MemoryError, OSError.
     """
     row = Run(case.label, name, route, setting, rung, outcome="", when=now())
     try:
@@ -149,21 +149,21 @@ def perform(case: Case, name: str, route: str, setting: Setting, rung: int, trut
         raise
     except Exception as problem:
         return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {sentence(problem)}")
-    verdict = lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth, laws)  # noqa: E731
-    return attempt(row, case, verdict)
+    assess = lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth, laws)  # noqa: E731
+    return attempt(row, case, assess)
 
 
-def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> Run:
-    """The row of the run it names: refused, crashed, or what `verdict(row, motion)` makes of a sound motion.
+def attempt(row: Run, case: Case, assess: Callable[[Run, Trajectory], Run]) -> Run:
+    """The row of a run: unsupported, crashed, or the result of `assess(row, motion)` for a sound motion.
 
-    Raises what is the machine's fault: ImportError, MemoryError, OSError.
+    Raises errors of the machine: ImportError, MemoryError, OSError.
     """
     try:
         module = solver(row.solver)
         settle(row.solver)
         motion = run_on_clock(module, case, row.route, row.setting)
     except NotSupported as refusal:
-        return replace(row, outcome="refused", reason=legible(refusal))
+        return replace(row, outcome="unsupported", reason=legible(refusal))
     except EngineFailure as failure:
         return replace(row, outcome="crashed", reason=sentence(failure).removeprefix("EngineFailure: "))
     except (ImportError, MemoryError, OSError):
@@ -172,22 +172,18 @@ def attempt(row: Run, case: Case, verdict: Callable[[Run, Trajectory], Run]) -> 
         return replace(row, outcome="crashed", reason=sentence(problem))
     row = replace(row, status=legible(motion.status), cost=motion.cost)
     if not validation.sound(motion):
-        return replace(
-            row,
-            outcome="crashed",
-            reason=f"it gave {validation.UNSOUND}",
-        )
-    return verdict(row, motion)
+        return replace(row, outcome="crashed", reason=f"it gave {validation.UNSOUND}")
+    return assess(row, motion)
 
 
 def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:
-    """The motion of one setting of one route, timed and not judged; raises what the solver raises."""
+    """The motion of one setting of one route, timed and not judged; raises all errors of the solver."""
     return run_on_clock(solver(name), case, route, setting)
 
 
 def run_on_clock(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
-    """Build, run and read, with the clock around `run` alone; build and read count as set-up. What an engine returns
-    passes the gate: raises EngineFailure for what does not."""
+    """Build, run and read; only `run` is timed as a run, build and read count as set-up. Raises EngineFailure if the
+    engine's motion does not pass `adapters.gate`."""
     with third_party():
         began = time.perf_counter()
         model = module.build(case, route, setting)
@@ -210,70 +206,46 @@ def run_on_clock(module: ModuleType, case: Case, route: str, setting: Setting) -
 def judge(
     row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth, laws: tuple[str, ...] = ()
 ) -> Run:
-    """Compare a sound trajectory with the truth: ledger, distances, right or wrong. `laws`: what the solver says it
-    models by another law than the case's; such a run is wrong, and its row tells by which law and by how much."""
+    """The row of a sound trajectory compared with the truth: score, grade and its reason, ledger, distances. `laws`:
+    the effects that the solver models by another law than the case's; the reason names them first."""
     assert truth.scale is not None, "a case with a truth has a scale"
     off = distances.differences(trajectory, motion, case)
     scored, reading = score_and_reading(case, trajectory, motion, truth.scale, off)
     friction = friction_factor(case, trajectory, truth.scale.losses, truth.scale.end)
     gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
-    matched = ledger.match(truth.transitions, reading.transitions, gap)
-    away = distances.distance(off)
-    wrong = _faults(case, reading, matched, trajectory, motion, truth, away)
-    if laws:
-        wrong = [*laws, f"its centre is off by {away.centre_max:.2g} m at most", *wrong]
+    distance = distances.distance(off)
+    begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
+    remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
+    remarks += validation.jumps(case, trajectory, motion, distance.centre_max)
     return replace(
         row,
-        outcome="wrong" if wrong else "right",
-        reason="; ".join(wrong),
+        outcome="answered",
+        reason="; ".join([*laws, grades.reason(scored, truth.scale, friction), *remarks]),
         first_mode=str(reading.first_mode),
-        ledger=matched,
+        ledger=ledger.match(truth.transitions, reading.transitions, gap),
         spreads=reading.spreads,
         score=scored,
         friction_factor=friction,
         grade=str(grades.grade(scored.off)),
-        grade_reason=grades.reason(scored, truth.scale, friction),
         sequence=grades.sequence_note(scored, truth.scale),
-        distance=away,
-        samples=_short_text(case, trajectory),
+        distance=distance,
+        samples=_drawn_samples(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )
 
 
 def reading_of(case: Case, trajectory: Trajectory) -> Reading:
-    """A solver's transitions: its own where it locates them itself (it then names its first mode), else as sampled."""
+    """A solver's transitions: its own if it locates them itself (it then names its first mode), else read from
+    samples."""
     if trajectory.first_mode is not None:
         own = tuple(trajectory.transitions)
         return Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
     return transitions.read_motion(case, trajectory)
 
 
-def _faults(
-    case: Case,
-    reading: Reading,
-    matched: tuple[ledger.LedgerRow, ...],
-    trajectory: Trajectory,
-    motion: Trajectory,
-    truth: Truth,
-    off: distances.Distance,
-) -> list[str]:
-    """Why a run is wrong, in phrases; an empty list means right."""
-    faults = []
-    if (
-        truth.first_mode is not None and reading.first_mode != truth.first_mode
-    ):  # none where no force is consistent at once
-        faults.append(f"begins with {reading.first_mode}, not {truth.first_mode}")
-    for verdict in ("missed", "spurious"):
-        kinds = [f"{row.before} to {row.after}" for row in matched if row.verdict == verdict]
-        if kinds:
-            faults.append(f"{len(kinds)} {verdict} ({', '.join(kinds[:3])}{', …' if len(kinds) > 3 else ''})")
-    begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
-    faults += validation.untold(trajectory, begin, None if truth.status == "lift_off" else end)
-    return faults + validation.jumps(case, trajectory, motion, off.centre_max)
-
-
-def _short_text(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """What the figures draw: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces; thinned."""
+def _drawn_samples(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
+    """Samples for the figures: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces;
+    thinned."""
     names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
     shown = {name: _thin(getattr(trajectory, name)) for name in names}
     with np.errstate(invalid="ignore"):

@@ -32,7 +32,7 @@ def judged(tmp_path, capsys, frame: pd.DataFrame, name: str = NAME) -> tuple[int
 
 
 def ledger(text: str) -> list[list[str]]:
-    return [line.split() for line in text.splitlines() if line.strip().endswith(("matched", "missed", "spurious"))]
+    return [line.split() for line in text.splitlines() if line.strip().endswith(("paired", "missed", "spurious"))]
 
 
 @pytest.mark.parametrize(("columns", "tolerance"), [(FULL, 1e-8), (FULL[:7], 1e-6), (FULL[:4], 1e-3)])
@@ -45,7 +45,7 @@ def test_exported_reference_motion_is_right(tmp_path, capsys, columns, tolerance
     rows = ledger(text)
     assert len(rows) == len(MOTION.transitions)
     for row, event in zip(rows, MOTION.transitions, strict=True):
-        assert row[-1] == "matched"
+        assert row[-1] == "paired"
         assert float(row[3]) == pytest.approx(event.time, abs=tolerance)
 
 
@@ -54,7 +54,7 @@ def test_rolling_phases_are_found_from_poses_alone(tmp_path, capsys):
     motion = reference.simulate(cases.load(name), rtol=1e-12)
     status, text, _ = judged(tmp_path, capsys, table(FULL[:4], motion), name)
     assert status == 0
-    assert [row[-1] for row in ledger(text)] == ["matched"] * len(motion.transitions), text
+    assert [row[-1] for row in ledger(text)] == ["paired"] * len(motion.transitions), text
 
 
 def test_transition_three_percent_late_is_told_with_its_error(tmp_path, capsys):
@@ -152,7 +152,7 @@ def creeping(speed: float) -> pd.DataFrame:
 def test_creep_is_no_slip_declared_or_not(tmp_path, capsys, how):
     frame, name, file = creeping(5e-3), "disc_in_circle[mu=0.2]", tmp_path / "motion.csv"
     status, text, _ = judged(tmp_path, capsys, frame, name)
-    assert status == 0 and [row[-1] for row in ledger(text)] == ["matched"] * 4
+    assert status == 0 and [row[-1] for row in ledger(text)] == ["paired"] * 4
     assert "Creep where the truth rolls: 0.005 m/s (declared: 0 m/s)" in text
     words = [name, str(file)]
     if how == "option":
@@ -163,7 +163,7 @@ def test_creep_is_no_slip_declared_or_not(tmp_path, capsys, how):
         file.write_text("# made by hand\n# creep = 5e-3 m/s\n" + frame.to_csv(index=False))
     assert compare.main(words) == 0
     text = capsys.readouterr().out
-    assert [row[-1] for row in ledger(text)] == ["matched"] * 4
+    assert [row[-1] for row in ledger(text)] == ["paired"] * 4
     assert "Creep where the truth rolls: 0.005 m/s (declared: 0.005 m/s)" in text
 
 
@@ -348,7 +348,7 @@ def test_the_true_motion_as_it_is_exported_is_right(tmp_path, label):
         external_motions.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case)
     )
     assert run.outcome == "right", run.reason
-    short = [row for row in run.ledger if row.verdict == "unresolved"]
+    short = [row for row in run.ledger if row.pairing == "unresolved"]
     if label in FLIGHTS:
         assert len(short) == FLIGHTS[label]
     # Only what is shorter than two and a half samples, and it is the truth's.
@@ -356,7 +356,7 @@ def test_the_true_motion_as_it_is_exported_is_right(tmp_path, label):
     # Bouncing ends between two samples: the last rebounds are too short to be seen. All else is read by extrapolation.
     step = case.duration / (len(rows) - 1)
     for row in run.ledger:
-        if row.verdict == "matched":
+        if row.pairing == "paired":
             landed = row.before is cases.Mode.FLIGHT is not row.after
             assert abs(row.error) < (step if landed else 1e-5), row
 

@@ -27,7 +27,7 @@ TABLES = {
     "verdict": [{"solver": "a", "route": "native", "finest_off": 0.01}],
     "trajectories": [RUN | {"outcome": "right", "centre_max": 1e-15, "cpu_s": 1e-3, "run_at": "now"}],
     "transitions": [
-        RUN | {"event": 1, "before": "slip_forward", "after": "roll", "verdict": "matched", "error": e}
+        RUN | {"event": 1, "before": "slip_forward", "after": "roll", "verdict": "paired", "error": e}
         for e in (0.0, 1.0)
     ],
     "truth": [{"case": CASE, "event": 1, "time": 0.34}],

@@ -60,7 +60,7 @@ def test_trajectory_gets_rows_figures_and_a_verdict_of_its_own(report):
         assert np.isnan(row.cpu_s)
     events = pd.read_csv(report / "tables" / "transitions.csv")
     found = events[events.solver == "mine"]
-    assert list(found.verdict) == ["matched"]
+    assert list(found.pairing) == ["paired"]
     assert abs(found.error.iloc[0]) < 1e-8
     assert {"mine", "theirs"} <= set(pd.read_csv(report / "tables" / "headline.csv").solver)
     # Where it agrees to the last digit there is no distance to draw: that of poses alone is.

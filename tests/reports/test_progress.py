@@ -65,7 +65,7 @@ def test_a_duration_is_said_as_one_says_it():
 
 def test_the_answer_has_a_row_for_each_route_with_medians_and_counts():
     def run(case, route, setting, outcome, error=math.nan):
-        ledger = (LedgerRow(1, "slip_forward", "roll", 1.0 + error, 1.0, error, "matched"),)
+        ledger = (LedgerRow(1, "slip_forward", "roll", 1.0 + error, 1.0, error, "paired"),)
         return Run(case, "pymunk", route, setting, 0, outcome, ledger=ledger)
 
     default, fine = Setting.of(rung="defaults"), Setting.of(h=1e-4)

@@ -21,7 +21,7 @@ def ladder(errors, doubts=None, outcomes=None) -> list[Run]:
     """Runs from coarse to fine with these errors of their first transition, and of their last pose."""
     runs = []
     for place, size in enumerate(errors):
-        row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + size, 0.3, size, "matched")
+        row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + size, 0.3, size, "paired")
         told = dict(ledger=(row,), distance=Distance(*9 * (abs(size),)), spreads=(doubts[place] if doubts else 0.0,))
         outcome = outcomes[place] if outcomes else "right"
         runs.append(Run(CASE.label, "a", "r", Setting.of(h=0.5**place), place, outcome, **told))

@@ -94,7 +94,7 @@ def test_bowling_is_read_to_rounding_for_any_throw_and_grid(v0, mu, count, last)
 def test_curved_branches_are_read_to_the_documented_error(circle, accuracy, mu, count, bound):
     exact = circle[mu]
     rows = ledger.match(exact.transitions, slip_phases.read_transitions(sampled(exact, count), mu))
-    assert [row.verdict for row in rows] == ["matched"] * len(exact.transitions)
+    assert [row.pairing for row in rows] == ["paired"] * len(exact.transitions)
     worst = max((row.error for row in rows), key=abs)
     told = f"transitions read from {count} samples / s"
     accuracy(
@@ -121,7 +121,7 @@ def test_onset_of_slip_is_read_without_forces(circle):
     blind = sampled(exact, 501)
     blind = motion(blind.t, blind.slip)
     rows = ledger.match(exact.transitions, slip_phases.read_transitions(blind, None))
-    assert [row.verdict for row in rows] == ["matched"] * 4
+    assert [row.pairing for row in rows] == ["paired"] * 4
     assert max(abs(row.error) for row in rows) <= 1e-8
 
 
@@ -141,7 +141,7 @@ def test_noisy_forces_do_not_spoil_the_onset_of_slip(circle):
     factor = 1.0 + 0.5 * np.random.default_rng(1).standard_normal(1001)
     noisy = motion(clean.t, clean.slip, clean.normal_force * np.abs(factor), clean.friction_force)
     rows = ledger.match(exact.transitions, slip_phases.read_transitions(noisy, 0.2))
-    assert [row.verdict for row in rows] == ["matched"] * 4
+    assert [row.pairing for row in rows] == ["paired"] * 4
     assert max(abs(row.error) for row in rows) <= 1e-8
 
 
@@ -154,7 +154,7 @@ def test_noise_moves_transitions_no_more_than_its_size_allows(circle, noise, res
         motion(clean.t, slip, clean.normal_force, clean.friction_force, resolution, speed=3.0), 0.2
     )
     rows = ledger.match(exact.transitions, reading.transitions)
-    assert [row.verdict for row in rows] == ["matched"] * 4
+    assert [row.pairing for row in rows] == ["paired"] * 4
     # Extrapolation over a few samples enlarges noise by about a hundred; the slopes there are of the order one to ten.
     assert max(abs(row.error) for row in rows) <= bound
 
@@ -189,7 +189,7 @@ def test_creep_in_stick_is_no_slip(circle):
     creep = 1e-4
     reading = slip_phases.read_contact(regularised(0.2, creep, np.linspace(0.0, 2.5, 1001)), 0.2)
     rows = ledger.match(circle[0.2].transitions, reading.transitions)
-    assert [row.verdict for row in rows] == ["matched"] * 4
+    assert [row.pairing for row in rows] == ["paired"] * 4
     # The regularised motion itself is another one: its events shift by a few tenths of creep over a slope of order one.
     assert max(abs(row.error) for row in rows) <= creep
 
@@ -278,34 +278,34 @@ TRUTH = events((1.0, FORWARD, ROLL), (2.0, ROLL, BACKWARD), (3.0, BACKWARD, ROLL
 def test_equal_sequences_match_with_signed_errors():
     found = events((1.1, FORWARD, ROLL), (1.9, ROLL, BACKWARD), (3.0, BACKWARD, ROLL))
     rows = ledger.match(TRUTH, found)
-    assert [row.verdict for row in rows] == ["matched"] * 3
+    assert [row.pairing for row in rows] == ["paired"] * 3
     assert [row.error for row in rows] == pytest.approx([0.1, -0.1, 0.0])
     assert [row.event for row in rows] == [1, 2, 3]
 
 
 def test_nothing_found_is_all_missed():
     rows = ledger.match(TRUTH, [])
-    assert [row.verdict for row in rows] == ["missed"] * 3
+    assert [row.pairing for row in rows] == ["missed"] * 3
     assert all(np.isnan(row.error) and np.isnan(row.time) for row in rows)
 
 
 def test_extra_transitions_are_spurious_and_spoil_no_match():
     extra = events((1.5, ROLL, FORWARD), (1.6, FORWARD, ROLL))
     rows = ledger.match(TRUTH, [TRUTH[0], *extra, *TRUTH[1:]])
-    assert sorted(row.verdict for row in rows) == ["matched"] * 3 + ["spurious"] * 2
-    assert [row.error for row in rows if row.verdict == "matched"] == [0.0] * 3
+    assert sorted(row.pairing for row in rows) == ["paired"] * 3 + ["spurious"] * 2
+    assert [row.error for row in rows if row.pairing == "paired"] == [0.0] * 3
 
 
 def test_among_equal_matchings_the_nearest_in_time_is_taken():
     found = events((0.2, FORWARD, ROLL), (0.5, ROLL, FORWARD), (1.01, FORWARD, ROLL))
     rows = ledger.match(TRUTH[:1], found)
-    matched = [row for row in rows if row.verdict == "matched"]
+    matched = [row for row in rows if row.pairing == "paired"]
     assert len(matched) == 1 and matched[0].time == 1.01
 
 
 def test_a_transition_of_another_kind_is_both_missed_and_spurious():
     rows = ledger.match(TRUTH[:1], events((1.0, FORWARD, BACKWARD)))
-    assert sorted(row.verdict for row in rows) == ["missed", "spurious"]
+    assert sorted(row.pairing for row in rows) == ["missed", "spurious"]
 
 
 kind = st.sampled_from([(FORWARD, ROLL), (ROLL, BACKWARD), (ROLL, FORWARD), (BACKWARD, ROLL)])
@@ -317,9 +317,9 @@ sequences = st.lists(st.tuples(st.floats(0, 10), kind), max_size=6).map(
 @given(sequences, sequences)
 def test_ledger_accounts_for_every_transition_once(truth, found):
     rows = ledger.match(truth, found)
-    count = {verdict: sum(row.verdict == verdict for row in rows) for verdict in ("matched", "missed", "spurious")}
-    assert count["matched"] + count["missed"] == len(truth)
-    assert count["matched"] + count["spurious"] == len(found)
+    count = {verdict: sum(row.pairing == verdict for row in rows) for verdict in ("paired", "missed", "spurious")}
+    assert count["paired"] + count["missed"] == len(truth)
+    assert count["paired"] + count["spurious"] == len(found)
 
 
 def test_a_rebound_too_short_for_the_samples_is_unresolved_and_not_missed():
@@ -328,8 +328,8 @@ def test_a_rebound_too_short_for_the_samples_is_unresolved_and_not_missed():
 
     truth = [*at(1.0, 1.5, 1.51), Transition(1.52, Mode.FLIGHT, Mode.ROLL)]
     coarse = ledger.match(truth, [*at(1.0, 1.5), truth[-1]], gap=0.01)
-    assert [row.verdict for row in coarse] == ["matched", "matched", "unresolved", "matched"]
-    assert [row.verdict for row in ledger.match(truth, [*at(1.0, 1.5), truth[-1]], gap=0.001)][2] == "missed"
+    assert [row.pairing for row in coarse] == ["paired", "paired", "unresolved", "paired"]
+    assert [row.pairing for row in ledger.match(truth, [*at(1.0, 1.5), truth[-1]], gap=0.001)][2] == "missed"
     # Only rebounds: a slip too short to be sampled is missed all the same.
     slips = [Transition(1.0, Mode.ROLL, Mode.SLIP_FORWARD), Transition(1.001, Mode.SLIP_FORWARD, Mode.ROLL)]
-    assert [row.verdict for row in ledger.match(slips, [], gap=0.01)] == ["missed", "missed"]
+    assert [row.pairing for row in ledger.match(slips, [], gap=0.01)] == ["missed", "missed"]

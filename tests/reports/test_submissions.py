@@ -61,19 +61,19 @@ def test_a_right_motion_is_right(hand_in, poses, capsys):
 
 def test_a_wrong_motion_is_a_result(hand_in, poses):
     _, (run,) = submit.judge_submission(hand_in(wrong(poses)))
-    assert run.outcome == "wrong" and any(row.verdict == "missed" for row in run.ledger)
+    assert run.outcome == "wrong" and any(row.pairing == "missed" for row in run.ledger)
     assert run.grade == "unusable"
 
 
 def test_creep_counts_as_rolling_declared_or_not(hand_in, poses, tmp_path):
     table = creeping(poses)
     _, (quiet,) = submit.judge_submission(hand_in(table))
-    assert [row.verdict for row in quiet.ledger] == ["matched"]
+    assert [row.pairing for row in quiet.ledger] == ["paired"]
     assert quiet.score.creep == pytest.approx(5e-3, rel=1e-3)
     head = tmp_path / "submissions" / "mine" / "1.0" / "submission.toml"
     head.write_text(head.read_text() + "\ncreep = 6e-3\n")
     _, (declared,) = submit.judge_submission(head.parent)
-    assert [row.verdict for row in declared.ledger] == ["matched"]
+    assert [row.pairing for row in declared.ledger] == ["paired"]
 
 
 def test_a_mirrored_motion_is_told(hand_in, poses, capsys):

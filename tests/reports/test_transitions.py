@@ -295,8 +295,8 @@ def test_bounces_of_an_engine_are_read(name):
     rows = ledger.match(motion_of(case).transitions, told.transitions)
     assert told.first_mode is FLIGHT
     # The first five flights last more than ten of the engines' steps; what they make of the last ones is theirs.
-    assert [row.verdict for row in rows if row.reference_time < 0.9] == ["matched"] * 4
+    assert [row.pairing for row in rows if row.reference_time < 0.9] == ["paired"] * 4
     assert kinds(told)[-1][1] == ROLL  # exudyn's regularised friction may slip for a step after the last impact
     # An impact may come a step late, and leave with the speed of that step; the next comes later by twice as much.
-    first = next(row for row in rows if row.verdict == "matched")
+    first = next(row for row in rows if row.pairing == "paired")
     assert abs(first.error) <= setting["h"]

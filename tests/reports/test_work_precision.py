@@ -52,7 +52,7 @@ def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Cos
     truth = Truth("taylor", (event,), (BAR,), Mode.SLIP_FORWARD, "completed", centre_bar=BAR)
     runs, times = [], {}
     for place, (solver, setting, error, cpu) in enumerate(points):
-        row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "matched")
+        row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "paired")
         distance = Distance(*9 * (abs(error),))
         told = dict(outcome="right", ledger=(row,), cost=Cost(steps=10 * 4**place), distance=distance)
         runs.append(Run(case.label, solver, "r", rung(setting), 1, **told))

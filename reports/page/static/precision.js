@@ -69,7 +69,6 @@ suite.precision = (place) => {
     if (step && marks.length) { event.preventDefault(); select((chosen + step + marks.length) % marks.length); }
   });
   place.querySelectorAll("select").forEach((one) => one.addEventListener("change", draw));
-  place.querySelector(".quantity").value = points.find((p) => p.case === cases[0] && p.lead)?.quantity ?? quantities[0];
   suite.whenSwitched(draw);
   draw();
 };

@@ -13,7 +13,7 @@ from cases import Case
 from .. import per_solver
 from ..calls import Calls, StorePolicy
 from ..processes.worker_process import CallResult
-from ..records import Experiment, routes
+from ..records import Experiment, routes, usable
 from ..versions import split_version
 from . import clock, cold_start, time_breakdown
 from .clock import Contestant, Key, Timing
@@ -77,11 +77,11 @@ def _whole_ladders(experiment: Experiment, label: str) -> int:
 
 
 def contestants(experiment: Experiment, case: Case) -> list[Contestant]:
-    """Every setting with a right motion of the case."""
+    """Every setting with a usable motion of the case."""
     # An executable reports its own time; the clock cannot measure its process.
     external = executables()
     mine = [run for run in experiment.runs if run.case == case.label and run.solver not in external]
-    runs = [run for run in mine if run.outcome == "right"]
+    runs = [run for run in mine if usable(run)]
     return [Contestant(case, r.solver, r.route, r.setting, r.cost.wall_s + r.cost.setup_s) for r in runs]
 
 

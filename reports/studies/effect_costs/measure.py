@@ -126,12 +126,12 @@ def probe(case: Case, name: str, route: str, setting: Setting) -> StageResult:
     try:
         motion = run_on_clock(solver(name), case, route, setting)
     except NotSupported as refusal:
-        return StageResult("refused", str(refusal), setting)
+        return StageResult("unsupported", str(refusal), setting)
     path = np.linspace(motion.t[0], motion.t[-1], 201)
     state = motion(path)
     x, y = np.asarray(state.x), np.asarray(state.y)
     if not np.all(np.isfinite([x, y])):
-        return StageResult("wrong", "its motion is not finite", setting)
+        return StageResult("crashed", "its motion is not finite", setting)
     return StageResult(
         "done", "", setting, (float(motion.t[-1]), float(motion.x[-1]), float(motion.y[-1])),
         (path, x, y), motion.status, len(motion.transitions), motion.cost.evaluations,
@@ -195,7 +195,10 @@ def _probes(scene: str, solvers: Sequence[str], calls: Calls) -> Iterator[tuple[
         for offer in of_routes:
             key = (labels.index(label), name, offer.route)
             if offer.outcome or not offer.settings:
-                yield key, StageResult(offer.outcome or "refused", offer.reason or "it offers no setting for this case")
+                yield (
+                    key,
+                    StageResult(offer.outcome or "unsupported", offer.reason or "it offers no setting for this case"),
+                )
             else:
                 todo.append((key, (cases[key[0]], name, offer.route, _middle(offer.settings))))
     answers = calls.all(f"effects {scene}", probe, [call for _, call in todo], limit=LIMIT, keep=StorePolicy())

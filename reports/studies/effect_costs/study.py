@@ -25,7 +25,7 @@ TABLES = {
             "solver": "the solver",
             "route": "its route, or method of the reference",
             "setting": "one rung: the reference at 1e-9, engines in the middle of their ladders",
-            "outcome": "done, wrong (a motion that is not finite), refused, crashed or timed_out",
+            "outcome": "done, unsupported, crashed (also a motion that is not finite) or timed_out",
             "reason": "the reason of any other outcome than done",
             "cpu_s": "CPU time of the run alone, s: the median of the undisturbed repeats",
             "cpu_low_s": "lower end of the interval expected for the median of another process, s",

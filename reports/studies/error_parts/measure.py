@@ -45,7 +45,7 @@ _LAST_STEPS = 2.5
 
 @dataclass(frozen=True)
 class ErrorCell:
-    """One setting of a grid and its outcome: "right", "wrong", "refused", "crashed" or "timed_out".
+    """One setting of a grid and its outcome: "answered", "unsupported", "crashed" or "timed_out".
 
     `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN if there is none.
     """
@@ -86,8 +86,8 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str]:
     if offer.outcome:
         return offer.outcome, offer.reason
     if truth.failure:
-        return "refused", truth.failure
-    return ("", "") if offer.settings else ("refused", "its model has no parameter except the step")
+        return "unsupported", truth.failure
+    return ("", "") if offer.settings else ("unsupported", "its model has no parameter except the step")
 
 
 def _cell(call: tuple, answer: CallResult) -> ErrorCell:
@@ -98,15 +98,15 @@ def _cell(call: tuple, answer: CallResult) -> ErrorCell:
 def errors(case: Case, name: str, route: str, setting: Setting, truth: Truth) -> tuple[str, str, dict[str, np.ndarray]]:
     """One run of the grid, in a worker: outcome, reason, and its signed errors by quantity."""
     motion = run_on_clock(solver(name), case, route, setting)
-    matched = ledger.match(truth.transitions, reading_of(case, motion).transitions)
-    first = next((row.error for row in matched if row.event == 1 and row.verdict != "spurious"), nan)
-    wrong = [row.verdict for row in matched if row.verdict != "matched"]
+    pairs = ledger.match(truth.transitions, reading_of(case, motion).transitions)
+    first = next((row.error for row in pairs if row.event == 1 and row.pairing != "spurious"), nan)
+    unpaired = [row.pairing for row in pairs if row.pairing != "paired"]
     signed_errors = {
         "first_transition_time": np.array([first]),
         **_final(case, motion, true_motion(case, truth.method)),
     }
-    reason = ", ".join(f"{wrong.count(kind)} {kind}" for kind in dict.fromkeys(wrong))
-    return ("wrong" if wrong else "right"), reason, signed_errors
+    reason = ", ".join(f"{unpaired.count(kind)} {kind}" for kind in dict.fromkeys(unpaired))
+    return "answered", reason, signed_errors
 
 
 def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.ndarray]:

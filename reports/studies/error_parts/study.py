@@ -35,7 +35,7 @@ TABLES = {
             "model_parts": "error added by each parameter of the model alone",
             "turn_next": "parameter whose next level reduces the error most; all: only together; none: nothing does",
             "makes_worse": "the parameters whose next level increases the error",
-            "outcome": "right, wrong, refused, crashed or timed_out",
+            "outcome": "answered, unsupported, crashed or timed_out",
             "reason": "the reason of any other outcome than right",
         },
     )

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 
 from ...drawing.figure_files import FigureEntry, save
 from ...drawing.style import FAINT, STYLE, LineStyles, logarithmic
-from .measure import QUANTITIES, SettingCell, points
+from .measure import SettingCell, points
 
 _WORDS = (
     "Whether every rung is worth its cost",
@@ -20,30 +20,22 @@ _WORDS = (
 
 
 def draw(cells: Sequence[SettingCell], folder: Path) -> Iterator[FigureEntry]:
-    """Write one figure with a row for each quantity and a column for each route; yields its entry."""
+    """Write one figure with a column for each route; yields its entry."""
     findings = {route_key: route_points for route_key, route_points in points(cells).items() if route_points}
     if not findings:
         return
     looks = LineStyles(findings)
     with matplotlib.rc_context(STYLE):
         figure, axes = plt.subplots(
-            len(QUANTITIES), len(findings), figsize=(3.2 * len(findings), 5.6), layout="constrained", squeeze=False
+            1, len(findings), figsize=(3.2 * len(findings), 3.2), layout="constrained", squeeze=False
         )
-        for column, ((name, route), route_points) in enumerate(findings.items()):
-            for row, quantity in enumerate(QUANTITIES):
-                ax = axes[row][column]
-                rungs = [point for point in route_points if point.place.startswith("rung")]
-                grid = [point for point in route_points if not point.place.startswith("rung")]
-                ax.plot([p.cost for p in grid], [p.errors[row] for p in grid], ".", color=FAINT, markersize=4)
-                ax.plot(
-                    [p.cost for p in rungs],
-                    [p.errors[row] for p in rungs],
-                    "o-",
-                    color=looks.colour(name),
-                    markersize=4,
-                )
-                logarithmic(ax, "xy")
-                ax.set_title(f"{name}, {route}" if not row else "")
-                ax.set_ylabel(f"{quantity.replace('_', ' ')}: error / s" if not column else "")
+        for ax, ((name, route), route_points) in zip(axes[0], findings.items(), strict=True):
+            rungs = [point for point in route_points if point.place.startswith("rung")]
+            grid = [point for point in route_points if not point.place.startswith("rung")]
+            ax.plot([p.cost for p in grid], [p.off for p in grid], ".", color=FAINT, markersize=4)
+            ax.plot([p.cost for p in rungs], [p.off for p in rungs], "o-", color=looks.colour(name), markersize=4)
+            logarithmic(ax, "xy")
+            ax.set_title(f"{name}, {route}")
+        axes[0][0].set_ylabel("off: share of the error of ignoring friction")
         figure.supxlabel("CPU time / that of the case's median setting", fontsize=9)
         yield save(figure, folder, "settings", "", *_WORDS)

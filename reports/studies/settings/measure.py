@@ -1,9 +1,8 @@
 """Whether every rung is worth its cost: each route's ladder compared with a grid of all its parameters, over scenes.
 
 Over the scenes for which it gives a motion, a setting has a mean error and a mean cost (geometric means; the cost is
-relative to the scene's median). A setting of the grid beats a rung if it is faster by MARGIN and at least as accurate,
-or at most as slow and by MARGIN² more accurate, in every quantity. The first rung, the engine's default settings, is
-not compared.
+relative to the scene's median). The error is off (`judging.score`). A setting of the grid beats a rung if it is faster
+by MARGIN and at least as accurate, or at most as slow and by MARGIN² more accurate. Default settings are not compared.
 """
 
 from __future__ import annotations
@@ -17,13 +16,14 @@ from typing import Any, NamedTuple
 from adapters import Setting
 from cases import Case
 
-from ...judging import ledger
+from ...judging.grades import grade
+from ...judging.score import score
 from ...running.calls import Calls
 from ...running.experiment import find_truths, offers
 from ...running.processes.worker_process import CallResult
 from ...running.records import Offer, Truth
 from ...running.solvers import solver
-from ...running.tasks import reading_of, run_on_clock
+from ...running.tasks import run_on_clock, true_motion
 
 # Slip that ends, that begins, and that begins at once; on a line, in a circle and on a hill; with a turning load.
 CASES = (
@@ -35,20 +35,17 @@ CASES = (
     "eccentric_disc_on_line",
     "driven_disc",
 )
-QUANTITIES = ("first_transition", "all_transitions")
 # Times of one run are accurate to about 10 %, the minimum of three to less: smaller differences do not count.
 MARGIN, REPEATS = 1.25, 3
-# Smallest error that counts, s: the error of reading transitions from samples.
-LEAST_ERROR = 1e-9
-# A motion with missed or spurious transitions has no errors of their times; it counts with this error, s.
-WRONG = 0.1
+# Smallest off that counts: 4 digits, as in a ranking; finer differences are those of the samples.
+LEAST_OFF = 1e-4
 LIMIT_SECONDS = 120.0
 # Place of a cell whose route offers no setting.
 _PLACES = {"rung": "ladder", "grid": "grid"}
 
 
 class SettingCell(NamedTuple):
-    """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU time of the fastest run, errors (s).
+    """One setting of a route in one case: its place ("rung 3" or "grid 17"), CPU time (s) of the fastest run, and off.
 
     If a route offers no setting, it has one cell with the place "ladder" or "grid". `reason`: why there is no motion.
     """
@@ -60,33 +57,31 @@ class SettingCell(NamedTuple):
     setting: Setting
     outcome: str
     cpu_s: float = nan
-    errors: tuple[float, ...] = (nan,) * len(QUANTITIES)
+    off: float = nan
     reason: str = ""
 
 
 class SettingPoint(NamedTuple):
-    """A setting over all cases: geometric means of its relative cost and errors, and the number of right cases."""
+    """A setting over all cases: geometric means of its relative cost and of off, the largest off, the number of
+    cases."""
 
     place: str
     settings: tuple[Setting, ...]
     cost: float
-    errors: tuple[float, ...]
-    right: int
+    off: float
+    worst: float
     cases: int
 
 
 def measure(case_list: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[SettingCell]:
-    """Run ladder and grid of every route on every case, one run at a time; a failure is a cell with the reason.
-
-    Cases without transitions have no errors to compare.
-    """
+    """Run ladder and grid of every route on every case, one run at a time; a failure is a cell with the reason."""
     truths, by_label = find_truths(case_list, calls), {case.label: case for case in case_list}
     cells: list[SettingCell] = []
     todo: list[tuple[str, tuple[Case, str, str, Setting, Truth]]] = []
     for table_kind, word in (("ladder", "rung"), ("wide_grid", "grid")):
         for (label, name), of_routes in offers(case_list, solvers, calls, table_kind).items():
             case, truth = by_label[label], truths[label]
-            for offer in of_routes if truth.failure or truth.transitions else ():
+            for offer in of_routes:
                 outcome, reason = _excuse(offer, truth, word)
                 failed_cell = SettingCell(label, name, offer.route, _PLACES[word], Setting.of(), outcome, reason=reason)
                 if outcome and not any(cell[:3] == failed_cell[:3] for cell in cells):
@@ -104,8 +99,8 @@ def _excuse(offer: Offer, truth: Truth, word: str) -> tuple[str, str]:
     if offer.outcome:
         return offer.outcome, offer.reason
     if truth.failure:
-        return "refused", f"there is no truth to compare it with: {truth.failure}"
-    return ("", "") if offer.settings or word == "grid" else ("refused", "it offers no setting for this case")
+        return "unsupported", f"there is no truth to compare it with: {truth.failure}"
+    return ("", "") if offer.settings or word == "grid" else ("unsupported", "it offers no setting for this case")
 
 
 def _cell(place: str, call: tuple[Case, str, str, Setting, Truth], answer: CallResult) -> SettingCell:
@@ -116,10 +111,8 @@ def _cell(place: str, call: tuple[Case, str, str, Setting, Truth], answer: CallR
     return SettingCell(case.label, name, route, place, setting, outcome, reason=reason)
 
 
-def run_setting(
-    case: Case, name: str, route: str, setting: Setting, truth: Truth
-) -> tuple[str, float, tuple[float, ...]]:
-    """Outcome, CPU time (s) of the fastest of some runs, and errors; in a worker."""
+def run_setting(case: Case, name: str, route: str, setting: Setting, truth: Truth) -> tuple[str, float, float]:
+    """Outcome, CPU time (s) of the fastest of some runs, and off; in a worker."""
     module = solver(name)
     motion, seconds = run_on_clock(module, case, route, setting), list[float]()
     for _ in range(REPEATS):
@@ -127,11 +120,8 @@ def run_setting(
         start = process_time()
         module.run(model)
         seconds.append(process_time() - start)
-    rows = ledger.match(truth.transitions, reading_of(case, motion).transitions)
-    first = next((abs(row.error) for row in rows if row.event == 1 and row.verdict == "matched"), WRONG)
-    wrong = any(row.verdict != "matched" for row in rows)
-    every = WRONG if wrong else max(abs(row.error) for row in rows)
-    return ("wrong" if wrong else "right"), min(seconds), (first, every)
+    assert truth.scale is not None, "a case with a truth has a scale"
+    return "answered", min(seconds), score(case, motion, true_motion(case, truth.method), truth.scale).off
 
 
 def points(cells: Sequence[SettingCell]) -> dict[tuple[str, str], list[SettingPoint]]:
@@ -151,13 +141,12 @@ def points(cells: Sequence[SettingCell]) -> dict[tuple[str, str], list[SettingPo
 
 
 def _point(cells: Sequence[SettingCell], usual: dict[str, float]) -> SettingPoint:
-    errors = tuple(_mean([max(c.errors[i], LEAST_ERROR) for c in cells]) for i in range(len(QUANTITIES)))
     return SettingPoint(
         cells[0].place,
         tuple(c.setting for c in cells),
         _mean([max(c.cpu_s, 1e-9) / max(usual[c.case], 1e-9) for c in cells]),
-        errors,
-        sum(c.outcome == "right" for c in cells),
+        _mean([max(c.off, LEAST_OFF) for c in cells]),
+        max(c.off for c in cells),
         len(cells),
     )
 
@@ -167,12 +156,9 @@ def _mean(values: Sequence[float]) -> float:
 
 
 def beats(candidate: SettingPoint, other: SettingPoint) -> bool:
-    """Whether a setting beats another (see the module) and is right in at least as many cases."""
-    if candidate.right < other.right:
-        return False
-    shares = [own_error / other_error for own_error, other_error in zip(candidate.errors, other.errors, strict=True)]
-    cost = candidate.cost / other.cost
-    return (cost <= 1 / MARGIN and max(shares) <= 1.0) or (cost <= 1.0 and max(shares) <= 1 / MARGIN**2)
+    """Whether a setting beats another (see the module)."""
+    cost, error = candidate.cost / other.cost, candidate.off / other.off
+    return (cost <= 1 / MARGIN and error <= 1.0) or (cost <= 1.0 and error <= 1 / MARGIN**2)
 
 
 def rows(cells: Sequence[SettingCell]) -> list[dict[str, Any]]:
@@ -192,11 +178,12 @@ def rows(cells: Sequence[SettingCell]) -> list[dict[str, Any]]:
                     "route": route,
                     "place": point.place,
                     "setting": str(point.settings[0]),
-                    "outcome": "right" if point.right == point.cases else "wrong",
+                    "outcome": "answered",
                     "reason": "",
                     "cost": point.cost,
-                    **dict(zip(QUANTITIES, point.errors, strict=True)),
-                    "right": point.right,
+                    "off": point.off,
+                    "grade": str(grade(point.off)),
+                    "worst_off": point.worst,
                     "cases": point.cases,
                     "on_envelope": better is None,
                     "beaten_by": str(better.settings[0]) if rung and better else "",
@@ -215,8 +202,9 @@ def _failed_row(cell: SettingCell) -> dict[str, Any]:
         "outcome": cell.outcome,
         "reason": f"{cell.case}: {cell.reason}",
         "cost": nan,
-        **dict.fromkeys(QUANTITIES, nan),
-        "right": 0,
+        "off": nan,
+        "grade": "",
+        "worst_off": nan,
         "cases": 0,
         "on_envelope": "",
         "beaten_by": "",

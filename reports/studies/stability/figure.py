@@ -18,22 +18,26 @@ from ...running.records import REFERENCE
 from . import measure
 from .measure import Stability
 
-# Blue and vermilion are Okabe and Ito's; the others are greys, some of them hatched to be distinguishable.
+# Grades from blue to vermilion, a scale that colour-blind readers see; other outcomes are greys, some of them hatched.
 _FACES: dict[str, dict[str, Any]] = {
-    "right": {"facecolor": "#9ecae1"},
-    "wrong": {"facecolor": "#f2a477"},
+    "excellent": {"facecolor": "#6baed6"},
+    "very good": {"facecolor": "#9ecae1"},
+    "good": {"facecolor": "#d0e4f2"},
+    "rough": {"facecolor": "#fdebd3"},
+    "poor": {"facecolor": "#f9c795"},
+    "unusable": {"facecolor": "#ee8452"},
     "chaotic": {"facecolor": "#efefef", "hatch": "....", "edgecolor": "#9a9a9a"},
-    "refused": {"facecolor": "white"},
+    "unsupported": {"facecolor": "white"},
     "crashed": {"facecolor": "#555555"},
     "timed_out": {"facecolor": "#b5b5b5", "hatch": "////", "edgecolor": "#777777"},
 }
 _WORDS = (
     "Hard scenes, solver by solver",
     "Each cell is one route at its finest setting run; the narrow strip at its left is the engine with default "
-    "settings. The number is the largest distance of the centre from the truth, as a fraction of its path. Next to the "
-    "case: the condition number of the paper's matrix in the plate's own units, and the displacement of the centre, as "
-    "a fraction of its path, by one unit in the last place of the inputs. Chaotic scenes, in which that unit decides "
-    "the outcome, are not ranked.",
+    "settings. The colour is the grade; the number is off, the error as a share of the error of ignoring friction. Next "
+    "to the case: the condition number of the paper's matrix in the plate's own units, and the displacement of the "
+    "centre, as a fraction of its path, by one unit in the last place of the inputs. Chaotic scenes, in which that unit "
+    "decides the outcome, are not ranked.",
 )
 _STEP_WORDS = (
     "The step at which an engine becomes unstable",
@@ -101,12 +105,12 @@ def _cell(ax, x: int, y: int, rows: list[dict[str, Any]]) -> None:
     if defaults:
         ax.add_patch(Rectangle((x + 0.03, y + 0.06), strip, 0.88, **_face(defaults[0])))
     ax.add_patch(Rectangle((x + 0.03 + strip, y + 0.06), 0.94 - strip, 0.88, **_face(ladder[-1])))
-    if ladder[-1]["outcome"] in ("right", "wrong", "chaotic"):
-        ax.text(x + 0.5 + strip / 2, y + 0.5, _small(ladder[-1]["centre_error"]), ha="center", va="center", fontsize=7)
+    if ladder[-1]["outcome"] in ("answered", "chaotic"):
+        ax.text(x + 0.5 + strip / 2, y + 0.5, _small(ladder[-1]["off"]), ha="center", va="center", fontsize=7)
 
 
 def _face(row: dict[str, Any]) -> dict[str, Any]:
-    return {"edgecolor": "#d0d0d0", "linewidth": 0.4, **_FACES[row["outcome"]]}
+    return {"edgecolor": "#d0d0d0", "linewidth": 0.4, **_FACES[row["grade"] or row["outcome"]]}
 
 
 def _small(value: float) -> str:

@@ -1,6 +1,6 @@
-"""Measurements on the atlas of hard scenes: outcome and error of each solver (right, wrong, refused, crashed, ...).
+"""Measurements on the atlas of hard scenes: outcome and grade of each solver.
 
-Each verdict comes with the residuals that need no truth (energy, gap, tangency, their drifts), the condition number of
+Each row also has the residuals that need no truth (energy, gap, tangency, their drifts), the condition number of
 the paper's matrix (27) along the motion, and the effect of one unit in the last place of the inputs: if that unit
 decides the outcome, solvers are not ranked on the scene.
 """
@@ -21,7 +21,9 @@ from cases import Case, Mode, Trajectory
 from reference import certification
 
 from ...judging import residuals
+from ...judging.null_motions import null_motions
 from ...judging.residuals import Residuals
+from ...judging.score import scale_of
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import hopeless, offers
 from ...running.processes.worker_process import CallResult
@@ -30,8 +32,6 @@ from ...running.tasks import attempt, find_truth, in_catalogue, judge, true_moti
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Sensitivity
 
-# A right motion's centre stays within 1/100 of its path from the truth's: visually the same motion.
-RIGHT = 1e-2
 # A slip below this fraction of the motion's speed is rounding for a reading of samples (`slip_phases.ROUNDING`).
 NEGLIGIBLE_SLIP = 1e-9
 # One unit in the last place may move the centre by at most this fraction of its path: beyond it, engines closer to the
@@ -197,6 +197,7 @@ def _by_one_formulation(case: Case, failed_truth: Truth) -> Truth:
         status=centre.status,
         reason=centre.reason,
         samples={"t": centre.t},
+        scale=scale_of(case, centre, centre.transitions, null_motions(case)),
         witnesses=tuple(f"{method} {TRUTH_RTOL:g}" for method in methods),
     )
 
@@ -205,7 +206,7 @@ def _without_truth(call: tuple, why: str) -> tuple[Run, Residuals]:
     """The row of a run that is not made because there is no truth to compare it with."""
     case, name, route, setting, rung = call
     reason = f"there is no truth to compare it with: {why}"
-    return Run(case.label, name, route, setting, rung, "refused", reason), Residuals()
+    return Run(case.label, name, route, setting, rung, "unsupported", reason), Residuals()
 
 
 def _sample(motion: Trajectory) -> Trajectory:
@@ -230,7 +231,7 @@ def _unknown_row(case: Case, answer: CallResult) -> tuple[Run, Residuals]:
 def _plan(case: Case, name: str, offer: Offer, scene: HardScene, full: bool):
     """Rows of settings that cannot be run, and calls for those that can."""
     if not offer.settings:
-        outcome, reason = offer.outcome or "refused", offer.reason or "it offers no setting for this case"
+        outcome, reason = offer.outcome or "unsupported", offer.reason or "it offers no setting for this case"
         return [(Run(case.label, name, offer.route, Setting.of(), 0, outcome, reason), Residuals())], []
     settings = offer.settings if full else offer.settings[1::2] if name == REFERENCE else _few(offer.settings)
     calls = [(case, name, offer.route, setting, rung) for rung, setting in enumerate(settings, 1)]
@@ -257,18 +258,15 @@ def assess(
     """Run one setting, compare it with the true motion and compute its residuals."""
     residual_values = Residuals()
 
-    def verdict(row: Run, trajectory: Trajectory) -> Run:
+    def judged(row: Run, trajectory: Trajectory) -> Run:
         nonlocal residual_values
         residual_values = residuals.examine(case, trajectory)
         run = replace(judge(row, case, trajectory, motion, truth), samples={}, off={})
-        off = run.distance.centre_max / residuals.motion_extent(case, motion)
-        if run.outcome == "right" and off > RIGHT:
-            run = replace(run, outcome="wrong", reason=f"the error of its centre is {off:.2g} of the path")
-        if run.outcome == "right" and truth.status == "paradox" and trajectory.status != "paradox":
-            run = replace(run, reason="it continues although rigid contact has no solution there")
+        if truth.status == "paradox" and trajectory.status != "paradox":
+            run = replace(run, reason=f"{run.reason}; it continues although rigid contact has no solution there")
         return run
 
-    return attempt(Run(case.label, name, route, setting, rung, outcome=""), case, verdict), residual_values
+    return attempt(Run(case.label, name, route, setting, rung, outcome=""), case, judged), residual_values
 
 
 def assess_own(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> tuple[Run, Residuals]:
@@ -314,7 +312,7 @@ def rows(stability: Stability) -> list[dict[str, Any]]:
         scene = stability.scenes[run.case]
         outcome, reason = run.outcome, run.reason
         if scene.chaotic and (
-            outcome in ("right", "wrong") or (outcome == "refused" and scene.motion is None and run.setting.keys())
+            outcome == "answered" or (outcome == "unsupported" and scene.motion is None and run.setting.keys())
         ):
             outcome, reason = "chaotic", scene.chaotic
         table_rows.append(
@@ -324,6 +322,9 @@ def rows(stability: Stability) -> list[dict[str, Any]]:
                 "route": run.route,
                 "setting": run.setting,
                 "outcome": outcome,
+                "grade": "" if outcome == "chaotic" else str(run.grade),
+                "off": run.score.off if run.score else nan,
+                "off_doubt": run.score.doubt if run.score else nan,
                 "reason": reason,
                 "first_transition_error": first_error(run),
                 "centre_error": run.distance.centre_max / extents.get(run.case, nan),

@@ -9,6 +9,7 @@ from typing import Any
 from adapters import Setting
 
 from ...analysis.columns import Table
+from ...judging.grades import Grade
 from ...running.calls import Calls
 from ...running.records import REFERENCE, TRUTH_RTOL
 from .. import Request
@@ -31,8 +32,11 @@ TABLES = {
             "solver": "the solver",
             "route": "its route, or method of the reference",
             "setting": "the rung",
-            "outcome": "right, wrong, refused, crashed, timed_out, or chaotic: the last bit of the inputs decides",
-            "reason": "the reason of any other outcome than right",
+            "outcome": "answered, unsupported, crashed, timed_out, or chaotic: the last bit of the inputs decides",
+            "grade": "off in words; empty: no answer, or chaotic",
+            "off": "error as a share of the error of ignoring friction's law",
+            "off_doubt": "how much of off may be due to the samples of the motion",
+            "reason": "why an answer has its grade, or the reason of any other outcome",
             "first_transition_error": "error of the first transition's time, s",
             "centre_error": "largest distance of the centre from the truth over its path",
             "energy": "largest residual of the energy balance over the energy of the motion",
@@ -63,7 +67,8 @@ TABLES = {
         },
     ),
 }
-_OUTCOMES = ("right", "wrong", "chaotic", "refused", "crashed", "timed_out")
+# Words of the chart and of the summary: the grades of answers, and the other outcomes.
+WORDS = (*map(str, Grade), "chaotic", "unsupported", "crashed", "timed_out")
 
 
 def run(request: Request, calls: Calls) -> Stability:
@@ -79,15 +84,15 @@ def rows(stability: Stability) -> dict[str, list[dict[str, Any]]]:
 
 
 def summary(stability: Stability) -> str:
-    """Outcomes by route, and the reference's largest residuals at its finest setting, for the terminal."""
+    """Grades and outcomes by route, and the reference's largest residuals at its finest setting, for the terminal."""
     from tabulate import tabulate
 
     counts: dict[tuple[str, str], Counter] = {}
     table_rows = measure.rows(stability)
     for row in table_rows:
-        counts.setdefault((row["solver"], row["route"]), Counter())[row["outcome"]] += 1
-    table = [[*route_key, *(count[outcome] for outcome in _OUTCOMES)] for route_key, count in counts.items()]
-    lines = [tabulate(table, ["solver", "route", *_OUTCOMES])]
+        counts.setdefault((row["solver"], row["route"]), Counter())[row["grade"] or row["outcome"]] += 1
+    table = [[*key, count.total(), *(count[word] for word in WORDS)] for key, count in counts.items()]
+    lines = [tabulate(table, ["solver", "route", "runs", *WORDS])]
     finest = [r for r in table_rows if r["solver"] == REFERENCE and r["setting"] == Setting.of(rtol=TRUTH_RTOL)]
     for name in ("energy", "gap", "tangency", "condition"):
         finite_rows = [row for row in finest if isfinite(row[name])]

@@ -1,0 +1,78 @@
+"""The levels of accuracy that each route reaches in each case, and from which setting on.
+
+A level is a limit of a grade (`grades.LEVELS`), so it means the same in every case. A route reaches it at a setting if
+off and its doubt together stay within the level there and at all finer settings of the ladder. A single setting, the
+finest one run, may be right by luck, so it is marked. Default settings are not part of a ladder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import nan
+from typing import Any, NamedTuple
+
+from adapters import Setting
+
+from ..judging.grades import LEVELS
+from ..judging.ranking import reached
+from ..running.records import Experiment, Run, Truth, is_default, routes
+from . import quantities
+
+# Values of the column `reached`. "Not known": the doubt of the samples or the truth's error bar exceeds the level.
+REACHED, ONE_SETTING, NOT_REACHED, NOT_KNOWN = "reached", "one setting", "not reached", "not known"
+HOLDS = "From which setting on each route stays within each level of accuracy"
+
+
+class LevelReached(NamedTuple):
+    """Whether a route reaches a level in a case (`word`), and the settings that do, the coarsest first; `settings_run`:
+    the number of settings of the ladder that gave a motion."""
+
+    case: str
+    solver: str
+    route: str
+    level: float
+    word: str
+    settings: tuple[Setting, ...]
+    settings_run: int
+
+
+def levels_reached(experiment: Experiment) -> list[LevelReached]:
+    """One for each case, route and level, in the order of the runs."""
+    found = []
+    for key, group in routes(experiment.runs).items():
+        ladder = [run for run in group if run.score is not None and not is_default(run)]
+        found += [_level(key, ladder, experiment.truths[key[0]], level) for level in LEVELS if key[2]]
+    return found
+
+
+def _level(key: tuple[str, str, str], ladder: Sequence[Run], truth: Truth, level: float) -> LevelReached:
+    bar = quantities.bar(truth, "off", {})
+    errors = [(run.score.off, run.score.doubt + bar) for run in ladder if run.score]
+    first, settings, known = reached(errors, level)
+    if first is None:
+        return LevelReached(*key, level, NOT_REACHED if known else NOT_KNOWN, (), len(ladder))
+    word = REACHED if settings > 1 else ONE_SETTING
+    return LevelReached(*key, level, word, tuple(run.setting for run in ladder[first:]), len(ladder))
+
+
+def rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """The rows of the table `levels`."""
+    return [
+        {
+            "case": one.case,
+            "solver": one.solver,
+            "route": one.route,
+            "level": one.level,
+            "reached": one.word,
+            "setting": str(one.settings[0]) if one.settings else "",
+            "settings_within": len(one.settings),
+            "settings": one.settings_run,
+        }
+        for one in levels_reached(experiment)
+    ]
+
+
+def finest_level(found: Sequence[LevelReached]) -> tuple[float, int]:
+    """The smallest level that a route reaches in a case, and by how many settings; NaN and 0 if it reaches none."""
+    best = min((one for one in found if one.settings), key=lambda one: one.level, default=None)
+    return (best.level, len(best.settings)) if best else (nan, 0)
