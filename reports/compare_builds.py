@@ -1,7 +1,8 @@
 """`python -m reports.compare_builds A B`: differences between two reports, of two machines, versions or days.
 
-With the same code and machine, accuracies must be equal to the last digit. Times vary; only differences outside both
-reports' intervals are shown. Exit status: 0 if nothing differs, 3 if something does, 2 if the two cannot be compared.
+With the same code and machine, grades and errors must be equal to the last digit. Times vary; only differences outside
+both reports' intervals are shown. A report of an older format is compared in the tables that have the same meaning.
+Exit status: 0 if nothing differs, 3 if something does, 2 if the two cannot be compared.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ _ROWS = {
     "verdict": ("solver", "route"),
     "headline": ("case", "solver", "route"),
     "trajectories": ("case", "solver", "route", "setting"),
-    "transitions": ("case", "solver", "route", "setting", "event", "before", "after", "verdict", "_number"),
+    "levels": ("case", "solver", "route", "level"),
+    "transitions": ("case", "solver", "route", "setting", "event", "before", "after", "pairing", "_number"),
     "convergence": ("case", "solver", "route", "quantity"),
     "truth": ("case", "event"),
     "work_precision": ("case", "solver", "route", "setting", "quantity"),
@@ -43,7 +45,10 @@ _OF_THE_DAY = {
     "order_in_time", "order_in_time_low", "order_in_time_high",
     "version",  # shown for the whole report
 }  # fmt: skip
-_TIMING_KEYS = ("case", "quantity", "accuracy", "solver", "route")
+# Tables compared between reports of different formats, and columns whose meaning differs between these.
+_OF_EVERY_FORMAT = ("headline", "trajectories", "truth", "null_scores")
+_OF_ONE_FORMAT = {"outcome", "reason", "grade_reason", "default_outcome", "finest_outcome", "reached", "order"}
+_TIMING_KEYS = ("case", "level", "solver", "route")
 # The numbers of `time_to_accuracy` that are compared.
 _RATIOS = ("ratio", "ratio_low", "ratio_high", "rank")
 # Size limit of a file of a report in bytes: the largest table of a full one has a tenth of it.
@@ -63,10 +68,10 @@ class Difference(NamedTuple):
 
 
 class BuildComparison(NamedTuple):
-    """Changed accuracies and awards, ratios outside both intervals, changed ranks, and the number of ratios."""
+    """Changed results and levels reached, ratios outside both intervals, changed ranks, and the number of ratios."""
 
-    accuracies: list[Difference]
-    awards: list[Difference]
+    results: list[Difference]
+    levels: list[Difference]
     ratios: list[Difference]
     ranks: list[Difference]
     ratio_count: int
@@ -74,48 +79,57 @@ class BuildComparison(NamedTuple):
     @property
     def same(self) -> bool:
         """Whether nothing differs."""
-        return not (self.accuracies or self.awards or self.ratios or self.ranks)
+        return not (self.results or self.levels or self.ratios or self.ranks)
 
 
 def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> BuildComparison:
     """Compare the reports in two folders, or one of two `solvers` in the first with the other in the second.
 
     Raises BadValue for a folder without a report or without the solver."""
-    frames = [_tables(one), _tables(other)]
+    for folder in (one, other):
+        if not list((folder / "tables").glob("*.csv")) or not (folder / "manifest.json").is_file():
+            raise BadValue(f"{folder} contains no report; give a folder that `python -m reports.build --out` wrote")
+    same_format = _format(one) == _format(other)
+    frames = [_tables(folder, same_format) for folder in (one, other)]
     if solvers:
         both = " | ".join(solvers)
         frames = [
             _of_solver(f, name, folder, both) for f, name, folder in zip(frames, solvers, (one, other), strict=True)
         ]
-    accuracies = [d for name, keys in _ROWS.items() for d in _accuracies(name, keys, *(f.get(name) for f in frames))]
+    results = [d for name, keys in _ROWS.items() for d in _changed_cells(name, keys, *(f.get(name) for f in frames))]
     pairs = _pairs(_TIMING_KEYS, *(f.get("time_to_accuracy") for f in frames))
-    awards, ratios, ranks, ratio_count = [], [], [], 0
+    levels, ratios, ranks, ratio_count = [], [], [], 0
     for row, a, b in pairs:
         place = ("time_to_accuracy", row)
-        if _stands(a) != _stands(b):
-            awards.append(Difference(*place, "award", a["award"], b["award"]))
+        if _is_reached(a) != _is_reached(b):
+            levels.append(Difference(*place, "reached", a["reached"], b["reached"]))
         if a["ratio_low"] == a["ratio_low"] and b["ratio_low"] == b["ratio_low"]:  # NaN is not itself
             ratio_count += 1
             if a["ratio_low"] > b["ratio_high"] or b["ratio_low"] > a["ratio_high"]:
                 ratios.append(Difference(*place, "ratio", a["ratio"], b["ratio"]))
         if a["rank"] != b["rank"] and a["rank"] == a["rank"] and b["rank"] == b["rank"]:
             ranks.append(Difference(*place, "rank", a["rank"], b["rank"]))
-    return BuildComparison(accuracies, awards, ratios, ranks, ratio_count)
+    return BuildComparison(results, levels, ratios, ranks, ratio_count)
 
 
-def _stands(row: dict[str, Any]) -> str:
-    """The part of an award that depends on accuracy only; whether it has a time varies from build to build."""
-    return "reached" if row["award"] in ("reached", "not timed", "disturbed") else row["award"]
+def _is_reached(row: dict[str, Any]) -> bool:
+    """Whether a level is reached, with or without a time: whether it has one varies from build to build."""
+    return row["reached"] not in ("not reached", "not known")
 
 
-def _tables(folder: Path) -> dict[str, pd.DataFrame]:
+def _format(folder: Path) -> int:
+    """The format of a report; 1 if its manifest names none."""
+    number = _manifest(folder / "manifest.json").get("format", 1)
+    return number if isinstance(number, int) else 1
+
+
+def _tables(folder: Path, same_format: bool) -> dict[str, pd.DataFrame]:
+    """The tables of a report; if the formats differ, only those with the same meaning, without columns that differ."""
     import pandas as pd
 
     files = sorted((folder / "tables").glob("*.csv"))
-    if not files or not (folder / "manifest.json").is_file():
-        raise BadValue(f"{folder} contains no report; give a folder that `python -m reports.build --out` wrote")
     frames: dict[str, pd.DataFrame] = {}
-    for file in files:
+    for file in files if same_format else [file for file in files if file.stem in _OF_EVERY_FORMAT]:
         # Read as text, so that nothing is rounded and empty cells are equal.
         kind = str if file.stem in _ROWS else None
         content = StringIO(text("table", file, _LARGEST))
@@ -124,7 +138,7 @@ def _tables(folder: Path) -> dict[str, pd.DataFrame]:
         except (ValueError, OverflowError, RecursionError) as problem:
             raise BadValue(f"{file} cannot be read as comma-separated values: {problem}") from problem
         _check_columns(file, frame)
-        frames[file.stem] = frame
+        frames[file.stem] = frame if same_format else frame.drop(columns=[*_OF_ONE_FORMAT & {*frame.columns}])
     return frames
 
 
@@ -133,7 +147,7 @@ def _check_columns(file: Path, frame: pd.DataFrame) -> None:
     from pandas.api.types import is_numeric_dtype
 
     is_timing_table = file.stem == "time_to_accuracy"
-    columns = (*_TIMING_KEYS, "award", *_RATIOS) if is_timing_table else _ROWS.get(file.stem, ())
+    columns = (*_TIMING_KEYS, "reached", *_RATIOS) if is_timing_table else _ROWS.get(file.stem, ())
     missing = [name for name in columns if name not in frame.columns and name != "_number"]
     if missing:
         raise BadValue(f"{file} has no column {missing[0]}; give a report of this suite")
@@ -173,7 +187,7 @@ def _by_keys(keys: Sequence[str], frame: pd.DataFrame | None) -> dict[tuple, dic
     return {key if key[-1] > 1 else key[:-1]: row for key, row in rows.items()}
 
 
-def _accuracies(
+def _changed_cells(
     name: str, keys: Sequence[str], one: pd.DataFrame | None, other: pd.DataFrame | None
 ) -> list[Difference]:
     """Cells that differ in rows of both tables, and rows that only one table has."""
@@ -198,10 +212,11 @@ def _accuracies(
 def summary_lines(comparison: BuildComparison, one: Path, other: Path, solvers: Sequence[str] = ()) -> str:
     """The comparison as text, after differences in how the reports were made."""
     names = [f", {name}" for name in solvers] or ["", ""]
-    lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_provenance(one, other), *_only_in_one(one, other)]
+    lines = [f"A: {one}{names[0]}", f"B: {other}{names[1]}", *_provenance(one, other)]
+    lines += _format_note(one, other) or _only_in_one(one, other)
     parts = {
-        "accuracies that changed": comparison.accuracies,
-        "awards that changed": comparison.awards,
+        "results that changed": comparison.results,
+        "levels reached that changed": comparison.levels,
         f"ratios outside both intervals, of {comparison.ratio_count}": comparison.ratios,
         "ranks that changed": comparison.ranks,
     }
@@ -231,11 +246,22 @@ def _only_in_one(one: Path, other: Path) -> list[str]:
     """The tables that only one of the reports has: those are not compared."""
     names = [{file.stem for file in (folder / "tables").glob("*.csv")} & _ROWS.keys() for folder in (one, other)]
     lacking = {"A": names[1] - names[0], "B": names[0] - names[1]}
-    note = " (reports before version 0.2.0 have no verdict)"
     return [
-        f"{report} has no table {', '.join(sorted(tables))}: not compared{note if 'verdict' in tables else ''}"
+        f"{report} has no table {', '.join(sorted(tables))}: not compared"
         for report, tables in lacking.items()
         if tables
+    ]
+
+
+def _format_note(one: Path, other: Path) -> list[str]:
+    """A line if the reports have different formats."""
+    formats = {"A": _format(one), "B": _format(other)}
+    older = min(formats, key=lambda report: formats[report])
+    if len({*formats.values()}) == 1:
+        return []
+    return [
+        f"{older} has the older format {formats[older]} (up to version 0.1.0), with other outcomes and levels: only "
+        f"errors in {', '.join(_OF_EVERY_FORMAT)} are compared"
     ]
 
 

@@ -29,6 +29,7 @@ from cases.owned_folder import digest, write
 
 from . import options
 from .page import folder
+from .page.manifest import FORMAT
 
 COMMAND = "reports.publish"
 ROOT = Path(__file__).resolve().parents[1]
@@ -139,6 +140,7 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
     version, commit = manifest["solvers"].get("reference"), manifest["commit"]
     problems = {
         f"is without {', '.join(absent)}": absent,
+        "has another format": manifest.get("format") != FORMAT,
         f"is of version {version}, but this is {cases.__version__}": version != cases.__version__,
         f"has no {', '.join(lacking[:3])}": lacking,
         f"was made with {manifest['options']}": manifest["options"],

@@ -12,7 +12,7 @@ class Effect(NamedTuple):
     """What is done, in Python, the outcome of the run, and a part of its row's reason."""
 
     code: str
-    outcome: str = "right"
+    outcome: str = "answered"
     reason: str = ""
 
 

@@ -64,7 +64,7 @@ def _at(case: str, level: float, found: Sequence[LevelReached], measured: CostMe
 
 
 def _nothing(name: str) -> Any:
-    return "" if name == "setting" else nan
+    return {"setting": "", "settings_within": 0}.get(name, nan)
 
 
 def _fastest_setting(one: LevelReached, measured: CostMeasurements) -> dict[str, Any] | None:

@@ -93,7 +93,7 @@ def duration(seconds: float) -> str:
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
             return f"{_short(seconds / size)} {unit}"
-    return f"{_short(seconds / 1e-9)} ns"
+    return f"{_short(seconds / 1e-9)} ns" if seconds >= 1e-9 else "less than 1 ns"
 
 
 def _short(value: float) -> str:

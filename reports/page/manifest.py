@@ -17,6 +17,9 @@ from packaging.utils import canonicalize_name
 from ..running.storage.fingerprint import installed_packages, processor
 from ..running.storage.result_store import now
 
+# Format of a report's tables and manifest. 1, without this number: up to version 0.1.0, with the outcomes right, wrong
+# and refused, and accuracies in m and s. 2: answered runs with grades, levels of off.
+FORMAT = 2
 _ROOT = Path(__file__).resolve().parents[2]
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "pandas", "matplotlib", "exudyn", "pymunk", "heyoka")
 # Extras of the suite that a report may use.
@@ -26,6 +29,7 @@ _EXTRAS = ("taylor", "box2d", "bullet")
 def manifest(versions: Mapping[str, str]) -> dict[str, Any]:
     """Versions, machine, commit and time. `versions`: of the solvers, "" if unknown."""
     return {
+        "format": FORMAT,
         "made_at": now(),
         "python": sys.version.split()[0],
         "packages": {name: installed_packages(name) for name in _PACKAGES},

@@ -148,7 +148,7 @@ def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
 @node
 def test_the_engine_on_the_page_is_right_and_its_cost_is_what_it_says(registered):
     found = row(registered("my_engine", example()))
-    assert (found.outcome, found.reason) == ("right", "")
+    assert (found.outcome, found.grade) == ("answered", "excellent"), found.reason
     assert abs(found.ledger[0].error) < 2e-3  # its step is 1e-3 s
     assert found.cost.cpu_s > 0.0 and found.cost.steps == round(cases.load(LINE).duration / found.setting["h"])
 
@@ -156,7 +156,7 @@ def test_the_engine_on_the_page_is_right_and_its_cost_is_what_it_says(registered
 @node
 def test_the_engine_on_the_page_refuses_what_it_does_not_know(registered):
     found = row(registered("my_engine", example()), "disc_in_circle[mu=0.2]")
-    assert (found.outcome, found.reason) == ("refused", "Only discs on level lines are supported.")
+    assert (found.outcome, found.reason) == ("unsupported", "Only discs on level lines are supported.")
 
 
 @node
@@ -165,7 +165,7 @@ def test_the_laws_are_held_on_it(registered, tmp_path):
     with AdapterProcess(str(tmp_path / "my_engine")) as apart:
         assert apart.face == ("my_engine", ("process",))
         told = {law: outcome for law, outcome, _ in apart.try_laws("process", ["friction_torque", "lift_off"])}
-    assert told["lift_off"] == "refused"
+    assert told["lift_off"] == "unsupported"
 
 
 # --- every way to fail ------------------------------------------------------------------------------------------------
@@ -182,11 +182,11 @@ LIE = HEAD + (
     (HEAD + "echo no licence >&2; exit 1\n", "crashed", "exit status 1: no licence"),
     (HEAD + "echo '###' >&2; echo out of memory >&2; yes | head -5000 >&2; echo the end >&2; kill -6 $$\n", "crashed",
      "ended by signal SIGABRT: out of memory … "),
-    (HEAD + "echo Not a disc. >&2; exit 3\n", "refused", "Not a disc."),
+    (HEAD + "echo Not a disc. >&2; exit 3\n", "unsupported", "Not a disc."),
     (HEAD + "exit 0\n", "crashed", "no motion"),
     (HEAD + "echo 't,x,y,theta'; echo '__import__(\"os\"),0,0,0'\n", "crashed", "not a finite number"),
     (HEAD + "echo hello\n", "crashed", "no column t, x, y, theta"),
-    (LIE, "wrong", "missed"),
+    (LIE, "answered", "another sequence of modes"),
     (LIE + "echo '# cost cpu_s=-1'\n", "crashed", "cost makes no sense"),
     (LIE + "echo '# cost cpu_s=fast'\n", "crashed", "cost is no number"),
     (HEAD + "yes 0,0,0,0\n", "crashed", "wrote more than"),
@@ -215,7 +215,7 @@ def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_
         assert build.main([*words, "./hung", "--out", "judged"]) == 0
     table = (tmp_path / "judged" / "tables" / "trajectories.csv").read_text().splitlines()
     outcomes = {line.split(",")[1]: line for line in table if line.split(",")[1] in ("hung", "killed", "lying")}
-    assert "timed_out" in outcomes["hung"] and "crashed" in outcomes["killed"] and "wrong" in outcomes["lying"]
+    assert "timed_out" in outcomes["hung"] and "crashed" in outcomes["killed"] and "answered" in outcomes["lying"]
     # Nothing of it is left running. What is killed goes when the system gets round to it, and is listed till then.
     end = time.monotonic() + 10.0
     while (running := [n for n in left.read_text().split() if _runs(n)]) and time.monotonic() < end:

@@ -102,11 +102,9 @@ def run(name: str, route: str, label: str, rung: int = 3):
     return perform(case, name, route, adapter.ladder(case, route)[rung], rung, find_truth(case))
 
 
-def test_the_ellipse_that_tumbles_has_a_contestant_that_is_wrong_by_another_law():
+def test_the_ellipse_that_tumbles_has_an_engine_with_another_law():
     row = run("pymunk", "native", "tumbling_ellipse")
-    assert row.outcome == "wrong"
-    assert row.reason.startswith("Impact by another law: Moreau's")
-    assert f"off by {row.distance.centre_max:.2g} m" in row.reason
+    assert row.grade == "poor" and row.reason.startswith("Impact by another law: Moreau's")
 
 
 def test_where_its_law_is_asked_for_it_is_judged_as_any_other():
@@ -117,6 +115,6 @@ def test_where_its_law_is_asked_for_it_is_judged_as_any_other():
 
 
 def test_the_disc_off_the_ramp_has_contestants():
-    assert run("pymunk", "native", "disc_off_ramp").outcome in ("right", "wrong")
+    assert run("pymunk", "native", "disc_off_ramp").outcome == "answered"
     row = run("box2d", "native", "disc_off_ramp")
-    assert row.outcome == "wrong" and "compression" in row.reason
+    assert row.outcome == "answered" and "compression" in row.reason

@@ -55,14 +55,14 @@ every_engine = pytest.mark.parametrize("engine", NAMES, indirect=True)
 @every_engine
 def test_the_first_transition_of_the_paper_is_where_it_was_measured(engine, pool):
     found = row(pool, engine, PAPER)
-    assert found.outcome in ("right", "wrong"), found.reason
+    assert found.outcome == "answered", found.reason
     assert 0.0 < abs(found.ledger[0].error) < MOST_OFF[engine]
 
 
 @every_engine
 def test_a_disc_on_a_line_rolls_from_where_it_is_known_to(engine, pool):
     found = row(pool, engine, "disc_on_line[mu=0.1]")
-    assert (found.outcome, found.reason) == ("right", "")
+    assert found.outcome == "answered" and found.grade in ("excellent", "very good", "good"), found.reason
     # MuJoCo's and Rapier's contacts are soft: 1 ms and some at this step.
     assert abs(found.ledger[0].error) < 5e-3
 
@@ -133,7 +133,7 @@ def test_the_engine_as_it_comes_is_the_first_rung_with_its_own_step(engine):
 @every_engine
 def test_what_it_was_not_told_is_refused_in_a_sentence(engine, pool):
     found = row(pool, engine, "bouncing_disc")
-    assert found.outcome == "refused" and "Impact" in found.reason and found.reason.endswith(".")
+    assert found.outcome == "unsupported" and "Impact" in found.reason and found.reason.endswith(".")
 
 
 @every_engine

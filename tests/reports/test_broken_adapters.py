@@ -18,7 +18,7 @@ from .. import fake_adapter
 
 PARTS = ("import", "version", "refuses", "ladder", "build", "run", "read")
 WAYS = ("segfault", "hang", "prints")
-OUTCOMES = {"segfault": "crashed", "hang": "timed_out", "prints": "right"}
+OUTCOMES = {"segfault": "crashed", "hang": "timed_out", "prints": "answered"}
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def broken(tmp_path, monkeypatch):
     assert not any("adapter_of_tests" in name for name in sys.modules)
 
 
-def expected(name: str, at_version: str = "right") -> str:
+def expected(name: str, at_version: str = "answered") -> str:
     part, _, way = name.partition("_")
     return at_version if part in ("sound", "version") else OUTCOMES[way]
 
@@ -55,7 +55,7 @@ def check_runs(names, capfd):
         found = experiment.run((cases.load(fake_adapter.CASE),), names, calls)
     # A version that cannot be had only keeps what was run from being kept.
     assert {run.solver: run.outcome for run in found.runs} == {name: expected(name) for name in names}
-    assert all(run.reason for run in found.runs if run.outcome != "right")
+    assert all(run.reason for run in found.runs if run.outcome != "answered")
     assert "all is well" not in "".join(capfd.readouterr())
 
 
@@ -89,7 +89,10 @@ def test_every_fault_is_a_row_of_every_study(name, broken, capfd):
         outcomes = set(frame[frame["solver"] == solver]["outcome"])
         part, _, way = solver.partition("_")
         fails = part in CALLED.get(name, OF_RUNS) and way != "prints"
-        assert outcomes == {OUTCOMES[way]} if fails else outcomes and outcomes <= {"right", "done"}, (solver, outcomes)
+        assert outcomes == {OUTCOMES[way]} if fails else outcomes and outcomes <= {"answered", "done"}, (
+            solver,
+            outcomes,
+        )
     assert "all is well" not in "".join(capfd.readouterr())
 
 

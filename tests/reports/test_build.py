@@ -189,9 +189,9 @@ def test_manifest_tells_how_it_was_made(report):
 def test_tables_have_the_promised_columns(report):
     promised = {
         "transitions": "case,solver,version,route,setting,event,before,after,time,reference_time,error,"
-        "truth_error_bar,verdict,reading_doubt",
-        "trajectories": "case,solver,version,route,setting,outcome,reason,grade,grade_reason,sequence,"
-        "off,off_doubt,friction_factor,pose_score,mode_score,slip_score,creep,status,first_mode,transitions_true,matched,"
+        "truth_error_bar,pairing,reading_doubt",
+        "trajectories": "case,solver,version,route,setting,outcome,grade,off,off_doubt,friction_factor,reason,"
+        "sequence,pose_score,mode_score,slip_score,creep,status,first_mode,transitions_true,paired,"
         "missed,spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
         "energy_mean,cpu_s,setup_s,steps,run_at",
         "convergence": "case,solver,version,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
@@ -201,12 +201,12 @@ def test_tables_have_the_promised_columns(report):
         assert (report / "tables" / f"{name}.csv").read_text().splitlines()[0] == columns
 
 
-def test_reference_is_right_on_the_textbook_cases(report):
+def test_reference_is_excellent_on_the_textbook_cases(report):
     import pandas as pd
 
     rows = pd.read_csv(report / "tables" / "trajectories.csv")
     own = rows[rows["solver"] == "reference"]
-    assert len(own) >= 6 and set(own["outcome"]) == {"right"}
+    assert len(own) >= 6 and set(own["grade"]) == {"excellent"}
 
 
 def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
@@ -228,7 +228,7 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
 
 def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
     figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
-    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "verdict", "answers", "columns"}
+    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "verdict", "columns"}
     for figure in figures:
         assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
     for file in texts:
@@ -333,9 +333,9 @@ def kill_when_told(pid: Path) -> None:
 
 
 FATES = {
-    "how=wait 1": ("right", ""),
+    "how=wait 1": ("answered", ""),
     "how=nan": ("crashed", "not finite"),
-    "how=never rolls": ("wrong", "missed (slip_forward to roll)"),
+    "how=never rolls": ("answered", "another sequence of modes"),
     "how=gives up": ("crashed", "Newton gave up"),
     "how=segfault": ("crashed", "SIGSEGV"),
     "how=until killed": ("crashed", "SIGKILL, from outside"),
@@ -383,11 +383,11 @@ def test_what_came_from_outside_is_not_kept(failing):
     assert told["store"]["kept"]["run"] == 6 and told["store"]["taken"] == {}
 
 
-@pytest.mark.parametrize(("outcome", "status"), [("right", 0), ("wrong", 0), ("refused", 3), ("crashed", 3)])
+@pytest.mark.parametrize(("outcome", "status"), [("answered", 0), ("unsupported", 3), ("crashed", 3)])
 def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome, status, tmp_path, monkeypatch, capsys):
     case = cases.load("disc_on_line[mu=0.1]")
     runs = (
-        Run(case.label, "reference", "taylor", Setting.of(), 0, "refused", "it has no series for that curve"),
+        Run(case.label, "reference", "taylor", Setting.of(), 0, "unsupported", "it has no series for that curve"),
         Run(case.label, "pymunk", "native", Setting.of(), 0, outcome),
     )
     ran = Experiment((case,), {case.label: Truth()}, runs, 0.0)
@@ -396,7 +396,7 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
     monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
     argv = ["--quick", "--case", case.label, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]
     assert build.main(argv) == status
-    sentence = "no solver could run disc_on_line[mu=0.1]; reference refused: it has no series"
+    sentence = "no solver could run disc_on_line[mu=0.1]; reference unsupported: it has no series"
     assert (sentence in capsys.readouterr().err) == (status == 3)
 
 

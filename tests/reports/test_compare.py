@@ -1,5 +1,7 @@
 """A trajectory from a file is judged like any solver's, and a file that cannot be judged is told in a sentence."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -36,11 +38,11 @@ def ledger(text: str) -> list[list[str]]:
 
 
 @pytest.mark.parametrize(("columns", "tolerance"), [(FULL, 1e-8), (FULL[:7], 1e-6), (FULL[:4], 1e-3)])
-def test_exported_reference_motion_is_right(tmp_path, capsys, columns, tolerance):
+def test_exported_reference_motion_is_excellent(tmp_path, capsys, columns, tolerance):
     # With poses alone, slip is differentiated: a step of 1 ms at the kink.
     status, text, _ = judged(tmp_path, capsys, table(columns))
     assert status == 0
-    assert f"{NAME}: right" in text
+    assert re.search(rf"{re.escape(NAME)}: off [^;]*: excellent;", text)
     assert "Laws broken\nnone" in text
     rows = ledger(text)
     assert len(rows) == len(MOTION.transitions)
@@ -263,11 +265,11 @@ def test_mirrored_angle_is_noticed(tmp_path, capsys):
         ("theta", "degrees", 180 / np.pi),
     ],
 )
-def test_another_unit_is_asked_about_and_not_right(tmp_path, capsys, column, unit, factor):
+def test_another_unit_is_asked_about_and_unusable(tmp_path, capsys, column, unit, factor):
     name = "disc_on_line[mu=0.3]"  # it starts where x, t and theta are zero: nothing else tells the unit
     frame = table(FULL[:4], reference.simulate(cases.load(name), rtol=1e-12))
     status, text, _ = judged(tmp_path, capsys, frame.assign(**{column: factor * frame[column]}), name)
-    assert status == 0 and f"{name}: wrong" in text
+    assert status == 0 and ": unusable;" in text
     assert f"{column} seems to be in {unit}" in text
     assert "seems" not in judged(tmp_path, capsys, frame, name)[1]
 
@@ -311,7 +313,7 @@ def test_plate_that_leaves_its_track_ends_there(tmp_path, monkeypatch, capsys):
     ))  # fmt: skip
     status, text, _ = judged(tmp_path, capsys, pd.concat([frame, flight])[list(FULL)], "hilltop")
     assert status == 0
-    assert ": right" in text
+    assert ": excellent;" in text
     (row,) = ledger(text)
     # The last sample that is pressed, of 2500 in the motion.
     assert float(row[5]) == pytest.approx(0.0, abs=1e-3)
@@ -340,14 +342,14 @@ EVERY = [case.label for name in cases.names(hard=False) for case in cases.select
 @pytest.mark.parametrize(
     "label", [*FLIGHTS, *(pytest.param(n, marks=pytest.mark.slow) for n in EVERY if n not in FLIGHTS)]
 )
-def test_the_true_motion_as_it_is_exported_is_right(tmp_path, label):
+def test_the_true_motion_as_it_is_exported_is_excellent(tmp_path, label):
     case = cases.load(label)
     names, rows = export.motion(case)
     np.savetxt(tmp_path / "motion.csv", rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
     run = external_motions.judge_motion(
         external_motions.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case)
     )
-    assert run.outcome == "right", run.reason
+    assert run.grade == "excellent", run.reason
     short = [row for row in run.ledger if row.pairing == "unresolved"]
     if label in FLIGHTS:
         assert len(short) == FLIGHTS[label]

@@ -48,7 +48,7 @@ def test_rungs_beyond_saturation_do_not_count_towards_the_order():
 
 
 def test_where_no_order_can_be_fitted_the_table_says_why():
-    assert "2 of 2 right rungs" in convergence.order(ladder(falling(2))).note
+    assert "2 of 2 rungs" in convergence.order(ladder(falling(2))).note
     close = [ConvergencePoint(f"n={n}", n, 1e-3 / n) for n in (100.0, 110.0, 120.0)]
     fit = convergence.order(close)
     assert np.isnan(fit.order) and "differ by less" in fit.note

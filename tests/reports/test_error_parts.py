@@ -23,7 +23,9 @@ def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[
             found = {"first_transition_time": np.array([error(h, n)])}
             found |= {"energy_lost": np.array([np.nan]), "final_centre": np.array([np.nan, np.nan])}
             cells.append(
-                ErrorCell("case", "engine", "native", Setting.of(h=h, facets=n, slop=1e-6, **extra), "right", "", found)
+                ErrorCell(
+                    "case", "engine", "native", Setting.of(h=h, facets=n, slop=1e-6, **extra), "answered", "", found
+                )
             )
     return cells
 
@@ -90,8 +92,8 @@ def test_failed_run_is_a_row_and_no_advice():
 
 
 def test_refused_route_is_one_row_with_its_reason():
-    [row] = error_parts.rows([ErrorCell("case", "engine", "native", Setting.of(), "refused", "No such curve.")])
-    assert (row["outcome"], row["reason"]) == ("refused", "No such curve.")
+    [row] = error_parts.rows([ErrorCell("case", "engine", "native", Setting.of(), "unsupported", "No such curve.")])
+    assert (row["outcome"], row["reason"]) == ("unsupported", "No such curve.")
 
 
 def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
@@ -105,7 +107,7 @@ def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
                 late = CallResult("timed_out", reason="too slow")
                 yield index, late if function is broken else CallResult("done", value=function(*call))
 
-    fates = ((find_truth, "refused", ""), (survey, "timed_out", "asking for its grid: "))
+    fates = ((find_truth, "unsupported", ""), (survey, "timed_out", "asking for its grid: "))
     for broken, outcome, reason in fates:  # noqa: B007 - `each` looks at it
         cells = error_parts.measure([case], ["pymunk"], Broken())
         assert {(cell.outcome, cell.reason) for cell in cells} == {(outcome, f"{reason}too slow")}
@@ -169,7 +171,7 @@ def test_grid_is_every_combination_from_coarse_to_fine(name):
             if adapter.refuses(case, route):
                 continue
             settings = adapter.grid(case, route)
-            grid = Grid([ErrorCell(label, name, route, setting, "right") for setting in settings])
+            grid = Grid([ErrorCell(label, name, route, setting, "answered") for setting in settings])
             assert grid.parameters[0] == "h" and len(grid.parameters) >= 2
             assert len(set(settings)) == len(settings) == np.prod([len(levels) for levels in grid.levels])
             assert grid.place(settings[0]) == (0,) * len(grid.parameters) and grid.place(settings[-1]) == grid.finest

@@ -56,7 +56,7 @@ def test_trajectory_gets_rows_figures_and_a_verdict_of_its_own(report):
     rows = pd.read_csv(report / "tables" / "trajectories.csv")
     for name, setting in (("mine", "file=mine.csv"), ("theirs", "file=poses.csv")):
         (row,) = rows[rows.solver == name].itertuples()
-        assert (row.route, row.setting, row.outcome) == ("file", setting, "right")
+        assert (row.route, row.setting, row.grade) == ("file", setting, "excellent")
         assert np.isnan(row.cpu_s)
     events = pd.read_csv(report / "tables" / "transitions.csv")
     found = events[events.solver == "mine"]
@@ -80,13 +80,13 @@ def nothing_yet() -> Experiment:
     return Experiment((CASE,), {LABEL: tasks.find_truth(CASE)}, (), 0.0)
 
 
-def test_wrong_trajectory_is_told_as_wrong(tmp_path, motion, nothing_yet):
+def test_trajectory_that_ends_early_has_a_bad_grade(tmp_path, motion, nothing_yet):
     short = tmp_path / "short.csv"
     motion.iloc[:300].to_csv(short, index=False)
     joined = external_motions.join_external(nothing_yet, external_motions.from_options([f"mine={short}"], [CASE], ()))
     (run,) = joined.runs
-    assert run.outcome == "wrong"
-    assert "missed" in run.reason and "ends at" in run.reason
+    assert run.grade in ("poor", "unusable") and "ends at" in run.reason
+    assert [row.pairing for row in run.ledger] == ["missed"]
 
 
 def test_several_files_of_a_name_are_its_rungs_and_give_an_order(tmp_path, motion, nothing_yet):
@@ -119,7 +119,7 @@ def test_runs_stand_after_those_of_their_case(file, nothing_yet):
 def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
     unknown = replace(nothing_yet, truths={LABEL: Truth(failure="the witnesses disagree")})
     (run,) = external_motions.join_external(unknown, external_motions.from_options([f"mine={file}"], [CASE], ())).runs
-    assert (run.outcome, run.reason) == ("refused", "there is no truth to judge it by: the witnesses disagree")
+    assert (run.outcome, run.reason) == ("unsupported", "there is no truth to judge it by: the witnesses disagree")
 
 
 @pytest.mark.parametrize(

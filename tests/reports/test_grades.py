@@ -57,7 +57,9 @@ def test_summary_is_one_line():
 
 
 def test_numbers_in_words():
-    assert [duration(t) for t in (6.2e-6, 0.333, 2.0, 4e-9)] == ["6.2 µs", "330 ms", "2 s", "4 ns"]
+    assert [duration(t) for t in (6.2e-6, 0.333, 2.0, 4e-9, 3e-16)] == [
+        "6.2 µs", "330 ms", "2 s", "4 ns", "less than 1 ns"
+    ]  # fmt: skip
     assert [percent(p) for p in (0.0123, 0.999, 2.78, 1e-9)] == ["1.2 %", "100 %", "280 %", "less than 0.0001 %"]
 
 
@@ -65,21 +67,18 @@ def test_numbers_in_words():
 
 
 def test_level_is_reached_where_all_finer_settings_stay_within_it():
-    ladder = [score(0.005), score(0.03), score(0.009), None, score(0.004)]
-    found = reached(ladder, 0.01)
-    assert (found.first, found.settings, found.known, found.confirmed) == (2, 2, True, True)
-    assert reached(ladder, 0.001)[:3] == (None, 0, True)
+    ladder = [(0.005, 0.0), (0.03, 0.0), (0.009, 0.0), (0.004, 0.0)]
+    assert reached(ladder, 0.01) == (2, 2, True)
+    assert reached(ladder, 0.001) == (None, 0, True)
 
 
 def test_level_that_one_setting_reaches_is_not_confirmed():
-    found = reached([score(0.03), score(0.004)], 0.01)
-    assert found.first == 1 and not found.confirmed
+    assert reached([(0.03, 0.0), (0.004, 0.0)], 0.01) == (1, 1, True)
 
 
 def test_level_within_the_doubt_is_not_known():
-    found = reached([score(0.03), score(0.008, doubt=0.005)], 0.01)
-    assert found.first is None and not found.known
-    assert reached([], 0.01)[:3] == (None, 0, True)
+    assert reached([(0.03, 0.0), (0.008, 0.005)], 0.01) == (None, 0, False)
+    assert reached([], 0.01) == (None, 0, True)
 
 
 # --- ranking ----------------------------------------------------------------------------------------------------------

@@ -12,56 +12,12 @@ import numpy as np
 import pandas as pd
 
 import cases
-from adapters import Setting
 from cases import Mode, Transition
-from reports.analysis import recommendation
 from reports.page import chapters, motions, vendor
 from reports.page.fragments import table, verbatim
-from reports.running.records import Experiment, Run, Truth
+from reports.running.records import Experiment, Truth
 
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
-SLIDES = Truth(method="taylor", first_mode=Mode.SLIP_FORWARD)
-
-
-def run(case, solver, route, outcome="right"):
-    return Run(case, solver, route, Setting.of(h=0.01), 1, outcome)
-
-
-def told(case, solver, route, accuracy, once, call, award="reached"):
-    row = {"case": case, "solver": solver, "route": route, "accuracy": accuracy, "lead": True, "award": award}
-    return row | {"first_call_s": once, "call_s": call}
-
-
-def experiment():
-    labels = ("a", "b", "c")
-    runs = tuple(run(label, *who) for label in labels for who in (("fast", "native"), ("sure", "native")))
-    runs += (run("a", "reference", "dop853"), Run("a", "ghost", "", Setting.of(), 0, "crashed"))
-    return Experiment((), {"a": ROLLS, "b": ROLLS, "c": SLIDES}, runs, 0.0)
-
-
-def frames():
-    reached = {("a", "fast"): 1e-2, ("b", "fast"): 1e-2, ("c", "fast"): 1e-12, ("a", "sure"): 1e-6, ("b", "sure"): 1e-4}
-    headline = [
-        {"case": case, "solver": solver, "route": "native", "reached": level}
-        for (case, solver), level in reached.items()
-    ]
-    spent = [told("c", "sure", "native", 1e-4, 9.0, 9.0)]  # a case that does not roll
-    spent += [told("b", "sure", "native", 1e-4, 2.0, 0.5), told("a", "sure", "native", 1e-4, 4.0, 0.1)]
-    spent += [told("b", "fast", "native", 1e-2, 0.5, 0.1), told("b", "fast", "native", 1e-4, 1.0, 0.1, "by chance")]
-    return {"headline": pd.DataFrame(headline), "time_to_accuracy": pd.DataFrame(spent)}
-
-
-def test_the_answer_counts_the_cases_that_roll_and_tells_costs_of_one_of_them():
-    rows = recommendation.rows(experiment(), frames())
-    assert [(row["solver"], row["route"]) for row in rows] == [
-        ("sure", "native"), ("fast", "native"), ("ghost", ""), ("reference", "dop853")
-    ]  # fmt: skip
-    sure, fast, ghost, _ = rows
-    assert (sure["rolling_cases"], sure["reached_1e_2"], sure["reached_1e_4"]) == (2, 2, 2)
-    assert (fast["reached_1e_2"], fast["reached_1e_4"], fast["award_1e_4"]) == (2, 0, "by chance")
-    assert {row["cost_case"] for row in rows} == {"b"} and ghost["failed"] == 1
-    assert (sure["once_1e_4_s"], sure["thousand_1e_4_s"]) == (2.0, 2.0 + 999 * 0.5)
-    assert fast["once_1e_2_s"] == 0.5 and np.isnan(fast["once_1e_4_s"])
 
 
 def unpacked(text: str) -> np.ndarray:

@@ -83,7 +83,7 @@ def full_disk(rows):
 
 
 def test_rows_are_taken_out_of_all_that_holds_them():
-    run = Run("c", SPOILT, "r", Setting.of(), 1, "right")
+    run = Run("c", SPOILT, "r", Setting.of(), 1, "answered")
     ran = Experiment((CASE,), {}, (run, replace(run, solver=SOUND)), 0.0, {SPOILT: "1"})
     keys = {("c", name, "r", Setting.of()): clock.UNTIMED for name in (SPOILT, SOUND)}
     frame = pd.DataFrame({"solver": [SPOILT, SOUND], "x": [1, 2]})
@@ -109,7 +109,7 @@ def ran() -> Experiment:
         (offer, *_) = tasks.survey(CASE, name)
         for rung, setting in enumerate(offer.settings[:6], 1):
             runs.append(tasks.perform(CASE, name, offer.route, setting, rung, truth))
-    assert {run.outcome for run in runs} <= {"right", "wrong"}
+    assert {run.outcome for run in runs} <= {"answered"}
     return Experiment((CASE,), {CASE.label: truth}, tuple(runs), 1.0, {REFERENCE: "1", SOUND: "2"})
 
 

@@ -73,7 +73,7 @@ def test_what_was_run_is_not_run_again_and_a_changed_setting_alone_is(fake):
     again = fake(["wait 1", "wait 2", "nan", "never rolls"])
     assert fake_adapter.runs_in(fake.folder) == ["wait 1", "wait 2", "nan", "never rolls"]
     assert all(identical(first[setting], again[setting]) for setting in first)
-    assert [run.outcome for run in again.values()] == ["right", "right", "crashed", "wrong"]
+    assert [run.outcome for run in again.values()] == ["answered", "answered", "crashed", "answered"]
     changed = fake(["wait 3", "wait 1", "nan"])
     assert fake_adapter.runs_in(fake.folder)[4:] == ["wait 3"]
     assert [run.rung for run in changed.values()] == [1, 2, 3]
@@ -101,7 +101,7 @@ def test_what_ran_out_of_time_is_run_again_only_when_it_has_more(fake):
         assert "still running after 1 s" in runs["until told"].reason and "not tried" in runs["wait 1"].reason
     assert fake_adapter.runs_in(fake.folder) == ["wait 2"]
     longer = fake(["until told", "wait 1"], limit=30.0)
-    assert [run.outcome for run in longer.values()] == ["right", "right"]
+    assert [run.outcome for run in longer.values()] == ["answered", "answered"]
 
 
 def test_a_crash_is_kept_and_what_the_machine_lacked_is_not(fake):

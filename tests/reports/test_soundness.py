@@ -57,25 +57,26 @@ def with_transition_at(time: float):
 @pytest.mark.parametrize(
     "read, outcome, reason",
     [
-        (teleported, "wrong", "jumps by 5 m"),
-        (gone, "wrong", "strays"),
-        (begun_late, "wrong", "begins at 0.11"),
-        (with_a_hole, "wrong", "tells nothing between"),
-        (lambda case: bowling(case, last=0.6), "wrong", "ends at"),
+        (teleported, "answered", "jumps by 5 m"),
+        (gone, "answered", "strays"),
+        (begun_late, "answered", "begins at 0.11"),
+        (with_a_hole, "answered", "has no samples between"),
+        (lambda case: bowling(case, last=0.6), "answered", "ends at"),
         (lambda case: changed(bowling(case), x=(7, 1e300)), "crashed", "beyond all sizes"),
         (lambda case: changed(bowling(case), slip=(7, np.inf)), "crashed", "not finite"),
         (with_transition_at(np.nan), "crashed", "transition's time is nan"),
     ],
 )
-def test_what_is_no_whole_motion_is_never_right(monkeypatch, line, read, outcome, reason):  # noqa: F811
+def test_a_motion_that_is_not_whole_is_never_excellent(monkeypatch, line, read, outcome, reason):  # noqa: F811
     run: Run = performed(monkeypatch, line, read)
     assert run.outcome == outcome and reason in run.reason
+    assert run.grade in (("rough", "poor", "unusable") if outcome == "answered" else ("",)), run.score
 
 
-def test_the_same_motions_untouched_are_right(monkeypatch, line):  # noqa: F811
+def test_the_same_motions_untouched_are_excellent(monkeypatch, line):  # noqa: F811
     time = 1.0 / (3 * 0.1 * 9.81)
     for read in (bowling, with_transition_at(time), lambda case: bowling(case, samples=3000)):
-        assert performed(monkeypatch, line, read).outcome == "right"
+        assert performed(monkeypatch, line, read).grade == "excellent"
 
 
 def accusations(case, folder) -> list[str]:

@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 KEY = {"case": "c", "setting": ["h", "0.1"]}
 ROW = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 1 / 3, 1 / 7, 1 / 3 - 1 / 7, "paired")
 RUN = Run(
-    "c", "s", "r", Setting.of(h=0.1), 2, "right", "", "completed", "slip_forward", (ROW,), (float("nan"),),
+    "c", "s", "r", Setting.of(h=0.1), 2, "answered", "", "completed", "slip_forward", (ROW,), (float("nan"),),
     Distance(1e-300, 2.0, 3.0, 4.0, 5.0, float("inf")), Cost(cpu_s=1 / 9, steps=7),
     {"t": np.linspace(0.0, 1.0, 50), "slip": np.full(50, np.nan)}, {"centre": np.geomspace(1e-17, 1.0, 50)}, "today",
 )  # fmt: skip

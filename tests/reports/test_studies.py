@@ -41,8 +41,8 @@ HUNG = CallResult("timed_out", reason="It hung.")
 WHO = (0, "engine", "native")
 # Of each study what it may have found where next to nothing came of it.
 FOUND = {
-    "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.StageResult("refused")}, {})],
-    "error_parts": [error_parts.ErrorCell(CASE.label, "engine", "native", Setting.of(), "refused", "No such curve.")],
+    "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.StageResult("unsupported")}, {})],
+    "error_parts": [error_parts.ErrorCell(CASE.label, *WHO[1:], Setting.of(), "unsupported", "No such curve.")],
     "formulations": [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations._nothing("crashed", "")],
     "maps": [
         Map(*who, AREA, {0: parts.failure_text(SweepWork(AREA, *who), 0, "crashed", "It blew up.")}) for who in ROUTES
@@ -55,7 +55,7 @@ FOUND = {
         reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [HUNG]),
         [reference_cost._cold_row("disc_on_line", HUNG)],
     ),
-    "settings": [settings.SettingCell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "right", 1.0, (1e-3, 1e-2))],
+    "settings": [settings.SettingCell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "answered", 1.0, 1e-3)],
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.failure(CASE, "engine", "native", "It hung."),)
     ),

@@ -8,7 +8,7 @@ import pytest
 import cases
 from adapters import EngineFailure, Setting
 from cases import Mode, NotSupported, State, Trajectory, Transition
-from reports.page.text import error_text
+from reports.page.text import first_error_text
 from reports.running import tasks
 from reports.running.records import Run, first_error
 
@@ -66,15 +66,16 @@ def test_truth_of_bowling_is_the_textbook_time(line):
 
 def test_exact_motion_is_right_to_rounding(monkeypatch, line):
     run = performed(monkeypatch, line, bowling)
-    assert (run.outcome, run.reason) == ("right", "")
+    assert (run.outcome, run.grade, run.sequence) == ("answered", "excellent", "same sequence")
+    assert run.score.off <= run.score.doubt + 1e-12
     assert abs(first_error(run)) < 1e-13
     assert max(run.distance) < 1e-13
 
 
-def test_late_transition_is_right_with_its_error_told(monkeypatch, line):
+def test_late_transition_has_its_error_in_the_ledger(monkeypatch, line):
     run = performed(monkeypatch, line, lambda case: bowling(case, delay=2e-3))
-    assert run.outcome == "right"
     assert first_error(run) == pytest.approx(2e-3, abs=1e-9)
+    assert run.score.mode == pytest.approx(2e-3 / line[1].scale.time, rel=1e-3)
 
 
 def slipping_for_ever(case) -> Trajectory:
@@ -85,13 +86,13 @@ def slipping_for_ever(case) -> Trajectory:
 @pytest.mark.parametrize(
     "read, reason",
     [
-        (slipping_for_ever, "1 missed (slip_forward to roll)"),
+        (slipping_for_ever, "another sequence of modes"),
         (lambda case: bowling(case, last=0.6), "ends at"),
     ],
 )
-def test_motion_of_another_kind_is_wrong_with_a_reason(monkeypatch, line, read, reason):
+def test_motion_of_another_kind_has_a_bad_grade_with_a_reason(monkeypatch, line, read, reason):
     run = performed(monkeypatch, line, read)
-    assert run.outcome == "wrong" and reason in run.reason
+    assert run.outcome == "answered" and run.grade in ("poor", "unusable") and reason in run.reason
 
 
 def with_nan(case) -> Trajectory:
@@ -113,7 +114,7 @@ def failing(error):
         (with_nan, "crashed", "not finite"),
         (failing(EngineFailure("Newton gave up")), "crashed", "Newton gave up"),
         (failing(ZeroDivisionError("by zero")), "crashed", "ZeroDivisionError: by zero"),
-        (failing(NotSupported("no curves here")), "refused", "no curves here"),
+        (failing(NotSupported("no curves here")), "unsupported", "no curves here"),
     ],
 )
 def test_failing_engines_give_rows(monkeypatch, line, read, outcome, reason):
@@ -152,7 +153,7 @@ def test_transitions_of_a_solver_that_locates_them_are_taken_as_they_are(line):
 def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, line):
     monkeypatch.setattr(tasks, "solver", lambda name: fake_engine(bowling, routes=("native", "shy")))
     native, shy = tasks.survey(line[0], "fake")
-    assert native.settings and (shy.outcome, shy.reason) == ("refused", "it cannot")
+    assert native.settings and (shy.outcome, shy.reason) == ("unsupported", "it cannot")
 
     def missing(name):
         raise ImportError("No module named 'fake'")
@@ -167,8 +168,8 @@ def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, li
 
 def test_no_more_is_claimed_than_the_truth_allows():
     row = dict(
-        is_truth=False, finest_first_error=3e-15, finest_outcome="right", transitions_true=1, truth_error_bar=1e-12
+        is_truth=False, finest_first_error=3e-15, finest_outcome="answered", transitions_true=1, truth_error_bar=1e-12
     )
-    assert error_text(row, "finest") == "< 1.0e-12"
-    assert error_text({**row, "finest_first_error": -3e-5}, "finest") == "-3.0e-05"
-    assert error_text({**row, "finest_first_error": float("nan")}, "finest") == "missed"
+    assert first_error_text(row, "finest") == "first: < 1.0e-12 s"
+    assert first_error_text({**row, "finest_first_error": -3e-5}, "finest") == "first: -3.0e-05 s"
+    assert first_error_text({**row, "finest_first_error": float("nan")}, "finest") == "first: missed"

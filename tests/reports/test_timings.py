@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import cases
 from adapters import Setting, lookup
 from cases import Cost, Mode, Transition
+from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
 from reports.running.storage.result_store import Store
 from reports.running.timing import clock, cold_start, time_breakdown, timings
@@ -176,13 +177,14 @@ def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(e
 # --- what is timed ----------------------------------------------------------------------------------------------------
 
 
-def run_of(case, solver="pymunk", cost=1.0, rung=1, outcome="right", route="native") -> Run:
+def run_of(case, solver="pymunk", cost=1.0, rung=1, outcome="answered", route="native", off=0.01) -> Run:
     took = Cost(wall_s=0.01 * cost, setup_s=0.02 * cost)
-    return Run(case.label, solver, route, Setting.of(cost=cost), rung, outcome, cost=took)
+    score = Score(off, 0.0, off, 0.0, 0.0, 0.0, 0.0, 1e-3, False) if outcome == "answered" else None
+    return Run(case.label, solver, route, Setting.of(cost=cost), rung, outcome, cost=took, score=score)
 
 
 def experiment(*given, runs=None, events=None) -> Experiment:
-    """Cases with ladders of six right runs, if nothing else is said; `events` of each."""
+    """Cases with ladders of six usable runs by default; `events` of each."""
     ladders = [run_of(case, cost=1.0 + rung, rung=rung) for case in given for rung in range(1, 7)]
     truths = {
         case.label: Truth(transitions=(Transition(1.0, Mode.SLIDE, Mode.ROLL),) * (events or {}).get(case.label, 1))
@@ -196,9 +198,9 @@ def named(count: int, family: str = "") -> list[cases.Case]:
     return [replace(LINES[0], name=family or f"family_{i}", parameters={"mu": i / 100}) for i in range(count)]
 
 
-def test_contestants_are_the_right_runs_of_engines_that_the_clock_can_see(monkeypatch):
+def test_contestants_are_the_usable_runs_of_engines_that_the_clock_can_see(monkeypatch):
     runs = [
-        run_of(LINES[0], cost=1.0), run_of(LINES[0], cost=2.0, outcome="wrong"), run_of(LINES[0], "outside", 3.0),
+        run_of(LINES[0], cost=1.0), run_of(LINES[0], cost=2.0, off=0.6), run_of(LINES[0], "outside", 3.0),
         run_of(LINES[1], cost=4.0), run_of(LINES[0], cost=5.0, outcome="crashed"),
     ]  # fmt: skip
     monkeypatch.setattr(timings, "executables", lambda: {"outside": None})

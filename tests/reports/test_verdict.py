@@ -9,26 +9,28 @@ import pytest
 
 from adapters import Setting, our_part
 from reports.analysis import verdict
-from reports.judging.score import Score
+from reports.judging.friction_factor import Losses
+from reports.judging.score import Scale, Score
 from reports.running.experiment import _our_parts
 from reports.running.records import Experiment, Offer, Run, Truth
 
 DEFAULTS, FINE = Setting.of(rung="defaults"), Setting.of(h=1e-4)
-TRUTHS = {"a": Truth(friction_sensitivity=0.01), "b": Truth(friction_sensitivity=0.02)}
+SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction")
+TRUTHS = {"a": Truth(friction_sensitivity=0.01, scale=SCALE), "b": Truth(friction_sensitivity=0.02, scale=SCALE)}
 # At the edge of the limit, below it, and without a truth.
 OTHERS = {
-    "edge": Truth(friction_sensitivity=1e-5),
-    "free": Truth(friction_sensitivity=9e-6),
+    "edge": Truth(friction_sensitivity=1e-5, scale=SCALE),
+    "free": Truth(friction_sensitivity=9e-6, scale=SCALE),
     "none": Truth(failure="-"),
 }
 
 
 def run(case, solver, route, off, setting=FINE, friction=nan) -> Run:
     score = Score(off, 0.0, off, 0.0, 0.0, nan, 0.0, 1e-3, False)
-    return Run(case, solver, route, setting, 1, "right", score=score, friction_factor=friction)
+    return Run(case, solver, route, setting, 1, "answered", score=score, friction_factor=friction)
 
 
-def refused(case, solver, route, outcome="refused") -> Run:
+def unanswered(case, solver, route, outcome="unsupported") -> Run:
     return Run(case, solver, route, Setting.of(), 0, outcome)
 
 
@@ -67,7 +69,7 @@ def test_only_engines_by_themselves_are_ranked_and_the_reference_is_not_there():
 
 def test_a_case_without_an_answer_counts_as_ignoring_friction():
     rows = table(
-        run("a", "easy", "native", 1e-4), refused("b", "easy", "native"),
+        run("a", "easy", "native", 1e-4), unanswered("b", "easy", "native"),
         run("a", "all", "native", 1e-3), run("b", "all", "native", 1e-3),
     )  # fmt: skip
     assert [row["solver"] for row in rows] == ["all", "easy"]
@@ -76,12 +78,12 @@ def test_a_case_without_an_answer_counts_as_ignoring_friction():
     assert "1 unsupported" in verdict.cells(easy)["answered"][1]
 
 
-@pytest.mark.parametrize("outcome, column", [("refused", "unsupported"), ("crashed", "crashed"), ("timed_out",) * 2])
-def test_every_case_without_an_answer_is_counted_by_its_outcome(outcome, column):
-    (row,) = table(refused("a", "one", "native", outcome), run("b", "one", "native", 0.1))
+@pytest.mark.parametrize("outcome", ["unsupported", "crashed", "timed_out"])
+def test_every_case_without_an_answer_is_counted_by_its_outcome(outcome):
+    (row,) = table(unanswered("a", "one", "native", outcome), run("b", "one", "native", 0.1))
     assert {name: row[name] for name in ("unsupported", "crashed", "timed_out")} == {
         "unsupported": 0, "crashed": 0, "timed_out": 0
-    } | {column: 1}  # fmt: skip
+    } | {outcome: 1}  # fmt: skip
 
 
 def test_default_settings_and_the_finest_are_apart_and_friction_is_the_farthest_from_one():

@@ -34,10 +34,10 @@ _FACES: dict[str, dict[str, Any]] = {
 _WORDS = (
     "Hard scenes, solver by solver",
     "Each cell is one route at its finest setting run; the narrow strip at its left is the engine with default "
-    "settings. The colour is the grade; the number is off, the error as a share of the error of ignoring friction. Next "
+    "settings. The colour is the grade; the number is off, the error as a share of that of ignoring friction. Next "
     "to the case: the condition number of the paper's matrix in the plate's own units, and the displacement of the "
-    "centre, as a fraction of its path, by one unit in the last place of the inputs. Chaotic scenes, in which that unit "
-    "decides the outcome, are not ranked.",
+    "centre, as a fraction of its path, by one unit in the last place of the inputs. Chaotic scenes, in which that "
+    "unit decides the outcome, are not ranked.",
 )
 _STEP_WORDS = (
     "The step at which an engine becomes unstable",
