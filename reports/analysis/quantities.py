@@ -13,13 +13,13 @@ from ..running.records import Run, Truth, first_error
 # Unit of each quantity's error. Off is a share of the error of ignoring friction's law (`judging.score`); force and
 # energy are relative to the true motion's own (`distances.differences`).
 UNITS = {
-    "off": "1",
+    "off": "share",
     "first_transition_time": "s",
     "all_transitions": "s",
     "final_pose": "m",
     "centre_rms": "m",
-    "normal_force_mean": "part",
-    "energy_mean": "part",
+    "normal_force_mean": "share",
+    "energy_mean": "share",
 }
 # An error below this many error bars of the truth is not reported.
 ABOVE = 10.0

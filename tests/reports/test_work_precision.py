@@ -304,8 +304,8 @@ def test_first_sentence_says_who_is_cheaper_by_what_once_and_a_thousand_times():
     said, answers, _ = answered(REFERENCE, ENGINE, cold={"reference": 0.4, "a": 0.05})
     assert said.first == (
         "Called from Python, within 1 % in disc_on_line[mu=0.1]: the first run takes 50 ms with a r and 400 ms with "
-        "reference r (a r is faster, by 8 ×); 1,000 runs take 1.4 s with reference r and 100 s with a r (reference r is "
-        "faster, by 71 ×)."
+        "reference r (a r is faster, by 8 ×); 1,000 runs take 1.4 s with reference r and 100 s with a r (reference r "
+        "is faster, by 71 ×)."
     )
     # 0.35 s more from cold, 0.099 s less a run: after 3.5 further runs.
     assert "The reference is faster there from 5 runs on." in said.rest
