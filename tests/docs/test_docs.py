@@ -14,7 +14,7 @@ import reference
 from cases import registry
 from cases.pictures import animation
 from reports import options, publish
-from reports.analysis import time_to_accuracy
+from reports.analysis import levels, time_to_accuracy
 from reports.analysis.columns import COLUMNS
 from reports.judging.grades import LIMITS
 from reports.running.records import REFERENCE
@@ -91,12 +91,14 @@ def test_the_site_leaves_no_page_out():
         assert page.suffix not in (".md", ".ipynb") or f": {page.name}\n" in told, page.name
 
 
-def test_the_page_on_reports_lists_every_value_of_award_and_names_columns_and_tables_that_exist():
+def test_the_page_on_reports_lists_every_value_of_reached_and_names_columns_and_tables_that_exist():
     page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
-    values = {v for n, v in vars(time_to_accuracy).items() if n.isupper() and isinstance(v, str)} - {REFERENCE}
+    names = vars(levels) | vars(time_to_accuracy)
+    values = {v for n, v in names.items() if n.isupper() and isinstance(v, str)} - {REFERENCE, levels.HOLDS}
     assert set(re.findall(r"^\| `([^`]+)` \|", page, flags=re.M)) == values
-    # The last release has no verdict: it is new in 0.2.0.
-    tables = {path.name for path in (publish.releases()[-1] / "tables").iterdir()} | {"left_out.csv", "verdict.csv"}
+    # New since the last release.
+    new = {"left_out.csv", "verdict.csv", "levels.csv"}
+    tables = {path.name for path in (publish.releases()[-1] / "tables").iterdir()} | new
     assert {name for name in re.findall(r"(\w+\.csv)", page)} <= tables
     columns = set(re.findall(r"`([a-z]+(?:_[a-z]+)+)`", page))
     assert columns and columns <= COLUMNS.keys() | {"timed_out"}

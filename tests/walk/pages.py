@@ -73,8 +73,8 @@ CHECK = Step(
 )
 ACCEPTED = Step("pytest --case-file=my_valley.py", (r"my_valley", r"verdict: all \d+ checks are within"), clone=True)
 REPORT = ("report/index.html", "report/manifest.json", "report/tables/transitions.csv")
-BUILT = (r"^1 case, \d+ runs in \d+ s: \d+ right", r"/report/index\.html$")
-RIGHT = r"^ *pymunk assisted +1 of 1 .* excellent "
+BUILT = (r"^1 case, \d+ runs in \d+ s: \d+ answered \(", r"/report/index\.html$")
+ASSISTED = r"^ *pymunk assisted +1 of 1 .* excellent "
 EXPORTED = Step(
     "python -m cases export disc_in_circle mu=0.2",
     (r"^written: disc_in_circle/scene\.json$", r"^written: disc_in_circle/motion\.csv$"),
@@ -83,7 +83,7 @@ EXPORTED = Step(
 COMPARED = Step(
     'python -m reports.compare "disc_in_circle[mu=0.2]" disc_in_circle/motion.csv',
     (
-        r"^motion\.csv on disc_in_circle\[mu=0\.2\]: right$",
+        r"^motion\.csv on disc_in_circle\[mu=0\.2\]: off .*: excellent; friction × 1; ",
         r"slip_forward\s+roll\s+0\.630053",
         r"^Laws broken\nnone$",
     ),
@@ -105,7 +105,7 @@ WALK = {
                 "python -m reports.build --quick --engine ./my_engine",
                 (
                     r"^ *(\d\. )?my_engine process +1 of 3 ",
-                    r"^3 cases, \d+ runs in \d+ s: \d+ right",
+                    r"^3 cases, \d+ runs in \d+ s: \d+ answered \(",
                     r"/report/index\.html$",
                 ),
                 REPORT,
@@ -113,7 +113,7 @@ WALK = {
             ),
             NEW,
             CHECK,
-            Step("python -m reports.build --quick --case-file my_valley.py", (RIGHT, *BUILT), REPORT),
+            Step("python -m reports.build --quick --case-file my_valley.py", (ASSISTED, *BUILT), REPORT),
         ),
         MY_ENGINE,
     ),
@@ -128,7 +128,11 @@ WALK = {
             ),
             Step("python -m reports.animate my_valley", (r"s of animation.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
             ACCEPTED,
-            Step("python -m reports.build --case-file my_valley.py", (RIGHT, r"trust pymunk assisted", *BUILT), REPORT),
+            Step(
+                "python -m reports.build --case-file my_valley.py",
+                (ASSISTED, r"^Most accurate of the engines shown", *BUILT),
+                REPORT,
+            ),
             Step(
                 "python -m reports.study effect_costs",
                 (r"^written: .*effect_costs/effect_costs\.csv$",),
@@ -142,7 +146,7 @@ WALK = {
             COMPARED,
             Step(
                 'python -m reports.build --case "disc_in_circle[mu=0.2]" --trajectory mine=disc_in_circle/motion.csv',
-                (RIGHT, r"^ *(\d\. )?mine file +1 of 1 .* excellent ", *BUILT),
+                (ASSISTED, r"^ *(\d\. )?mine file +1 of 1 .* excellent ", *BUILT),
                 REPORT,
             ),
             Step(
@@ -153,7 +157,7 @@ WALK = {
         )
     ),
     "architecture.md": Page(
-        (Step('python -m reports.build --case "disc_in_circle[mu=0.2]"', (RIGHT, *BUILT), REPORT),)
+        (Step('python -m reports.build --case "disc_in_circle[mu=0.2]"', (ASSISTED, *BUILT), REPORT),)
     ),
     "cluster.md": Page(
         (
@@ -200,7 +204,7 @@ WALK = {
             Left(".venv/bin/python -m reports.build", CLONE),
             Left(".venv/bin/python -m pytest", CLONE),
             Left('pipx install ".[taylor]"', "the walk installs the wheel in an environment of its own"),
-            Step("slip-to-roll report --quick", (r"^3 cases, \d+ runs in \d+ s: \d+ right",), REPORT),
+            Step("slip-to-roll report --quick", (r"^3 cases, \d+ runs in \d+ s: \d+ answered \(",), REPORT),
             Step("slip-to-roll completion bash", (r"^complete -o default -F _slip_to_roll slip-to-roll$",)),
             Left("python -m reports.build", WHOLE),
         )
@@ -253,7 +257,7 @@ WALK = {
                 "python -m reports.compare_builds report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
                 "it reads the report above",
             ),
-            Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs in \d+ s: \d+ right",), REPORT),
+            Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs in \d+ s: \d+ answered \(",), REPORT),
             Step(
                 "python -m reports.study stability --paper",
                 (r"stability/stability\.csv",),
@@ -272,12 +276,12 @@ WALK = {
             Step('python -m cases export "disc_in_circle[mu=0.2]"', EXPORTED.prints, EXPORTED.writes),
             Step(
                 "python -m reports.submit submissions/my_engine/2.1.0",
-                (r"^my_engine 2\.1\.0, by Ada Example", r"disc_in_circle\[mu=0\.2\] +right +4 +0 +0"),
+                (r"^my_engine 2\.1\.0, by Ada Example", r"disc_in_circle\[mu=0\.2\] +answered +excellent "),
                 before='cp disc_in_circle/motion.csv "submissions/my_engine/2.1.0/disc_in_circle[mu=0.2].csv"',
             ),
             Step(
                 'python -m reports.build --case "disc_in_circle[mu=0.2]" --submissions submissions',
-                (RIGHT, r"^ *my_engine 2\.1\.0 .*", *BUILT),
+                (ASSISTED, r"^ *my_engine 2\.1\.0 .*", *BUILT),
                 REPORT,
             ),
         ),
