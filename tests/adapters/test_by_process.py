@@ -148,7 +148,7 @@ def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
 @node
 def test_the_engine_on_the_page_is_right_and_its_cost_is_what_it_says(registered):
     found = row(registered("my_engine", example()))
-    assert (found.outcome, found.grade) == ("answered", "good"), found.reason  # 100 steps a second
+    assert (found.outcome, found.grade) == ("answered", "good"), found.reason
     assert abs(found.ledger[0].error) < 2e-3  # its step is 1e-3 s
     assert found.cost.cpu_s > 0.0 and found.cost.steps == round(cases.load(LINE).duration / found.setting["h"])
 
