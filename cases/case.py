@@ -93,9 +93,9 @@ class Case:
         return f"<Case {self.label}: {self.plate} on {self.track}; {acting}; {start}; {self.duration:g} s>"
 
     def _repr_html_(self) -> str:
-        from .pictures import html
+        from .pictures import notebook_html
 
-        return html.of_case(self)
+        return notebook_html.of_case(self)
 
     @property
     def effects_text(self) -> str:

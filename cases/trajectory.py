@@ -211,9 +211,9 @@ class Trajectory:
         return f"<Trajectory{self.case and f' of {self.case.label}' or ''}: {self.in_words()}{changes}>"
 
     def _repr_html_(self) -> str:
-        from .pictures import html
+        from .pictures import notebook_html
 
-        return html.of_motion(self)
+        return notebook_html.of_motion(self)
 
     def in_words(self) -> str:
         """The modes one after the other with their durations, and how the motion ends: "slides forward for 0.34 s,

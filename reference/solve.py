@@ -22,7 +22,7 @@ from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, simulate_phases, undecidab
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, kinds, phase, senses, start_state, state_in
-from .minimal.overlap import until_second_contact
+from .minimal.second_contacts import until_second_contact
 
 
 def _prepare_dop853(phase: Phase, rtol: float) -> None:

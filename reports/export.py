@@ -1,6 +1,6 @@
 """`python -m cases export NAME [mu=0.3 …] [--out DIR]`: write a case as data for other tools.
 
-Writes scene.json (`adapters.by_process.scene`, the input of executables, with the true transitions and their error
+Writes scene.json (`adapters.by_process.scene_file`, the input of executables, with the true transitions and their error
 bars), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion, motion.csv.
 """
 
@@ -34,7 +34,7 @@ def run(words: Sequence[str]) -> None:
 
 def export(case: Case, folder: Path, replace: bool = True) -> list[Path]:
     """Write a case into a folder; returns the files. Without `replace`, raises FileExistsError if one exists."""
-    from adapters.by_process.scene import as_json, curve_samples, scene
+    from adapters.by_process.scene_file import as_json, curve_samples, scene
 
     data = {**scene(case), **truth(case)}
     folder.mkdir(parents=True, exist_ok=True)

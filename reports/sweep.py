@@ -85,24 +85,24 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
     from .drawing.figure_files import embed_command
     from .running.processes import cluster
     from .running.processes.progress import Display
-    from .sweeping import boundary_search, maps, run
-    from .sweeping.folder import Folder
+    from .sweeping import boundary_search, computation, maps
+    from .sweeping.sweep_folder import Folder
 
     out = options.check_out(arguments.out, lambda path: Folder(path, arguments.fresh))
     if arguments.dask is not None:
         cluster.check(arguments.dask)
 
-    ways = {name: run.routes_of(name) for name in solvers}  # raises for an engine that is not installed
+    ways = {name: computation.routes_of(name) for name in solvers}  # raises for an engine that is not installed
     folder = Folder(out, arguments.fresh)
-    with folder.exclusive(run.sweep_identity(plan, arguments.certify)):
+    with folder.exclusive(computation.sweep_identity(plan, arguments.certify)):
         folder.record({"command": command})
         try:
             with Display() as display:
-                machines = run.Machines(jobs, arguments.dask, display)
-                new_count = run.run_reference(plan, folder, arguments.certify, machines)
+                machines = computation.Machines(jobs, arguments.dask, display)
+                new_count = computation.run_reference(plan, folder, arguments.certify, machines)
                 engines: dict[str, str] = {}
                 for name in solvers:
-                    engines |= run.run_engine(plan, folder, name, ways[name], machines)
+                    engines |= computation.run_engine(plan, folder, name, ways[name], machines)
             edges = boundary_search.search_and_write(plan, folder, width) if width is not None else None
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"finished rows are in {out}; give the same command to continue") from None
@@ -113,7 +113,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
                 embed_command(place, figure, command)
     for figure in pictures:
         print(f"{figure.title}: {out / f'{figure.name}.svg'}")
-    print(f"{len(plan)} scenarios of {plan.name}, {new_count} of them made now; rows: {out / run.ROWS}")
+    print(f"{len(plan)} scenarios of {plan.name}, {new_count} of them made now; rows: {out / computation.ROWS}")
     for what, count in counts.most_common(12):
         print(f"  {count:>12,}  {what}")
     if edges is not None:

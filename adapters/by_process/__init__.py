@@ -5,7 +5,7 @@
 
 from .bundle import FOLDER, BundledEngine, adapter_of, bundled_engines
 from .engine import Engine
-from .scene import SCHEMA, VERSION, as_json, scene
+from .scene_file import SCHEMA, VERSION, as_json, scene
 
 __all__ = [
     "FOLDER",

@@ -21,7 +21,7 @@ from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
 
 from ..common import motion_file, supervision
 from ..interface import EngineFailure, Setting
-from .scene import as_json, scene
+from .scene_file import as_json, scene
 
 # With fewer, transitions lie between samples that are too far apart to extrapolate from.
 FEWEST_STEPS = 60

@@ -17,8 +17,7 @@ from PIL import Image
 
 from ..errors import BadValue, positive, unknown_name
 from ..owned_folder import atomic_path
-from . import MADE_BY, layout
-from . import scene as scenes
+from . import MADE_BY, drawn_scene, layout
 from .layout import DrawnScene
 from .plots import LABELS, MODE_WORDS, mark_transitions
 from .style import FAINT, FORCE, PLATE, Picture, apply_style
@@ -156,7 +155,7 @@ def _room(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> None
     room = 0.3 * reach
     ax.set_xlim(min(X.min(), path[0].min() - reach) - room, max(X.max(), path[0].max() + reach) + room)
     ax.set_ylim(min(Y.min(), path[1].min() - reach) - room, max(Y.max(), path[1].max() + reach) + room)
-    scenes.finish(ax, scene)
+    drawn_scene.finish(ax, scene)
 
 
 def _round_factor(lasts: float) -> float:

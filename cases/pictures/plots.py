@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import unknown_name
-from . import scene as scenes
+from . import drawn_scene
 from .layout import DrawnScene, Instant, instants
 from .style import FAINT, PLATE, Picture, apply_style
 
@@ -71,7 +71,7 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
 def _scene(ax: Any, scene: DrawnScene, motion: Any, times: np.ndarray, state: Any) -> None:
     samples = instants(times, [t.time for t in motion.transitions][:6])
     poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
-    scenes.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses)
+    drawn_scene.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses)
     ax.set_title(scene.label, loc="left", fontweight="bold")
 
 

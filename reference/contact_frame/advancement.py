@@ -22,8 +22,8 @@ import numpy as np
 from cases import Curve
 
 from .distance import PointDistances, TrackDistance
-from .moving import Limits, Motion, limits
 from .pairs import Touch
+from .plate_motion import Limits, Motion, limits
 from .stretches import Stretches, halves
 
 # Number of stretches (the earliest) that advance at once; rounds per motion, each about a millisecond.

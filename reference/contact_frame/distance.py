@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .equations import ContactScene
-from .moving import Limits
+from .plate_motion import Limits
 from .stretches import Stretches, evenly
 
 # Least number of outline points (Newton's method starts from the nearest of them), and the number of its steps.

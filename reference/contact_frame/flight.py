@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 
 from .advancement import TooManyRounds
 from .equations import ContactScene
-from .moving import Motion, limits
 from .pairs import Touch, polish, refine
+from .plate_motion import Motion, limits
 from .steps import FrequencyLimitedDOP853, StepFailure, WorkBudget, WorkLimit
 from .surroundings import Surroundings
 

@@ -13,8 +13,8 @@ from . import bouncing, flight, impact, short_flights
 from .bouncing import Bounce
 from .equations import ContactPhase, leaves
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, LiftOff, MotionState
-from .moving import Motion, limits
 from .pairs import Touch, frame
+from .plate_motion import Motion, limits
 
 # An impact after which the plate flies is listed if it closes with at least this part of the greatest closing speed
 # since the plate last lay on its track; slower ones belong to bouncing that comes to rest.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .equations import ContactScene
-from .moving import Motion
+from .plate_motion import Motion
 
 # Steps of Newton's method; its largest distance from the starting point, in plate's sizes; and its required final error
 # in roundings of a position.

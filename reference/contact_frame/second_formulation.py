@@ -23,7 +23,7 @@ from . import flight_guards
 from .advancement import TooManyRounds
 from .equations import ContactPhase, leaves, lets_go, rates
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
-from .overlap import Overlaps
+from .second_contacts import Overlaps
 from .steps import FrequencyLimitedDOP853, StepFailure
 
 # The rows of an answer's `motions`.

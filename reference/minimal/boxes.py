@@ -14,23 +14,7 @@ import numpy as np
 
 from cases import Case, Curve
 
-from .pieces import (
-    ABOVE,
-    AHEAD,
-    BACK,
-    BELOW,
-    BEND_HIGH,
-    BEND_LOW,
-    HIGH,
-    LOW,
-    REACH,
-    TURN,
-    TX,
-    TY,
-    Pieces,
-    X,
-    Y,
-)
+from .curve_pieces import ABOVE, AHEAD, BACK, BELOW, BEND_HIGH, BEND_LOW, HIGH, LOW, REACH, TURN, TX, TY, Pieces, X, Y
 from .windows import EPS, Windows
 
 # Roundings in the gap, which is computed from places in some tens of operations.

@@ -11,9 +11,9 @@ import numpy as np
 from cases import Case, Curve, DoesNotFit
 from cases.contact import Contact, find
 
+from .curve_pieces import TooMuch
 from .impact import ContactVelocity
 from .integrators.segment import Segment
-from .pieces import TooMuch
 
 # Limit on gap evaluations (looks) in one motion: about twenty seconds.
 MOST_LOOKS = 300_000

@@ -12,6 +12,7 @@ from cases import Case, DoesNotFit, Flight, Impact, Mode, PerfectlyRough, Trajec
 from cases.contact import pose, start_motion
 
 from .bouncing import Bounces
+from .curve_pieces import TooMuch
 from .decision import Undecidable, decide
 from .elimination import Elimination
 from .grazing import over_touch
@@ -34,7 +35,6 @@ from .modes import (
     without_slip,
     without_turning,
 )
-from .pieces import TooMuch
 from .scales import frequency
 from .series import EPS
 

@@ -1,9 +1,9 @@
 """Landings: the first instant of a flight at which the outline meets the track again, at any place.
 
 The flight itself is integrated like any phase, without regard to the track. If the curvatures allow only one pair of
-nearest points (`room`), that pair is followed in steps: bounds on the gap's rate and its changes exclude a zero until
-the next step. Otherwise, or if that pair is lost, boxes of time, track and outline are searched (`meetings`). A flight
-that ends before the first of these steps is a hop (`short_flights`).
+nearest points (`curvature_proof`), that pair is followed in steps: bounds on the gap's rate and its changes exclude a
+zero until the next step. Otherwise, or if that pair is lost, boxes of time, track and outline are searched
+(`meetings`). A flight that ends before the first of these steps is a hop (`short_flights`).
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from cases.contact import Contact, pose
 from cases.overlap import span
 
 from .boxes import Cores
-from .cores import cores
+from .contact_cores import cores
+from .curvature_proof import Room, room
 from .gap import Look, Looks, facing, state, touch
 from .impact import ContactVelocity
 from .integrators.segment import Segment
 from .meetings import Meeting, MeetingSearch
-from .room import Room, room
 from .series import EPS
 from .short_flights import first_look
 from .windows import DEGREE, PARABOLA, Windows, windows

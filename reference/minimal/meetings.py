@@ -16,7 +16,7 @@ import numpy as np
 from cases import Case
 
 from .boxes import Bounds, Boxes, Cores, Geometry
-from .pieces import HIGH, LOW, REACH, Pieces, TooMuch, X, Y
+from .curve_pieces import HIGH, LOW, REACH, Pieces, TooMuch, X, Y
 from .windows import EPS, Windows
 
 # Limit on boxes in one motion: half a minute.

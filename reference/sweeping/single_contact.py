@@ -14,7 +14,7 @@ from cases import Case, Curve, Gravity, Load
 from cases.geometry import pose
 from cases.overlap import first_overlap
 
-from ..minimal.room import fits, fits_everywhere
+from ..minimal.curvature_proof import fits, fits_everywhere
 from .geometry import energy, places
 from .scenario_values import ScenarioGroup
 

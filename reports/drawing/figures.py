@@ -16,8 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cases import Case
-from cases.pictures import plots
-from cases.pictures import scene as scenes
+from cases.pictures import drawn_scene, plots
 from cases.pictures.layout import Instant, instants
 
 from ..running import per_solver
@@ -305,6 +304,6 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
     shades = instants(samples["t"], [t.time for t in truth.transitions])
     poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in shades]
-    scenes.draw(ax, case.scene, np.array([x, y]), xi1, poses)
+    drawn_scene.draw(ax, case.scene, np.array([x, y]), xi1, poses)
     ax.set_title(case.label, loc="left", fontweight="bold")
     return figure

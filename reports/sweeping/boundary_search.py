@@ -19,8 +19,8 @@ from cases import BadValue
 from reference.sweeping import Plan, table
 
 from . import parts
-from .folder import Folder
 from .maps import kind
+from .sweep_folder import Folder
 
 FILE = "boundary.parquet"
 # Cells per range at the quadtree's last level.

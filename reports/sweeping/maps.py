@@ -25,8 +25,8 @@ from reference.sweeping.table import ARROW, BAD, FAILED
 from ..drawing.figure_files import FigureEntry, save
 from ..drawing.style import AREAS, STYLE, logarithmic
 from . import boundaries
-from .folder import Folder
-from .run import ROWS
+from .computation import ROWS
+from .sweep_folder import Folder
 
 # Largest number of cells per side of a grid's map, and of points in the map of a sampled plan.
 CELLS, POINTS = 500, 20_000

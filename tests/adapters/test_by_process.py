@@ -13,7 +13,7 @@ import cases
 import reference
 from adapters import by_process, lookup
 from adapters.by_process import engine as process
-from adapters.by_process.scene import SCHEMA_FILE
+from adapters.by_process.scene_file import SCHEMA_FILE
 from adapters.common import motion_file
 from adapters.common.facets import visible_span
 from adapters.laws.law_process import AdapterProcess

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import cases
-from adapters.by_process.geometry import mjcf, sdf
-from adapters.by_process.scene import curve_samples, scene
+from adapters.by_process.engine_geometry import mjcf, sdf
+from adapters.by_process.scene_file import curve_samples, scene
 from adapters.common import facets
 from cases import Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc
 from tests.scenes.motions import in_other_parameters, in_other_units, warped

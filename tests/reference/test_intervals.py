@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 import cases
 from cases import Curve
 from cases.library import ellipse
-from reference.minimal import pieces
+from reference.minimal import curve_pieces as pieces
+from reference.minimal.curve_pieces import Pieces, piece_bounds
 from reference.minimal.intervals import Interval, bounds
-from reference.minimal.pieces import Pieces, piece_bounds
 
 INSIDE = np.linspace(0.0, 1.0, 41)[:, None]
 NUMBERS = st.floats(-6.0, 6.0, allow_nan=False)
@@ -83,7 +83,12 @@ def test_a_curve_stays_within_the_bounds_of_its_pieces(name, count):
     table = piece_bounds(curve, edges[:-1], edges[1:])
     s = table[pieces.LOW] + INSIDE * (table[pieces.HIGH] - table[pieces.LOW])
     x, y, xp, yp, xs, ys, _, _ = curve.jets(s.ravel()).reshape(8, *s.shape)
-    dx, dy, tx, ty = x - table[pieces.X], y - table[pieces.Y], table[pieces.TX], table[pieces.TY]
+    dx, dy, tx, ty = (
+        x - table[pieces.X],
+        y - table[pieces.Y],
+        table[pieces.TX],
+        table[pieces.TY],
+    )
     along, across = dx * tx + dy * ty, dy * tx - dx * ty
     turn = np.abs(np.arctan2(yp * tx - xp * ty, xp * tx + yp * ty))
     bend = (xp * ys - yp * xs) / np.hypot(xp, yp) ** 3

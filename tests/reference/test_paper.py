@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 
 from reference.errata import errata
 from reference.paper.equation_list import LINES
 from reports.running.calls import Calls
 from reports.studies import Request
-from reports.studies.paper import figure as drawing
-from reports.studies.paper import measure, study
+from reports.studies import paper as study
 
 PAGE = (Path(__file__).parent.parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
 
@@ -30,7 +30,7 @@ def test_every_numbered_equation_of_the_paper_has_its_line():
     assert [line.number for line in LINES] == list(range(1, 36))
     told = [[f"({n})", says, ", ".join(f"`{place}`" for place in places)] for n, says, places in LINES]
     assert rows_below("Equations") == told
-    assert [[row["equation"], row["says"]] for row in measure.equation_rows()] == [line[:2] for line in told]
+    assert [[row["equation"], row["says"]] for row in study.equation_rows()] == [line[:2] for line in told]
 
 
 @pytest.mark.parametrize("place", sorted({place for line in LINES for place in line.places}))
@@ -60,7 +60,7 @@ def test_the_page_has_every_misprint_with_its_residual():
 
 
 def test_the_page_has_the_claim_for_each_coefficient():
-    rows = measure.claim_rows()
+    rows = study.claim_rows()
     told = rows_below("The claim that rolling follows")
     assert [float(cells[0]) for cells in told] == [row["mu"] for row in rows]
     for (_, time, xi1, needed, then, beyond), row in zip(told, rows, strict=True):
@@ -72,9 +72,9 @@ def test_the_page_has_the_claim_for_each_coefficient():
 
 
 def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
-    for mu in measure.FIGURE_COEFFICIENTS:
-        whole, stop = measure.curves(mu), measure._motion(mu).transitions[0].time
-        paper = measure.curves(mu, stop)
+    for mu in study.FIGURE_COEFFICIENTS:
+        whole, stop = study.curves(mu), study._motion(mu).transitions[0].time
+        paper = study.curves(mu, stop)
         assert paper["t"][-1] == stop < whole["t"][-1]
         assert abs(paper["v"][-1]) < 1e-9 and np.all(paper["v"][1:-1] > 0.0)
         # (35): ξ₂ = ξ₁ − θ, along the whole motion.
@@ -82,10 +82,10 @@ def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
 
 
 def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
-    figure = drawing.diagrams(measure.measure())
+    figure = study.diagrams(study.measure())
     titles = " ".join(ax.get_title() for ax in figure.axes)
     assert re.findall(r"figure (\d+),", titles) == [str(n) for n in range(3, 13)]
-    drawing.plt.close(figure)
+    plt.close(figure)
 
 
 @pytest.mark.slow  # its tables, and the paper's diagrams, are made by the quick tests above

@@ -10,9 +10,9 @@ import adapters.laws.__main__ as laws
 from adapters.laws import law_process
 from reports import build, options, show, studies, study
 from reports.running import calls, experiment
+from reports.studies import meanings
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
-from reports.studies.meanings import study as meanings
 from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 

@@ -16,12 +16,11 @@ from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
 from reports.running.timing.clock import UNTIMED
+from reports.studies import meanings, paper
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
-from reports.studies.maps.measure import Map
-from reports.studies.meanings import study as meanings
-from reports.studies.paper import measure as paper
+from reports.studies.maps import Map
 from reports.studies.published import study as published
 from reports.studies.reference_cost import growth, in_c
 from reports.studies.reference_cost import study as reference_cost

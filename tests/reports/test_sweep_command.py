@@ -17,9 +17,9 @@ from reports import sweep
 from reports.running.processes import cluster
 from reports.running.processes.workers import WorkerPool
 from reports.sweeping import boundary_search, local, parts
-from reports.sweeping.folder import Folder
 from reports.sweeping.local import Part
 from reports.sweeping.parts import SweepWork
+from reports.sweeping.sweep_folder import Folder
 
 VARY = ["disc_in_circle", "--vary", "mu=0.05:0.25:6", "--vary", "xi1=0:1.2:5"]
 

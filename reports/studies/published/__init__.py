@@ -1,7 +1,7 @@
 """Published numbers of other programs: `PUBLICATIONS`, `rows(PUBLICATIONS)` for the table, `COLUMNS` with headings."""
 
 from .bouncing import BOUNCING
-from .records import COLUMNS, Number, Publication, motion_of, rows
+from .publications import COLUMNS, Number, Publication, motion_of, rows
 from .rolling import ROLLING
 
 PUBLICATIONS: tuple[Publication, ...] = (*ROLLING, *BOUNCING)

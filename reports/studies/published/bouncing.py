@@ -11,8 +11,8 @@ from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, 
 from cases import curves as c
 from cases.library import line
 
+from .publications import Number, Publication
 from .readings import apex, at, bouncing, height, impact, sphere, travel
-from .records import Number, Publication
 
 
 def _reference_fmu() -> Publication:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, Plate, Start, Trajectory, Unilateral, disc
 from cases.library import line
 
-from .records import Reading
+from .publications import Reading
 
 # Unit inertia of a solid sphere. On a line, a disc with a sphere's inertia moves as the sphere does.
 SPHERE = 0.4

@@ -11,8 +11,8 @@ import cases
 from cases import Case, CoulombFriction, Gravity, Plate, Start, Trajectory, Unilateral
 from cases.library import circle, line
 
+from .publications import Number, Publication, Reading
 from .readings import SPHERE, at, sliding, sphere
-from .records import Number, Publication, Reading
 
 # The ball is bowled along z at 8 m/s with a spin of −8π rad/s about z: its rim slips in a fixed direction u (friction
 # does not change it), along which the motion is a plate's; the velocity across u is constant.

@@ -11,7 +11,7 @@ from ...running.calls import Calls, StorePolicy
 from ...running.records import Row
 from .. import Request
 from . import COLUMNS, PUBLICATIONS
-from .records import rows as compared
+from .publications import rows as compared
 
 TITLE = "Published numbers of other programs"
 QUESTION = (

@@ -11,7 +11,7 @@ import numpy as np
 from cases import Case, Curve
 
 from .boxes import STRAIGHT, Cores
-from .pieces import BEND_HIGH, BEND_LOW, TURN, piece_bounds
+from .curve_pieces import BEND_HIGH, BEND_LOW, TURN, piece_bounds
 
 # Number of tried stretches on each side of a pair: from half of the plate's reach, each half as long as the last.
 MOST_TRIES = 20

@@ -1,7 +1,7 @@
 """Second contacts: this formulation has one contact, so the motion ends if plate and track meet in a second place.
 
-If curvatures exclude a second contact (`room`), nothing is searched. Otherwise all phases of contact are searched by
-boxes (`meetings`), except for the surroundings of the contact itself.
+If curvatures exclude a second contact (`curvature_proof`), nothing is searched. Otherwise all phases of contact are
+searched by boxes (`meetings`), except for the surroundings of the contact itself.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from cases import Case, DoesNotFit, Transition
 from cases.contact import Contact, find, pose
 
 from .boxes import Cores
-from .cores import cores
+from .contact_cores import cores
+from .curvature_proof import fits_everywhere
+from .curve_pieces import TooMuch
 from .gap import facing
 from .integrators.segment import Segment
 from .meetings import Meeting, MeetingSearch
 from .modes import FLIGHT
-from .pieces import TooMuch
-from .room import fits_everywhere
 from .windows import EPS, Windows, join_windows, windows
 
 # Steps searched together, in order of time: the search stops at the first second contact.

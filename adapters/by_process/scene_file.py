@@ -18,7 +18,7 @@ from cases import Case, Curve
 from cases.contact import start_motion
 
 from ..common.facets import visible_span
-from . import geometry
+from . import engine_geometry
 
 SCHEMA, VERSION = "slip-to-roll/scene", 1
 SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
@@ -44,8 +44,8 @@ def scene(case: Case) -> dict[str, Any]:
             "duration": case.duration,
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
             "points": {name: points(rows) for name, rows in curve_samples(case).items()},
-            "mjcf": geometry.mjcf(case),
-            "sdf": geometry.sdf(case),
+            "mjcf": engine_geometry.mjcf(case),
+            "sdf": engine_geometry.sdf(case),
         }
     )
 

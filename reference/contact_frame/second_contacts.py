@@ -8,8 +8,8 @@ import numpy as np
 
 from cases import Case
 
-from .moving import Motion, limits
 from .pairs import Touch, refine
+from .plate_motion import Motion, limits
 from .sampling import bodies_in_contact
 from .stretches import Stretches
 from .surroundings import Surroundings

@@ -1,7 +1,10 @@
-"""The scenarios of the maps, computed in workers."""
+"""The paper's application over friction and start: kinds of motion, their times, and where engines are wrong."""
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,16 +13,44 @@ from pyarrow import parquet
 
 from reference.sweeping import Plan, plan
 
-from ...running.calls import Calls, StorePolicy
-from ...running.records import REFERENCE
-from ...running.solvers import routes
-from ...sweeping import parts
-from ...sweeping.maps import Mark, kind
-from ...sweeping.parts import SweepWork
-from ...sweeping.run import scene
+from ..analysis.columns import Table
+from ..drawing.figure_files import FigureEntry, save
+from ..running.calls import Calls, StorePolicy
+from ..running.records import REFERENCE
+from ..running.solvers import routes
+from ..sweeping import maps, parts
+from ..sweeping.computation import ROWS, scene
+from ..sweeping.parts import SweepWork
+from ..sweeping.sweep_folder import Folder
+from . import Request
+
+TITLE = "Maps over friction and start"
+QUESTION = (
+    "The paper treats three coefficients of friction and does not state where the disc is released. These maps cover "
+    "the whole range of both: where it rolls, where its slip reverses, and, in a full report, where engines with "
+    "default settings are wrong."
+)
+TAKES = ()
+IN_REPORT = True
+TABLES = {
+    "maps": Table(
+        "Kinds of motion of the paper's application over friction and start, counted",
+        {
+            "case": "the scene, over mu and xi1",
+            "solver": "the solver",
+            "route": "its route",
+            "what": "for the reference the first and second phase of the motion; for an engine its verdict or failure",
+            "scenarios": "number of scenarios",
+            "share": "its fraction of all scenarios",
+            "earliest": "the earliest first transition among them, s",
+            "latest": "the latest first transition among them, s",
+        },
+    )
+}
+
 
 # The paper's coefficients, with release at ξ₁ = 0, which its text does not state.
-MARKS = tuple(Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
+MARKS = tuple(maps.Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
 ENGINES = ("exudyn", "pymunk")
 # Scenarios per part: of the reference, and of an engine.
 CHUNK, FEW = 4000, 50
@@ -44,14 +75,14 @@ class Map(NamedTuple):
         return pa.concat_tables([parquet.read_table(pa.BufferReader(part)) for _, part in sorted(self.parts.items())])
 
 
-def measure(full: bool, calls: Calls) -> list[Map]:
+def run(request: Request, calls: Calls) -> list[Map]:
     """The reference's map; in a full report also the engines' maps, on a coarser grid."""
-    maps = [_map(_plan(121, 91), REFERENCE, "", CHUNK, calls)]
-    engines = ENGINES if full else ()
+    results = [_map(_plan(121, 91), REFERENCE, "", CHUNK, calls)]
+    engines = ENGINES if request.full else ()
     for name, answer in zip(engines, calls.all("routes", routes, [(name,) for name in engines]), strict=True):
         for route in answer.value if answer.outcome == "done" else ():
-            maps.append(_map(_plan(31, 25), name, route, FEW, calls))
-    return maps
+            results.append(_map(_plan(31, 25), name, route, FEW, calls))
+    return results
 
 
 def _plan(mus: int, starts: int) -> Plan:
@@ -79,10 +110,10 @@ def _map(sweep_plan: Plan, solver: str, route: str, length: int, calls: Calls) -
     return Map(solver, route, sweep_plan, contents, failures)
 
 
-def rows(maps: list[Map]) -> list[dict[str, Any]]:
+def rows(findings: list[Map]) -> dict[str, list[dict[str, Any]]]:
     """Number of scenarios of each kind (of an engine: of each verdict), and the range of their first times."""
     table_rows = []
-    for one_map in maps:
+    for one_map in findings:
         common = {"case": one_map.plan.name, "solver": one_map.solver, "route": one_map.route}
         for what, times in _by_kind(one_map).items():
             finite = times[np.isfinite(times)]
@@ -93,15 +124,38 @@ def rows(maps: list[Map]) -> list[dict[str, Any]]:
                 else {"earliest": np.nan, "latest": np.nan}
             )
             table_rows.append({**common, "what": what, **many, **spread})
-    return table_rows
+    return {"maps": table_rows}
 
 
 def _by_kind(one_map: Map) -> dict[str, np.ndarray]:
     kinds: dict[str, list[float]] = {}
     for row in one_map.table.to_pylist():
         if one_map.solver == REFERENCE:
-            what = kind(row["sequence"] or "", row["outcome"])
+            what = maps.kind(row["sequence"] or "", row["outcome"])
         else:
             what = row["verdict"] or row["outcome"]
         kinds.setdefault(what, []).append(np.nan if row["first_time"] is None else row["first_time"])
     return {what: np.array(times) for what, times in sorted(kinds.items())}
+
+
+def draw(findings: list[Map], folder: Path) -> Iterator[FigureEntry]:
+    """Write the figures to the folder; yields their entries."""
+    for each in findings:
+        kind = ROWS if each.solver == REFERENCE else f"{each.solver}.{each.route}"
+        with tempfile.TemporaryDirectory() as place:
+            rows = Folder(Path(place))
+            for start, content in each.parts.items():
+                rows.add_part(kind, start, content)
+            if each.solver == REFERENCE:
+                figure = maps.of_reference(each.plan, rows, marks=MARKS)
+                title = "Motion of the disc after its release, over friction and start"
+                caption = (
+                    f"{len(each.plan):,} motions. Thin lines: time at which the slip first ends, s, with R = 1 m, "
+                    "r = 0.1 m; thick lines: boundaries between kinds of motion by (35). Dots: the paper's three "
+                    "coefficients, with release at ξ₁ = 0."
+                )
+            else:
+                title = f"{each.solver}, {each.route}: wrong verdicts with default settings, over friction and start"
+                caption = f"{len(each.plan):,} runs with default settings. Left: verdicts. Right: errors of the time."
+                figure = maps.of_engine(each.plan, rows, kind, f"{each.solver}, {each.route}")
+            yield save(figure, folder, f"map_{kind.replace('.', '_')}", "", title, caption)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from . import scene as scenes
+from . import drawn_scene as scenes
 from .layout import DrawnScene, Instant, instants
 from .style import Picture, apply_style
 

@@ -9,14 +9,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...analysis.columns import Table
-from ...drawing.figure_files import FigureEntry
-from ...running.calls import ASKING_SECONDS, Calls
-from ...running.processes.worker_process import CallResult
-from ...running.records import REFERENCE
-from ...running.solvers import names as all_solvers
-from ...running.solvers import solver
-from .. import Request
+from ..analysis.columns import Table
+from ..drawing.figure_files import FigureEntry
+from ..running.calls import ASKING_SECONDS, Calls
+from ..running.processes.worker_process import CallResult
+from ..running.records import REFERENCE
+from ..running.solvers import names as all_solvers
+from ..running.solvers import solver
+from . import Request
 
 TITLE = "What the engines' parameters mean"
 QUESTION = (
@@ -93,3 +93,10 @@ def as_text(findings: Sequence[dict[str, Any]]) -> str:
     head = ["| " + " | ".join(IN_TEXT) + " |", "|" + "---|" * len(IN_TEXT)]
     note = "Made from the adapters by `python -m reports.studies.meanings`; a test compares."
     return "\n".join([f"# {TITLE}", "", QUESTION, "", *head, *as_lines(findings), "", note])
+
+
+if __name__ == "__main__":
+    from reports.studies import meanings  # workers import functions by their module's name, which is not __main__
+
+    with Calls() as calls:
+        print(meanings.as_text(meanings.run(Request(), calls)))

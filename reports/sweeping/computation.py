@@ -17,9 +17,9 @@ from ..running.records import REFERENCE
 from ..running.solvers import routes, version
 from ..running.storage import fingerprint
 from . import local, parts
-from .folder import Folder
 from .local import Part
 from .parts import SweepWork
+from .sweep_folder import Folder
 
 # Approximate duration of a task, s: long compared with its scheduling (1 ms), short compared with a user's patience.
 LASTS = 2.0

@@ -1,1 +1,0 @@
-"""Maps of the paper's application over friction and start, and where engines are wrong: a study."""

@@ -1,1 +1,0 @@
-"""The meaning of the engines' parameters: `study` makes a table, `__main__` a page."""
