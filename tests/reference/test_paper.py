@@ -66,7 +66,7 @@ def test_the_page_has_the_claim_for_each_coefficient():
     for (_, time, xi1, needed, then, beyond), row in zip(told, rows, strict=True):
         assert float(time) == pytest.approx(row["time_unitless"], abs=1e-6)
         assert float(xi1) == pytest.approx(row["xi1"], abs=1e-6)
-        assert float(needed) == pytest.approx(row["needed"], rel=1e-3)
+        assert float(needed) == pytest.approx(row["demand"], rel=1e-3)
         assert float(beyond) == pytest.approx(row["rolls_beyond"], abs=1e-5)
         assert then.startswith("it rolls") == row["claim_holds"] == (row["margin"] >= 0.0)
 
