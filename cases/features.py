@@ -134,14 +134,17 @@ class Features:
 
     def nodes(self, low: float, high: float) -> np.ndarray:
         """Sorted parameters on (low, high) that give the function's extremes in every piece."""
+        edges = self.edges(low, high)
+        parts = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, POINTS, endpoint=False)
+        return np.unique(np.append(parts.ravel(), high))
+
+    def edges(self, low: float, high: float) -> np.ndarray:
+        """Both limits and the sorted ends of all pieces on (low, high), whether or not they have one scale."""
         results = [np.array([low, high])]
         number, window, shift = self._window(low)
         while True:
             edges = np.array(window.edges) + shift
-            edges = edges[(edges >= low) & (edges <= high)]
-            edges = np.concatenate([[max(low, window.low + shift)], edges, [min(high, window.high + shift)]])
-            parts = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, POINTS, endpoint=False)
-            results.append(parts.ravel())
+            results.append(edges[(edges > low) & (edges < high)])
             number += 1
             following = self._window_at(number) if window.high + shift < high else None
             if following is None:

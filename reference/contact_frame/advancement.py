@@ -19,8 +19,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cases import Curve
-
+from .curve_bounds import CurveBounds
 from .distance import PointDistances, TrackDistance
 from .pairs import Touch
 from .plate_motion import Limits, Motion, limits
@@ -50,7 +49,7 @@ class TooManyRounds(Exception):
 class Search:
     """The search for first touches of one plate and one track; counts its rounds."""
 
-    def __init__(self, track: Curve, distance: TrackDistance, locate: Locate):
+    def __init__(self, track: CurveBounds, distance: TrackDistance, locate: Locate):
         self.track, self.distance, self.locate, self.rounds = track, distance, locate, 0
 
     def first(

@@ -56,7 +56,7 @@ class TrackDistance:
         outline = scene.outline
         self.params, _ = evenly(outline, *outline.span, OUTLINE_POINTS)
         if outline.features:
-            self.params = np.union1d(self.params, outline.features.places(*outline.span))
+            self.params = np.union1d(self.params, outline.features.nodes(*outline.span))
         jets = outline.jets(self.params)
         points, speed = jets[:2], np.hypot(jets[2], jets[3])
         bends = np.asarray(outline.curvature(self.params)) * np.ones(len(self.params))

@@ -8,9 +8,7 @@ import numpy as np
 
 from cases import Curve
 
-# Speed and curvature of a stretch are sampled at these places; between them they exceed the samples by less than
-# BETWEEN times their range.
-PLACES, BETWEEN = np.linspace(0.0, 1.0, 5), 0.25
+from .curve_bounds import CurveBounds
 
 
 class Stretches(NamedTuple):
@@ -39,28 +37,23 @@ class Stretches(NamedTuple):
         return Stretches(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
 
 
-def between(track: Curve, low: np.ndarray, high: np.ndarray) -> Stretches:
+def between(track: CurveBounds, low: np.ndarray, high: np.ndarray) -> Stretches:
     """The stretches of a track between parameters."""
-    at = low + (high - low) * PLACES[:, None]
-    jets = track.jets(at.ravel()).reshape(8, *at.shape)
-    speed = np.hypot(jets[2], jets[3])
-    bends = (jets[2] * jets[5] - jets[3] * jets[4]) / speed**3
-    most, least = bends.max(axis=0), bends.min(axis=0)
-    more = BETWEEN * (most - least)
-    k = len(PLACES) // 2
-    half = 0.5 * (high - low) * (speed.max(axis=0) + BETWEEN * np.ptp(speed, axis=0))
+    middle, bounds = 0.5 * (low + high), track.extremes(low, high)
+    x, y, xp, yp = track.curve.jets(middle)[:4]
+    speed = np.hypot(xp, yp)
     return Stretches(
-        low, high, at[k], jets[0, k], jets[1, k], jets[2, k] / speed[k], jets[3, k] / speed[k], half,
-        np.maximum(most + more, more - least), most + more,
+        low, high, middle, x, y, xp / speed, yp / speed, 0.5 * (high - low) * bounds.speed,
+        np.maximum(bounds.most, -bounds.least), bounds.most,
     )  # fmt: skip
 
 
-def halves(track: Curve, some: Stretches) -> Stretches:
+def halves(track: CurveBounds, some: Stretches) -> Stretches:
     """Both halves of each stretch: the first ones, then the second ones."""
     return between(track, np.concatenate([some.low, some.middle]), np.concatenate([some.middle, some.high]))
 
 
-def cut(track: Curve, some: Stretches, ends: tuple[float, float]) -> Stretches:
+def cut(track: CurveBounds, some: Stretches, ends: tuple[float, float]) -> Stretches:
     """The stretches, divided at both ends of a parameter range."""
     for end in ends:
         across = (some.low < end) & (end < some.high)

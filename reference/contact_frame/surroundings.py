@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from cases import Curve
 
 from .advancement import Search
+from .curve_bounds import CurveBounds
 from .distance import TrackDistance
 from .equations import ContactScene
 from .pairs import meeting
@@ -28,8 +29,8 @@ MARGIN, MOST_WIDENINGS = 8.0, 60
 # A stretch around a contact without another contact is tried from half of the plate's reach downwards; if none is
 # found, points closer than SAME times the size count as the contact: far above the error of Newton's method.
 MOST_TRIES, SAME = 20, 1e-6
-# Over such a stretch both curves turn by less than STRAIGHT (rad); their curvatures are sampled at PLACES points.
-STRAIGHT, PLACES, BETWEEN = 0.5, 9, 0.25
+# Over such a stretch both curves turn by less than this, rad.
+STRAIGHT = 0.5
 
 
 class Surroundings:
@@ -38,7 +39,8 @@ class Surroundings:
     def __init__(self, scene: ContactScene, xi1: float):
         self.scene, self.distance = scene, TrackDistance(scene)
         self.reach, self.size = self.distance.reach, self.distance.size
-        self.search = Search(scene.track, self.distance, partial(meeting, scene, self.size))
+        self.track, self.outline = CurveBounds(scene.track), CurveBounds(scene.outline)
+        self.search = Search(self.track, self.distance, partial(meeting, scene, self.size))
         track = scene.track
         self.endless = track.domain is None and not track.period
         if self.endless:
@@ -62,7 +64,7 @@ class Surroundings:
         if len(edges) > MOST_STRETCHES:
             raise StepFailure("landings are searched on a track with too many features; give a shorter one")
         self.low, self.high = low, high
-        self.stretches = between(track, edges[:-1], edges[1:])
+        self.stretches = between(self.track, edges[:-1], edges[1:])
         # Closed and convex: it turns to its left everywhere, once around.
         self.convex = bool(track.period) and bool(np.all(self.stretches.bend <= self.stretches.valley))
         self.longest = float(self.stretches.half.max())
@@ -103,7 +105,7 @@ class Surroundings:
             turns = range(floor((low - own[1]) / period), ceil((high - own[0]) / period) + 1)
             shifts = [period * turn for turn in turns]
         for shift in shifts:
-            some = cut(self.scene.track, some, (own[0] + shift, own[1] + shift))
+            some = cut(self.track, some, (own[0] + shift, own[1] + shift))
         inside = np.zeros(some.number, dtype=bool)
         for shift in shifts:
             inside |= (own[0] + shift <= some.middle) & (some.middle <= own[1] + shift)
@@ -113,14 +115,11 @@ class Surroundings:
         """The range of the track's parameter around a contact, whose parameters stay in the given ranges, in which the
         plate touches nowhere else: the outline bends more than the track there, and both turn little. None if no such
         range is found."""
-        track, outline = self.scene.track, self.scene.outline
         length = 0.5 * self.reach
         for _ in range(MOST_TRIES):
-            first, second = _widen(track, xi1, length), _widen(outline, xi2, length)
-            (lowest, highest), (least, most) = _bends(track, first), _bends(outline, second)
-            turning = max(abs(lowest), abs(highest)) * _length(track, first)
-            turning += max(abs(least), abs(most)) * _length(outline, second)
-            if least > max(highest, 0.0) and turning < STRAIGHT:
+            first, second = _widen(self.scene.track, xi1, length), _widen(self.scene.outline, xi2, length)
+            (highest, _, turning), (_, least, more) = self.track.over(*first), self.outline.over(*second)
+            if least > max(highest, 0.0) and turning + more < STRAIGHT:
                 return first
             length *= 0.5
         return None
@@ -135,17 +134,3 @@ def _widen(curve: Curve, ends: Sequence[float], length: float) -> tuple[float, f
     if curve.domain is not None and not curve.period:
         low, high = max(low, curve.domain[0]), min(high, curve.domain[1])
     return low, high
-
-
-def _bends(curve: Curve, ends: tuple[float, float]) -> tuple[float, float]:
-    """Bounds on the curvature between two parameters."""
-    places = np.linspace(*ends, PLACES)
-    if curve.features:
-        places = np.union1d(places, curve.features.places(*ends))
-    bends = np.asarray(curve.curvature(places)) * np.ones(len(places))
-    more = BETWEEN * float(np.abs(np.diff(bends)).max())
-    return float(bends.min()) - more, float(bends.max()) + more
-
-
-def _length(curve: Curve, ends: tuple[float, float]) -> float:
-    return abs(ends[1] - ends[0]) * float(np.max(curve.speed(np.linspace(*ends, PLACES))))

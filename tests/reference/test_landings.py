@@ -315,7 +315,9 @@ def test_a_flight_over_ripples_ends_where_it_first_touches(seed):
     check(seed)
 
 
-@pytest.mark.parametrize("seed", seeds(range(12, 24), range(13, 18)))
+# 6 and 87: bounds on the curvature of ripples came from samples farther apart than a wavelength. A search of the second
+# formulation never ended, and a landing came 0.4 µs late.
+@pytest.mark.parametrize("seed", [6, 87, *seeds(range(12, 24), range(13, 18))])
 def test_both_formulations_find_the_same_landings_over_ripples(seed):
     agree(seed)
 
@@ -327,9 +329,19 @@ def agree(seed: int) -> None:
     other = contact_frame.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
     assert time.process_time() - begun < LIMIT + TRANSITION * len(other.transitions), seed
     assert other.status == one.status, (seed, one.status, other.status)
-    times = [t.time for t in one.transitions] or [float(one.t[-1])]
-    others = [t.time for t in other.transitions] or [other.end]
-    assert len(times) == len(others) and others == pytest.approx(times, abs=1e-9), seed
+    times, others = _times(one.transitions, one.t[-1]), _times(other.transitions, other.end)
+    assert len(times) == len(others), seed
+    if np.all(np.abs(others - times) <= 1e-9):
+        return
+    # Some slides over ripples are unstable: each impact multiplies an earlier difference, of a rounding too. What the
+    # first formulation's own tolerance moves a time by is then not known any better.
+    rough = reference.simulate(case, rtol=1e-12)
+    moved = np.maximum.accumulate(np.abs(_times(rough.transitions, rough.t[-1]) - times))
+    assert np.all(np.abs(others - times) <= 1e-9 + 10.0 * moved), seed
+
+
+def _times(transitions, end: float) -> np.ndarray:
+    return np.array([t.time for t in transitions] or [end], dtype=float)
 
 
 @pytest.mark.slow
