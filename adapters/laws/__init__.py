@@ -3,7 +3,8 @@
 `LAWS` maps names to laws, plain functions of a `Route`. A law raises AssertionError, which begins with its name, if the
 route breaks it, `cases.NotSupported` if the route cannot model its scene, and `MissingQuantity` if the route does not
 report a quantity that the law needs. `judge` checks them all. For tests of other adapters there are the laws themselves
-(`adapters.laws.mechanics`), their scenes, `mirror` and `turn_gravity`, and `hold` with the scales of an error.
+(`adapters.laws.mechanics`), their scenes (`scene`, drawn from a seed), `mirror` and `turn_gravity`, and `hold` with the
+scales of an error.
 """
 
 from __future__ import annotations
@@ -14,11 +15,13 @@ from typing import Any, NamedTuple
 from cases import NotSupported
 
 from . import effects, mechanics
-from .mechanics import SCENES, Law, mirror, turn_gravity
+from .mechanics import Law, mirror
 from .runs import LawRun, MissingQuantity, Route, hold
+from .scenes import MORE_SCENES, SCENES, scene, turn_gravity
 
 __all__ = [
     "LAWS",
+    "MORE_SCENES",
     "SCENES",
     "Law",
     "MissingQuantity",
@@ -28,6 +31,7 @@ __all__ = [
     "hold",
     "judge",
     "mirror",
+    "scene",
     "turn_gravity",
 ]
 
@@ -44,16 +48,19 @@ class Verdict(NamedTuple):
     reason: str = ""
 
 
-def judge(adapter: Any, laws: Iterable[str] = tuple(LAWS), routes: Iterable[str] | None = None) -> Iterator[Verdict]:
+def judge(
+    adapter: Any, laws: Iterable[str] = tuple(LAWS), routes: Iterable[str] | None = None, seed: int = 0
+) -> Iterator[Verdict]:
     """The verdicts of these laws on the routes (default: all of the adapter), one after another.
 
+    `seed` selects the values that the scenes draw at random.
     `adapter` is a module, or any object with an adapter's functions. An exception is a verdict too; an adapter that
     ends the process ends this one.
     """
     laws = tuple(laws)
     for route in adapter.routes if routes is None else routes:
         for law in laws:
-            yield Verdict(route, law, *_try(law, Route(adapter, route)))
+            yield Verdict(route, law, *_try(law, Route(adapter, route, seed)))
 
 
 def _try(law: str, route: Route) -> tuple[str, str]:

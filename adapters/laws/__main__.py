@@ -19,7 +19,11 @@ my_package.my_engine.
 Every law is checked on every route, with the second-finest setting of its ladder: kept, broken (and by how much),
 refused (not supported, and why), not reported (a law about forces, for an engine that reports none), failed with an
 exception, crashed or timed_out (it runs in a process of its own, whose output is not shown). The exit status is 0 if no
-law is broken and none failed, else 1; 2 if there is no such adapter, route or law.
+law is broken and none failed, else 1; 2 if there is no such adapter, route or law. A broken law names the parameter or
+effect that it suspects.
+
+The scenes draw gravity, friction, restitution, masses, sizes, loads and starts at random; the same --seed gives the
+same scenes.
 """
 
 
@@ -30,15 +34,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("adapter", metavar="ADAPTER", help="the adapter")
     parser.add_argument("--route", metavar="ROUTE", nargs="+", help="only these routes (default: all)")
     parser.add_argument("--law", metavar="LAW", nargs="+", help="only these laws, with all their scenes (default: all)")
+    parser.add_argument("--seed", metavar="N", type=_seed, default=0, help="selects the scenes' values (default: 0)")
     try:
         options = parser.parse_args(argv)
-        return _judge(options.adapter, options.route, options.law)
+        return _judge(options.adapter, options.route, options.law, options.seed)
     except (CaseError, ImportError) as problem:
         print(f"adapters.laws: {CaseError(str(problem))}", file=sys.stderr)  # an import's message becomes one line
         return 2
 
 
-def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None) -> int:
+def _seed(text: str) -> int:
+    """A whole number from 0 on; argparse reports anything else."""
+    if not text.isdecimal() or len(text) > 9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no seed; give a whole number of up to nine digits")
+    return int(text)
+
+
+def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None, seed: int) -> int:
     from . import LAWS  # a slow import that --help does not need
     from .law_process import AdapterProcess
 
@@ -53,7 +65,7 @@ def _judge(name: str, routes: Sequence[str] | None, names: Sequence[str] | None)
             if route not in adapter.face.routes:
                 raise unknown_name(f"route of {adapter.face.name}", route, adapter.face.routes)
         for route in routes or adapter.face.routes:
-            for law, outcome, reason in adapter.try_laws(route, selection):
+            for law, outcome, reason in adapter.try_laws(route, selection, seed):
                 counts[outcome] += 1
                 print(f"{route}  {law}: {outcome}{': ' if reason else ''}{reason}", flush=True)
     print(f"{adapter.face.name}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))

@@ -1,158 +1,205 @@
 """Laws of further effects: load, impact, rough contact, bilateral guide, rolling resistance.
 
-Each follows from Newton's laws in a line or two, given in its docstring. `OF_EFFECT` lists the laws that check each
-effect, so that no adapter claims an effect without a check. Tolerances are those of `adapters.laws.runs`.
+Each follows from Newton's laws in a line or two, given in its docstring, for values that are drawn from the route's
+seed. `OF_EFFECT` lists the laws that check each effect, so that no adapter claims an effect without a check. Tolerances
+are those of `adapters.laws.runs`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, sin
+from math import cos, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from cases import (
     Case,
     CoulombFriction,
-    Curve,
     Flight,
     Gravity,
     Impact,
     Load,
     PerfectlyRough,
+    Plate,
     RollingResistance,
     Start,
     Unilateral,
-    curves,
-    disc,
 )
 from cases.contact import start_motion
 
-from .runs import G, LawRun, Route, hold
+from .runs import LawRun, Route, hold
+from .scenes import LEVEL, Draw, hill, incline
 
-LEVEL = Curve(lambda s: (s, 0))
-MASS, RADIUS, INERTIA = 2.0, 0.1, 0.012
-# An inertia of its own keeps the disc from hiding a solver that assumes ½ m r².
-DISC = disc(RADIUS, MASS, inertia=INERTIA)
 # Engines whose impacts are contact forces have their restitution to a hundredth, according to their manuals.
 RESTITUTION = 1e-2
 
 
+def _disc(d: Draw) -> tuple[Plate, float, float, float]:
+    """A disc, its radius, a strength of gravity, and the time in which it falls by half of its radius."""
+    radius, g = d.between(0.08, 0.15), d.g()
+    return d.disc(radius), radius, g, sqrt(radius / g)
+
+
 def load(route: Route) -> None:
-    """A frictionless disc on a level line: m v̇ = −c v, so v = v₀ exp(−c t/m); J ω̇ = M sin(w t)."""
-    drag, moment, rate, initial = 0.8, 0.02, 4.0, 1.0
-    push = Load(fx=f"-{drag}*vx", moment=f"{moment}*sin({rate}*t)")
-    run = route.simulate(Case(LEVEL, DISC, (Gravity(G), push, Unilateral()), Start(0.0, slip=initial), duration=1.0))
+    """A frictionless disc on a level line: m v̇ = F − c v, so v = F/c + (v₀ − F/c) exp(−c t/m); J ω̇ = M sin(w t)."""
+    d = route.draw("load")
+    plate, radius, g, time = _disc(d)
+    duration = 10 * time
+    drag, rate = d.between(0.3, 1.0) * plate.mass / duration, d.between(3.0, 5.0) / duration
+    initial, push = d.signed(5.0, 9.0) * radius / time, d.signed(0.05, 0.15) * plate.mass * g
+    moment = d.signed(0.05, 0.15) * plate.mass * g * radius
+    force = Load(fx=f"{push!r} - {drag!r}*vx", moment=f"{moment!r}*sin({rate!r}*t)")
+    run = route.simulate(
+        Case(LEVEL, plate, (Gravity(g), force, Unilateral()), Start(0.0, slip=initial), duration=duration)
+    )
     t = run.motion.t
     # Forces act up to a step early or late.
     tolerance = 2.0 * run.step + 10 * run.rounding * len(t) ** 0.5 + 1e-9
-    hold("load", "vx", run.motion.vx - initial * np.exp(-drag * t / MASS), tolerance * drag * initial / MASS)
-    exact = moment / (INERTIA * rate) * (1 - np.cos(rate * t))
-    hold("load", "omega", run.motion.omega - exact, tolerance * moment / INERTIA)
+    final = push / drag
+    exact = final + (initial - final) * np.exp(-drag * t / plate.mass)
+    most = (drag * abs(initial) + abs(push)) / plate.mass
+    hold("load", "vx", run.motion.vx - exact, tolerance * most, "fx of Load, mass of the plate")
+    exact = moment / (plate.inertia * rate) * (1 - np.cos(rate * t))
+    suspect = "moment of Load, inertia of the plate"
+    hold("load", "omega", run.motion.omega - exact, tolerance * abs(moment) / plate.inertia, suspect)
 
 
-def _drop(restitution: float, mu: float, omega: float, duration: float) -> Case:
+class Drop(NamedTuple):
+    """A disc that falls on a level line, and the time (s) and speed (m/s) at which it meets the line."""
+
+    case: Case
+    time: float
+    speed: float
+    g: float
+
+
+def _drop(d: Draw, restitution: float, mu: float, spin: float, after: float) -> Drop:
+    """A disc that falls with the spin (rad/s) times √(g/r); the case ends `after` (in v/g) the impact."""
+    plate, radius, g, time = _disc(d)
     friction = (CoulombFriction(mu),) if mu else ()
-    effects = (Gravity(G), *friction, Unilateral(), Flight(), Impact(restitution))
-    return Case(LEVEL, DISC, effects, Start(0.0, slip=RADIUS * omega, omega=omega, gap=0.2), duration=duration)
-
-
-def _fall(case: Case) -> tuple[float, float]:
-    """The time (s) and speed (m/s) at which the disc meets the line."""
-    speed = (2 * G * (start_motion(case).y - RADIUS)) ** 0.5
-    return speed / G, speed
+    effects = (Gravity(g), *friction, Unilateral(), Flight(), Impact(restitution))
+    gap, rate, omega = d.between(1.5, 2.5) * radius, d.signed(0.2, 0.5) * radius / time, spin / time
+    start = Start(0.0, slip=radius * omega, omega=omega, gap=gap, gap_rate=rate)
+    speed = sqrt(2 * g * gap + rate**2)
+    meets = (speed + rate) / g
+    return Drop(Case(LEVEL, plate, effects, start, duration=meets + after * speed / g), meets, speed, g)
 
 
 def bounce(route: Route) -> None:
-    """A disc that falls from h on a level line rises to e² h again."""
-    restitution = 0.5
-    case = _drop(restitution, 0.0, 0.0, duration=0.42)
-    run, (time, speed) = route.simulate(case), _fall(case)
-    after = run.motion.t > time + 2 * run.step + 0.02
-    top, exact = float(run.motion.y[after].max()) - RADIUS, (restitution * speed) ** 2 / (2 * G)
-    tolerance = 2 * restitution * speed * run.kick / G + 2 * RESTITUTION * exact
-    hold("bounce", "the height", top - exact, tolerance)
+    """A disc that meets a level line at the speed v rises to e² v²/(2 g)."""
+    d = route.draw("bounce")
+    restitution = d.but(0.3, 0.8, 0.5, 0.05)
+    case, time, speed, g = _drop(d, restitution, 0.0, 0.0, 1.5 * restitution)
+    run = route.simulate(case)
+    after = run.motion.t > time + 2 * run.step + 0.1 * restitution * speed / g
+    top, exact = float(run.motion.y[after].max()) - (case.plate.radius or 0.0), (restitution * speed) ** 2 / (2 * g)
+    tolerance = 2 * restitution * speed * run.kick / g + 2 * RESTITUTION * exact
+
+    def suspect() -> str:
+        return (
+            f"restitution of Impact: {sqrt(max(2 * g * top, 0.0)) / speed:.4g} would fit, the case has {restitution:g}"
+        )
+
+    hold("bounce", "the height", top - exact, tolerance, suspect)
 
 
 def bounce_with_friction(route: Route) -> None:
     """A spinning disc that slips through its impact: friction takes μ of the impulse, so v_t grows by μ (1 + e) v_n."""
-    restitution, mu, omega = 0.5, 0.1, 60.0
-    case = _drop(restitution, mu, omega, duration=0.38)
-    run, (time, speed) = route.simulate(case), _fall(case)
-    after = run.motion.t > time + 2 * run.step + 0.02
-    _check_spin(
-        "bounce with friction",
-        run,
-        after,
-        -mu * (1 + restitution) * speed,
-        RESTITUTION * mu * (1 + restitution) * speed,
-    )
+    d = route.draw("bounce with friction")
+    restitution, mu = d.but(0.3, 0.8, 0.5, 0.05), d.mu(0.06, 0.2)
+    case, time, speed, g = _drop(d, restitution, mu, d.signed(5.0, 7.0), 1.5 * restitution)
+    run = route.simulate(case)
+    after = run.motion.t > time + 2 * run.step + 0.1 * restitution * speed / g
+    impulse = mu * (1 + restitution) * speed
+    suspect = "mu of CoulombFriction, restitution of Impact: friction takes mu of the impulse of both phases"
+    _check_spin("bounce with friction", run, after, impulse, RESTITUTION * impulse, suspect)
 
 
 def landing(route: Route) -> None:
     """A spinning disc that stays where it lands: v_t grows by μ v_n in the impact, and by μ g t from then on."""
-    mu, omega = 0.1, 60.0
-    case = _drop(0.0, mu, omega, duration=0.4)
-    run, (time, speed) = route.simulate(case), _fall(case)
-    after = run.motion.t > time + 2 * run.step + 0.02
-    _check_spin("landing", run, after, -mu * (speed + G * (run.motion.t[after] - time)), RESTITUTION * mu * speed)
+    d = route.draw("landing")
+    mu = d.mu(0.06, 0.2)
+    case, time, speed, g = _drop(d, 0.0, mu, d.signed(5.0, 7.0), 0.9)
+    run = route.simulate(case)
+    after = run.motion.t > time + 2 * run.step + 0.1 * speed / g
+    growth = mu * (speed + g * (run.motion.t[after] - time))
+    suspect = "mu of CoulombFriction, in the impact or after it; g of Gravity; restitution of Impact (0)"
+    _check_spin("landing", run, after, growth, RESTITUTION * mu * speed, suspect)
 
 
-def _check_spin(law: str, run: LawRun, after: np.ndarray, exact, tolerance: float) -> None:
+def _check_spin(law: str, run: LawRun, after: np.ndarray, growth, tolerance: float, suspect: str) -> None:
     """Check the velocity along the line and the spin after an impact: friction's impulse changes both."""
     tolerance += run.kick
-    initial = start_motion(run.case)
-    hold(law, "vx", run.motion.vx[after] - initial.vx - exact, tolerance)
-    ratio = MASS * RADIUS / INERTIA
-    hold(law, "the spin", run.motion.omega[after] - initial.omega - ratio * exact, ratio * tolerance)
+    initial, plate = start_motion(run.case), run.case.plate
+    exact = -np.sign(initial.omega) * growth
+    hold(law, "vx", run.motion.vx[after] - initial.vx - exact, tolerance, suspect)
+    ratio = plate.mass * (plate.radius or 0.0) / plate.inertia
+    suspect = f"inertia of the plate, {suspect}"
+    hold(law, "the spin", run.motion.omega[after] - initial.omega - ratio * exact, ratio * tolerance, suspect)
 
 
 def perfectly_rough(route: Route) -> None:
-    """A disc rolls down an incline of 69°, whatever friction that takes: (m + J/r²) v̇ = m g sin."""
-    angle, duration = 1.2, 0.5
-    track = Curve(lambda s: (s * curves.cos(angle), -s * curves.sin(angle)))
-    run = route.simulate(Case(track, DISC, (Gravity(G), PerfectlyRough(), Unilateral()), Start(0.0), duration=duration))
-    growth = G * sin(angle) / (1 + INERTIA / (MASS * RADIUS**2))
-    motion = run.motion
+    """A disc rolls down a steep incline, whatever friction that takes: (m + J/r²) v̇ = m g sin."""
+    d = route.draw("perfectly rough")
+    plate, radius, g, time = _disc(d)
+    angle, duration = d.between(1.0, 1.3), 5 * time
+    run = route.simulate(
+        Case(incline(angle), plate, (Gravity(g), PerfectlyRough(), Unilateral()), Start(0.0), duration)
+    )
+    growth = g * sin(angle) / (1 + plate.inertia / (plate.mass * radius**2))
+    motion, creep = run.motion, run.motion.slip_resolution
     hold("perfectly rough", "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step)
-    creep = motion.slip_resolution
-    hold("perfectly rough", "the spin", motion.omega + growth * motion.t / RADIUS, (run.kick + creep) / RADIUS)
-    hold("perfectly rough", "the slip", motion.slip, 2 * creep + run.kick * (1 + MASS * RADIUS**2 / INERTIA))
+    suspect = "PerfectlyRough, inertia of the plate, g of Gravity"
+    spin = motion.omega + growth * motion.t / radius
+    hold("perfectly rough", "the spin", spin, (run.kick + creep) / radius, suspect)
+    most = 2 * creep + run.kick * (1 + plate.mass * radius**2 / plate.inertia)
+    hold("perfectly rough", "the slip", motion.slip, most, "PerfectlyRough")
 
 
 def guide(route: Route) -> None:
     """A track that also pulls keeps a frictionless disc where it would lift off: N = m g (3 cos φ − 2 cos φ₀)."""
-    initial = 0.2
-    # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
-    track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
-    run = route.simulate(Case(track, DISC, (Gravity(G),), Start(initial), duration=1.2))
+    d = route.draw("guide")
+    plate, radius, g, _ = _disc(d)
+    initial, size = d.between(0.18, 0.25), d.between(0.8, 1.2)
+    length = size + radius
+    duration = 3.5 * sqrt(length / g)
+    run = route.simulate(Case(hill(size), plate, (Gravity(g),), Start(initial), duration=duration))
     motion = run.motion
-    hold("guide", "the end of the motion", float(motion.t[-1]) - 1.2, 2 * run.step)
-    length = 1.0 + RADIUS
+    suspect = "Unilateral, which this case does not have: the track also pulls"
+    hold("guide", "the end of the motion", float(motion.t[-1]) - duration, 2 * run.step, suspect)
     angle = np.arctan2(motion.x, motion.y)
-    speed = np.sqrt(2 * G * length * (cos(initial) - np.cos(angle)))
-    hold("guide", "the speed", np.hypot(motion.vx, motion.vy) - speed, 2 * run.kick)
-    exact = MASS * G * (3 * np.cos(angle) - 2 * cos(initial))
-    if exact.min() > -0.5 * MASS * G:
+    speed = np.sqrt(2 * g * length * np.maximum(cos(initial) - np.cos(angle), 0.0))
+    hold("guide", "the speed", np.hypot(motion.vx, motion.vy) - speed, 2 * run.kick, "g of Gravity")
+    exact = plate.mass * g * (3 * np.cos(angle) - 2 * cos(initial))
+    if exact.min() > -0.5 * plate.mass * g:
         raise AssertionError("guide: the disc does not reach the part where the track has to pull")
     # The first force may belong to the time before the motion; an error `kick` of the speed is one of the force.
-    tolerance = 4 * MASS * run.kick * speed[1:] / length + MASS * run.kick + run.grain
-    hold("guide", "the normal force", run.forces[0][1:] - exact[1:], tolerance)
+    tolerance = 4 * plate.mass * run.kick * speed[1:] / length + plate.mass * run.kick + run.grain
+    hold("guide", "the normal force", run.forces[0][1:] - exact[1:], tolerance, "the sign of the normal force, mass")
 
 
 def rolling_resistance(route: Route) -> None:
     """A disc that rolls on a level line against a couple a·N: (m + J/r²) v̇ = −m g a/r, until it rests."""
-    arm, initial, duration = 2e-3, -6.0, 1.0
-    effects = (Gravity(G), CoulombFriction(0.5), RollingResistance(arm), Unilateral())
-    run = route.simulate(Case(LEVEL, DISC, effects, Start(0.0, omega=initial), duration=duration))
-    deceleration = G * arm / (RADIUS**2 * (1 + INERTIA / (MASS * RADIUS**2)))
-    exact = initial + deceleration * run.motion.t
+    d = route.draw("rolling resistance")
+    plate, radius, g, time = _disc(d)
+    arm, duration = float(f"{d.between(0.01, 0.03) * radius:.4g}"), 8 * time
+    deceleration = g * arm / (radius**2 * (1 + plate.inertia / (plate.mass * radius**2)))
+    # It does not come to rest.
+    initial = d.signed(1.2, 2.0) * deceleration * duration
+    effects = (Gravity(g), CoulombFriction(d.mu(0.3, 0.6)), RollingResistance(arm), Unilateral())
+    run = route.simulate(Case(LEVEL, plate, effects, Start(0.0, omega=initial), duration=duration))
+    exact = initial - np.sign(initial) * deceleration * run.motion.t
     # The couple acts up to a step early or late, and a rolling disc may creep.
     tolerance = (
         2 * deceleration * run.step
-        + (run.motion.slip_resolution + 10 * run.rounding * run.speed * len(exact) ** 0.5) / RADIUS
+        + (run.motion.slip_resolution + 10 * run.rounding * run.speed * len(exact) ** 0.5) / radius
     )
-    hold("rolling resistance", "the spin", run.motion.omega - exact, tolerance + 1e-9)
+    slowed = abs(initial) - float(np.abs(run.motion.omega[-1]))
+    suspect = (
+        f"arm of RollingResistance: {arm * slowed / (deceleration * duration):.4g} would fit, the case has {arm:g}"
+    )
+    hold("rolling resistance", "the spin", run.motion.omega - exact, tolerance + 1e-9, suspect)
 
 
 Law = Callable[[Route], None]
@@ -164,12 +211,12 @@ LAWS: dict[str, Law] = {
 
 # The laws that check an effect. (Without `Unilateral` the contact is a bilateral guide.)
 OF_EFFECT: dict[type, tuple[str, ...]] = {
-    Load: ("load",),
+    Load: ("load", "equations_of_motion"),
     Impact: ("bounce", "bounce_with_friction", "landing"),
-    PerfectlyRough: ("perfectly_rough",),
-    RollingResistance: ("rolling_resistance",),
+    PerfectlyRough: ("perfectly_rough", "equations_of_motion"),
+    RollingResistance: ("rolling_resistance", "equations_of_motion"),
     Flight: ("free_fall", "landing"),
     Unilateral: ("lift_off", "guide"),
-    CoulombFriction: ("friction_torque", "sticking_threshold"),
-    Gravity: ("free_fall",),
+    CoulombFriction: ("friction_torque", "sticking_threshold", "equations_of_motion"),
+    Gravity: ("free_fall", "equations_of_motion"),
 }

@@ -51,14 +51,14 @@ class AdapterProcess:
     def __exit__(self, *_) -> None:
         self._end()
 
-    def try_laws(self, route: str, laws: Iterable[str]) -> Iterator[tuple[str, str, str]]:
+    def try_laws(self, route: str, laws: Iterable[str], seed: int = 0) -> Iterator[tuple[str, str, str]]:
         """Each law with its outcome and reason: those of `judge`, or "crashed" or "timed_out"."""
         late = 0
         for law in laws:
             if late == MOST_LATE:
                 yield law, "timed_out", f"not checked: {late} other laws timed out on this route"
                 continue
-            outcome, reason = self._ask(route, law)
+            outcome, reason = self._ask(route, law, seed)
             late += outcome == "timed_out"
             yield law, outcome, reason
 
@@ -82,12 +82,12 @@ class AdapterProcess:
         self._end()
         raise ImportError(f"the adapter {self.name} {answer[0]} while it is imported: {answer[1]}")
 
-    def _ask(self, route: str, law: str) -> tuple[str, str]:
+    def _ask(self, route: str, law: str, seed: int) -> tuple[str, str]:
         try:
             if not self.process.is_alive():
                 self._begin()
             self.number += 1
-            self.here.send((self.number, route, law))
+            self.here.send((self.number, route, law, seed))
         except (ImportError, CaseError, OSError) as problem:
             return "crashed", f"its process could not be started again: {problem}"
         return self._answer(self.limit)
@@ -137,8 +137,8 @@ def _serve(name: str, there: Connection) -> None:
         return
     while True:
         try:
-            number, route, law = there.recv()
+            number, route, law, seed = there.recv()
         except EOFError:
             return
-        (verdict,) = judge(adapter, [law], [route])
+        (verdict,) = judge(adapter, [law], [route], seed)
         say((verdict.outcome, verdict.reason.encode("utf-8", "backslashreplace").decode()))

@@ -7,65 +7,20 @@ Coulomb's laws, or from a symmetry of theirs. Tolerances are those of `adapters.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
-from math import atan, cos, pi, sin
+from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
 
-from cases import (
-    Case,
-    CoulombFriction,
-    Curve,
-    Flight,
-    Gravity,
-    NotSupported,
-    Plate,
-    Start,
-    Trajectory,
-    Unilateral,
-    curves,
-    disc,
-)
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, NotSupported, Start, Trajectory, Unilateral
 from cases.contact import follow, pose, slip_velocity, start_motion
-from cases.mechanics import energy, energy_growth
+from cases.mechanics import energy, energy_growth, gravity
 
-from .runs import G, LawRun, Route, hold
-
-# --- scenes ----------------------------------------------------------------------------------------------------------
-
-CIRCLE = Curve(lambda s: (1.0 * curves.cos(s), 1.0 * curves.sin(s)))
-
-
-VALLEY = Curve(lambda s: (s, -0.3 * curves.cos(2 * s)), domain=(-3.0, 3.0))
-
-
-def _case_on_circle(plate: Plate, start: Start, mu: float | None = 0.1) -> Case:
-    friction = (CoulombFriction(mu),) if mu else ()
-    return Case(CIRCLE, plate, (Gravity(G), *friction, Unilateral()), start, duration=1.0)
-
-
-def _elliptic_plate() -> Plate:
-    a, b = 0.2, 0.12
-    return Plate(Curve(lambda s: (a * curves.cos(s), b * curves.sin(s))), 1.0, (a * a + b * b) / 4)
-
-
-# A disc and an ellipse, released on the wall of a circle. The disc's inertia is not ½ m r², so that a solver which
-# assumes that fails. In the valley the curvature changes: a solver that approximates its tracks by circles fails there.
-SCENES = {
-    "disc in a circle": _case_on_circle(disc(0.1, 2.0, inertia=0.012), Start(-2.6, slip=0.3, omega=1.0)),
-    "ellipse in a circle": _case_on_circle(_elliptic_plate(), Start(-2.6, xi2=-1.2, slip=0.3)),
-    "disc in a valley": replace(
-        _case_on_circle(disc(0.1, 2.0, inertia=0.012), Start(-0.9, slip=0.3, omega=1.0)), track=VALLEY, duration=0.8
-    ),
-}
-
-
-def _slope(angle: float, mu: float, **how) -> Case:
-    """A hollow-ish disc on a line that falls to the right."""
-    track = Curve(lambda s: (s * curves.cos(angle), -s * curves.sin(angle)))
-    return Case(track, disc(0.1, 2.0), (Gravity(G), CoulombFriction(mu), Unilateral()), Start(0.0), **how)
+from .equations import equations_of_motion
+from .runs import LawRun, MissingQuantity, Route, ease, hold
+from .scenes import LEVEL, MORE_SCENES, SCENES, hill, incline, scene, turn_gravity
 
 
 def mirror(case: Case) -> Case:
@@ -90,43 +45,59 @@ def _mirror(curve: Curve) -> Curve:
     return Curve(function, domain=curve.domain and (-curve.domain[1], -curve.domain[0]))
 
 
-def turn_gravity(case: Case, angle: float) -> Case:
-    """The case with its track and its gravity turned about the origin."""
-    start, gravity = start_motion(case), case.effect(Gravity)
-    assert gravity is not None
-
-    def function(s):
-        x, y = case.track.at(s)
-        return x * cos(angle) - y * sin(angle), x * sin(angle) + y * cos(angle)
-
-    others = tuple(effect for effect in case.effects if effect is not gravity)
-    return replace(
-        case,
-        track=Curve(function, domain=case.track.domain),
-        effects=(Gravity(gravity.g, gravity.direction + angle), *others),
-        start=replace(case.start, xi2=start.xi2),
-    )
-
-
 # --- laws ------------------------------------------------------------------------------------------------------------
+
+
+def starts_as_given(route: Route, scene: Case) -> None:
+    """The first sample has the start's pose and velocities."""
+    run, start = route.simulate(scene), start_motion(scene)
+    motion, size = run.motion, scene.plate.reach
+    hold("starts as given", "the first time", float(motion.t[0]), 1e-9)
+    # A pose of the step before or after, and the overlap that engines with soft contacts begin with.
+    place = run.speed * run.step + 1e-3 * size
+    for name, tolerance in (("x", place), ("y", place), ("theta", place / size)):
+        off = float(getattr(motion, name)[0]) - getattr(start, name)
+        hold("starts as given", name, off, tolerance, f"{name} at the start: xi1, xi2 and gap of Start, centre of mass")
+    kick = run.kick * ease(scene.plate) + 1e-9 * run.speed
+    for name, tolerance in (("vx", kick), ("vy", kick), ("omega", kick / size)):
+        off = float(getattr(motion, name)[0]) - getattr(start, name)
+        hold("starts as given", name, off, tolerance, f"{name} at the start: slip, omega and gap_rate of Start")
+
+
+def rates_of_pose(route: Route, scene: Case) -> None:
+    """x, y and θ change by the integrals of vx, vy and ω."""
+    from scipy.integrate import cumulative_trapezoid  # slow to import
+
+    run = route.simulate(scene)
+    motion, size = run.motion, scene.plate.reach
+    # Velocities of a step earlier or later change the integral by their change over the motion, times the step.
+    away = 2 * run.speed * run.step + 1e-9 * size + run.speed * run.corners * float(motion.t[-1])
+    for name, rate, tolerance in (("x", "vx", away), ("y", "vy", away), ("theta", "omega", away / size)):
+        values = getattr(motion, name)
+        off = values - values[0] - cumulative_trapezoid(getattr(motion, rate), motion.t, initial=0.0)
+        suspect = f"{rate}: its sign, unit, frame or time; or {name}"
+        hold("rates of the pose", f"{name} less the integral of {rate}", off, tolerance, suspect)
 
 
 def friction_torque(route: Route) -> None:
     """A sliding disc spins up: ω = −(μ g t) m r/J, whatever its inertia."""
-    mu, mass, radius, inertia = 0.1, 2.0, 0.1, 0.012
-    # It would roll after v₀/(μ g (1 + m r²/J)) = 0.38 s.
-    case = Case(
-        Curve(lambda s: (s, 0)),
-        disc(radius, mass, inertia),
-        (Gravity(G), CoulombFriction(mu), Unilateral()),
-        Start(0.0, slip=1.0),
-        duration=0.3,
+    d = route.draw("friction torque")
+    mu, g, radius = d.mu(), d.g(), d.between(0.08, 0.15)
+    plate = d.disc(radius)
+    lever, slip = plate.mass * radius / plate.inertia, d.signed(2.0, 4.0) * sqrt(g * radius)
+    # It would roll after v₀/(μ g (1 + m r²/J)).
+    duration = 0.8 * abs(slip) / (mu * g * (1 + lever * radius))
+    run = route.simulate(
+        Case(LEVEL, plate, (Gravity(g), CoulombFriction(mu), Unilateral()), Start(0.0, slip=slip), duration)
     )
-    run = route.simulate(case)
-    exact = -mu * G * run.motion.t * mass * radius / inertia
+    exact = -np.sign(slip) * mu * g * run.motion.t * lever
     # The kick of friction, with the same lever.
-    tolerance = mu * run.kick * mass * radius / inertia
-    hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, tolerance)
+    tolerance = mu * run.kick * lever
+    found = float(-np.sign(slip) * run.motion.omega[-1] / (g * run.motion.t[-1] * lever))
+    suspect = (
+        f"mu of CoulombFriction: {found:.4g} would fit, the case has {mu:g}; or inertia of the plate, or g of Gravity"
+    )
+    hold("friction torque", "the spin of a sliding disc", run.motion.omega - exact, tolerance, suspect)
 
 
 def cone(route: Route, scene: Case) -> None:
@@ -136,9 +107,15 @@ def cone(route: Route, scene: Case) -> None:
     mu = _mu(scene)
     # A normal force whose direction has the error `tilt` has this part along the tangent; 1e-9 of the weight is
     # rounding.
-    nothing = 1e-9 * scene.plate.mass * G + run.grain
-    hold("cone", "friction beyond zero", friction, (mu + run.tilt) * np.abs(normal) + nothing)
-    hold("cone", "the normal force below zero", np.minimum(normal, 0.0), run.tilt * np.abs(friction) + nothing)
+    nothing = 1e-9 * scene.weight + run.grain
+    hold("cone", "friction beyond zero", friction, (mu + run.tilt) * np.abs(normal) + nothing, "mu of CoulombFriction")
+    hold(
+        "cone",
+        "the normal force below zero",
+        np.minimum(normal, 0.0),
+        run.tilt * np.abs(friction) + nothing,
+        "the sign of the normal force",
+    )
 
 
 def friction_opposes_slip(route: Route, scene: Case) -> None:
@@ -146,33 +123,40 @@ def friction_opposes_slip(route: Route, scene: Case) -> None:
     run, mu = route.simulate(scene), _mu(scene)
     motion = run.motion
     # Slip that a step can reverse is left out: friction acts in both directions there.
-    sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * _ease(scene.plate)
+    sure = np.abs(motion.slip) > 2 * motion.slip_resolution + run.kick * ease(scene.plate)
     sure[0] = False
     if sure.sum() < 10:
         raise NotSupported("the plate hardly slips in this scene")
     normal, friction = run.forces
     against, push = -np.sign(motion.slip[sure]) * friction[sure], normal[sure]
     # On facets the force of one step is noise, but the sum is not.
-    hold("friction opposes slip", "the sum of friction", against.sum() / push.sum() - mu, run.tilt + 1e-6)
+    found = float(against.sum() / push.sum())
+    suspect = f"mu of CoulombFriction: {found:.4g} would fit, the case has {mu:g}"
+    hold("friction opposes slip", "the sum of friction", found - mu, run.tilt + 1e-6, suspect)
 
 
 def sticking_threshold(route: Route) -> None:
-    """A disc rolls down an incline up to tan = 3μ and slips beyond; checked 0.1 % on either side."""
-    mu, off, duration = 0.1, 1e-3, 1.0
+    """A disc rolls down an incline up to tan = μ (1 + m r²/J) and slips beyond; checked 0.1 % on either side."""
+    d, off = route.draw("sticking threshold"), 1e-3
+    mu, g, radius = d.mu(0.08, 0.15), d.g(), d.between(0.08, 0.15)
+    plate = d.disc(radius)
+    factor, duration = 1 + plate.mass * radius**2 / plate.inertia, 10 * sqrt(radius / g)
     for share, slips in ((1 - off, False), (1 + off, True)):
-        angle = atan(3 * mu * share)
-        run = route.simulate(_slope(angle, mu, duration=duration))
-        # m r²/J = 2, so slip grows with g (sin − 3 μ cos), if it grows.
-        exact = G * (sin(angle) - 3 * mu * cos(angle)) * duration if slips else 0.0
-        # Half of the slip on the other side distinguishes the two.
-        tolerance = 0.5 * G * 3 * mu * off * cos(angle) * duration
+        angle = atan(factor * mu * share)
+        effects = (Gravity(g), CoulombFriction(mu), Unilateral())
+        run = route.simulate(Case(incline(angle), plate, effects, Start(0.0), duration=duration))
+        # Slip grows with g (sin − factor μ cos), if it grows; that is cos·factor·μ·off.
+        growth = g * factor * mu * off * cos(angle) * duration
         side = "above" if slips else "below"
-        hold("sticking threshold", f"slip 0.1 % {side} tan = 3 mu", run.motion.slip[-1] - exact, tolerance)
+        what = f"slip 0.1 % {side} tan = mu (1 + m r^2/J)"
+        # Half of the slip on the other side distinguishes the two.
+        suspect = "mu or mu_static of CoulombFriction, g of Gravity, inertia of the plate"
+        hold("sticking threshold", what, run.motion.slip[-1] - (growth if slips else 0.0), 0.5 * growth, suspect)
 
 
 def no_friction_no_spin(route: Route) -> None:
     """Without friction a disc keeps its spin, since the normal force points at its centre."""
-    run = route.simulate(replace(SCENES["disc in a circle"], effects=(Gravity(G), Unilateral())))
+    run = route.simulate(_frictionless(scene("disc in a circle", route.seed)))
     omega = run.motion.omega
     from scipy.integrate import trapezoid  # slow to import
 
@@ -181,22 +165,39 @@ def no_friction_no_spin(route: Route) -> None:
     force = np.nan_to_num(run.motion.normal_force)
     plate, push = run.case.plate, float(trapezoid(np.abs(force), run.motion.t))
     tolerance = 1e-9 * (1 + abs(omega[0])) + run.rounding * (plate.radius or 0.0) * push / plate.inertia
-    hold("no spin-up without friction", "the spin", omega - omega[0], tolerance)
+    suspect = "friction where the case has none, angular damping"
+    hold("no spin-up without friction", "the spin", omega - omega[0], tolerance, suspect)
+
+
+def _frictionless(case: Case) -> Case:
+    return replace(case, effects=tuple(e for e in case.effects if not isinstance(e, CoulombFriction)))
 
 
 def energy_conservation(route: Route, scene: Case) -> None:
     """Without friction the energy is constant."""
-    frictionless = replace(scene, effects=(Gravity(G), Unilateral()))
+    frictionless = _frictionless(scene)
     run = route.simulate(frictionless)
     total = energy(frictionless, run.motion)
-    hold("energy conservation without friction", "the energy", total - total[0], run.loss + _swing(run))
+    hold(
+        "energy conservation without friction",
+        "the energy",
+        total - total[0],
+        run.loss + _swing(run),
+        "g of Gravity, friction or damping where the case has none",
+    )
 
 
 def energy_never_grows(route: Route, scene: Case) -> None:
     """With friction and no load the energy never increases."""
     run = route.simulate(scene)
     total = energy(scene, run.motion)
-    hold("energy never grows", "the energy, above its least so far,", energy_growth(total), _swing(run))
+    hold(
+        "energy never grows",
+        "the energy, above its least so far,",
+        energy_growth(total),
+        _swing(run),
+        "direction of CoulombFriction, g of Gravity, mass, inertia",
+    )
 
 
 def mirror_image(route: Route, scene: Case) -> None:
@@ -204,7 +205,7 @@ def mirror_image(route: Route, scene: Case) -> None:
     here, there = route.simulate(scene), route.simulate(mirror(scene))
     a, b = _common(here, there)
     image = replace(b, x=-b.x, theta=-b.theta)
-    _hold_same_motion("mirror image", here, a, image)
+    _hold_same_motion("mirror image", here, a, image, "signs of directions, of the spin or of the slip")
 
 
 def turn_frame(route: Route, scene: Case) -> None:
@@ -215,7 +216,7 @@ def turn_frame(route: Route, scene: Case) -> None:
     back = replace(
         b, x=b.x * cos(angle) + b.y * sin(angle), y=b.y * cos(angle) - b.x * sin(angle), theta=b.theta - angle
     )
-    _hold_same_motion("turned frame", here, a, back)
+    _hold_same_motion("turned frame", here, a, back, "direction of Gravity, components in a fixed frame")
 
 
 def on_its_track(route: Route, scene: Case) -> None:
@@ -225,9 +226,18 @@ def on_its_track(route: Route, scene: Case) -> None:
     gap = follow(scene, motion.x, motion.y, motion.theta)[2]
     # The displacement in a step, the corners' sagitta, and the overlap that engines do not correct.
     tolerance = run.kick * run.step + reach * run.corners**2 / 8 + 1e-3 * reach
-    hold("on its track", "the gap", gap, tolerance)
+    hold("on its track", "the gap", gap, tolerance, "curve of the track, outline and centre of mass of the plate")
     slip = slip_velocity(scene, motion.x, motion.y, motion.vx, motion.vy, motion.omega, motion.xi1)
-    hold("on its track", "the slip", motion.slip - slip, run.kick * _ease(scene.plate) + run.tilt * run.speed)
+    hold(
+        "on its track",
+        "the slip",
+        motion.slip - slip,
+        run.kick * ease(scene.plate) + run.tilt * run.speed,
+        "sign or point of the slip",
+    )
+
+
+_BALANCE = "the reported forces, mass or inertia of the plate, g of Gravity"
 
 
 def momentum_balance(route: Route, scene: Case) -> None:
@@ -239,7 +249,7 @@ def momentum_balance(route: Route, scene: Case) -> None:
     normal_force, friction_force = run.forces
     fx, fy = normal_force * normal + friction_force * tangent
     arm = scene.track.point(motion.xi1) - pose(scene, motion.xi1, motion.xi2)[:2]
-    weight = -plate.mass * G
+    weight_x, weight_y = plate.mass * gravity(scene)
 
     def sum_up(rate):
         return cumulative_trapezoid(rate, motion.t, initial=0.0)
@@ -248,8 +258,8 @@ def momentum_balance(route: Route, scene: Case) -> None:
     # The point on a facet where the force acts is not reported; the arm is known to the facet's length.
     doubt = lever * run.corners * sum_up(np.abs(normal_force))[-1]
     for what, change, force, tolerance in (
-        ("m vx", plate.mass * (motion.vx - motion.vx[0]), fx, plate.mass * run.kick),
-        ("m vy", plate.mass * (motion.vy - motion.vy[0]), fy + weight, plate.mass * run.kick),
+        ("m vx", plate.mass * (motion.vx - motion.vx[0]), fx + weight_x, plate.mass * run.kick),
+        ("m vy", plate.mass * (motion.vy - motion.vy[0]), fy + weight_y, plate.mass * run.kick),
         (
             "J omega",
             plate.inertia * (motion.omega - motion.omega[0]),
@@ -257,56 +267,86 @@ def momentum_balance(route: Route, scene: Case) -> None:
             lever * plate.mass * run.kick + doubt,
         ),
     ):
-        hold("momentum balance", f"{what} against the reported forces", change - sum_up(force), tolerance)
+        hold("momentum balance", f"{what} against the reported forces", change - sum_up(force), tolerance, _BALANCE)
 
 
 def lift_off(route: Route) -> None:
     """A frictionless disc released near the top of a circle leaves it where N vanishes: at ⅔ of its initial cos φ."""
-    # φ is counted from the top, clockwise: with the parameter running that way the plate, on the left, is outside.
-    track = Curve(lambda s: (1.0 * curves.sin(s), 1.0 * curves.cos(s)))
-    case = Case(track, disc(0.1, 2.0), (Gravity(G), Unilateral()), Start(0.2), duration=1.2)
+    d = route.draw("lift-off")
+    g, size, initial = d.g(), d.between(0.8, 1.2), d.between(0.18, 0.25)
+    plate = d.disc(d.between(0.08, 0.12) * size)
+    length = size + (plate.radius or 0.0)
+    case = Case(hill(size), plate, (Gravity(g), Unilateral()), Start(initial), duration=3.8 * sqrt(length / g))
     run = route.simulate(case)
-    motion, length = run.motion, 1.1
+    motion = run.motion
     if motion.status != "lift_off":
-        raise AssertionError(f"lift-off: the motion should end with lift_off, and its status is {motion.status}")
-    exact = 2 / 3 * cos(0.2)
-    speed = (G * length * exact) ** 0.5
+        raise AssertionError(
+            f"lift-off: the motion should end with lift_off, and its status is {motion.status}; suspect Unilateral"
+        )
+    exact = 2 / 3 * cos(initial)
+    speed = sqrt(g * length * exact)
     # The displacement in a step, and N = m (g cos φ − v²/L) with an error `kick` of the speed.
-    tolerance = run.step * speed / length + 2 * speed * run.kick / (3 * G * length)
-    hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, tolerance)
+    tolerance = run.step * speed / length + 2 * speed * run.kick / (3 * g * length) + _hop(run, speed, length, g)
+    suspect = "g of Gravity, Unilateral, radius of the track or of the plate"
+    hold("lift-off", "cos phi where it leaves", cos(motion.xi1[-1]) - exact, tolerance, suspect)
+
+
+def _hop(run: LawRun, speed: float, length: float, g: float) -> float:
+    """How much earlier, in cos φ, a solver leaves whose contact acts in single steps with steps of flight between them.
+
+    A push leaves the velocity along the tangent, and the step that follows leaves the gap growing at the rate
+    δ = v² h/(2 L). The plate returns if δ − N t/(2 m) + N′ t²/(6 m) = 0 has a solution, where N is the normal force
+    that a lasting contact would have and −N′ its rate, 3 m v g sin φ/L; that is as long as N² > 8 m N′ δ/3. So it
+    leaves where N = 3 m g Δcos φ is below the root: an error of order √h. Zero if the reported force lasts.
+    """
+    try:
+        force = run.forces[0]
+    except MissingQuantity:
+        return 0.0
+    last = force[-min(len(force), 20) : -1]
+    if np.count_nonzero(np.abs(last) <= 1e-9 * run.case.weight + run.grain) < 3:
+        return 0.0
+    return sqrt(4 * speed**3 * run.step * sqrt(1 - (speed**2 / (g * length)) ** 2) / (9 * g * length**2))
 
 
 def free_fall(route: Route) -> None:
     """A disc off its track falls along a parabola and keeps its spin."""
-    start = Start(0.0, slip=0.4, omega=3.0, gap=0.5)
-    # It would land after 0.32 s.
-    case = Case(Curve(lambda s: (s, 0)), disc(0.1, 2.0), (Gravity(G), Unilateral(), Flight()), start, duration=0.25)
-    run, start_state = route.simulate(case), start_motion(case)
-    motion, t = run.motion, run.motion.t
-    hold("free fall", "the end of the motion", float(t[-1]) - case.duration, 2 * run.step)
+    d = route.draw("free fall")
+    g, radius = d.g(), d.between(0.08, 0.15)
+    plate, time = d.disc(radius), sqrt(radius / g)
+    omega, gap = d.signed(0.3, 1.0) / time, d.between(4.0, 6.0) * radius
+    start = Start(
+        0.0, slip=d.signed(0.4, 1.0) * radius / time, omega=omega, gap=gap, gap_rate=d.signed(0.3, 0.8) * radius / time
+    )
+    # It would land after √(2 gap/g), if it did not rise or sink.
+    duration = 0.7 * sqrt(2 * gap / g)
+    run = route.simulate(Case(LEVEL, plate, (Gravity(g), Unilateral(), Flight()), start, duration))
+    start_state, motion, t = start_motion(run.case), run.motion, run.motion.t
+    hold("free fall", "the end of the motion", float(t[-1]) - duration, 2 * run.step, "Flight, gap of Start")
     # Gravity acts up to a step early or late, and the angle has an error of one step's turn; 1e-9 is rounding, and so
     # is the random walk of single precision.
-    turn = start_state.omega**2 * run.step * case.duration
+    turn = start_state.omega**2 * run.step * duration
     grain = 10 * run.rounding * run.speed * len(t) ** 0.5
-    for what, values, exact, tolerance in (
-        ("x", motion.x, start_state.x + start_state.vx * t, 1e-9),
-        ("y", motion.y, start_state.y + start_state.vy * t - 0.5 * G * t**2, run.kick * case.duration),
-        ("vx", motion.vx, start_state.vx, 1e-9),
-        ("vy", motion.vy, start_state.vy - G * t, run.kick),
-        ("theta", motion.theta, start_state.theta + start_state.omega * t, turn),
-        ("omega", motion.omega, start_state.omega, 1e-9),
+    for what, values, exact, tolerance, suspect in (
+        ("x", motion.x, start_state.x + start_state.vx * t, 1e-9, "slip of Start, damping, direction of Gravity"),
+        (
+            "y",
+            motion.y,
+            start_state.y + start_state.vy * t - 0.5 * g * t**2,
+            run.kick * duration,
+            "g of Gravity, gap_rate",
+        ),
+        ("vx", motion.vx, start_state.vx, 1e-9, "slip of Start, damping, direction of Gravity"),
+        ("vy", motion.vy, start_state.vy - g * t, run.kick, "g of Gravity, gap_rate of Start, damping"),
+        ("theta", motion.theta, start_state.theta + start_state.omega * t, turn, "omega of Start, unit of the angle"),
+        ("omega", motion.omega, start_state.omega, 1e-9, "omega of Start, angular damping"),
     ):
-        hold("free fall", what, values - exact, tolerance + grain)
+        hold("free fall", what, values - exact, tolerance + grain, suspect)
 
 
 def _mu(case: Case) -> float:
     friction = case.effect(CoulombFriction)
     return friction.mu if friction else 0.0
-
-
-def _ease(plate: Plate) -> float:
-    """The ratio of the contact point's velocity change to the centre's: 1 + m ρ²/J with the largest lever ρ."""
-    return 1 + plate.mass * plate.reach**2 / plate.inertia
 
 
 def _swing(run: LawRun) -> float:
@@ -324,26 +364,25 @@ def _common(here: LawRun, there: LawRun) -> tuple[Trajectory, Trajectory]:
     return tuple(replace(each, dense=None, t=times, **each(times)._asdict()) for each in (a, b))  # type: ignore[return-value]
 
 
-def _hold_same_motion(law: str, run: LawRun, a: Trajectory, b: Trajectory) -> None:
+def _hold_same_motion(law: str, run: LawRun, a: Trajectory, b: Trajectory, suspect: str) -> None:
     # An error `kick` of the velocity during the whole motion.
     drift = run.kick * float(a.t[-1])
     hold(law, "the end of the motion", float(a.t[-1]) - run.case.duration, 2 * run.step)
-    hold(law, "the centre", np.hypot(a.x - b.x, a.y - b.y), drift)
+    hold(law, "the centre", np.hypot(a.x - b.x, a.y - b.y), drift, suspect)
     turns = 2 * pi * round(float(a.theta[0] - b.theta[0]) / (2 * pi))
     size = run.case.plate.radius or float(np.hypot(*run.case.plate.outline.point(np.pi / 2)))
-    hold(law, "the angle", a.theta - b.theta - turns, drift / size)
+    hold(law, "the angle", a.theta - b.theta - turns, drift / size, suspect)
 
 
 Law = Callable[[Route], None]
 
 
-def _everywhere(law: Callable[[Route, Case], None]) -> dict[str, Law]:
-    name = law.__name__
-    return {f"{name}[{scene}]": partial(_on, law, case) for scene, case in SCENES.items()}
+def _everywhere(law: Callable[[Route, Case], None], names: Iterable[str] = tuple(SCENES)) -> dict[str, Law]:
+    return {f"{law.__name__}[{name}]": partial(_on, law, name) for name in names}
 
 
-def _on(law: Callable[[Route, Case], None], scene: Case, route: Route) -> None:
-    law(route, scene)
+def _on(law: Callable[[Route, Case], None], name: str, route: Route) -> None:
+    law(route, scene(name, route.seed))
 
 
 LAWS: dict[str, Law] = {
@@ -352,7 +391,10 @@ LAWS: dict[str, Law] = {
     "no_friction_no_spin": no_friction_no_spin,
     "lift_off": lift_off,
     "free_fall": free_fall,
-    **_everywhere(on_its_track),
+    **_everywhere(starts_as_given, (*SCENES, "off-centre disc", "thrown disc")),
+    **_everywhere(rates_of_pose),
+    **_everywhere(equations_of_motion, (*SCENES, *MORE_SCENES)),
+    **_everywhere(on_its_track, (*SCENES, "off-centre disc", "disc on a bump")),
     **_everywhere(cone),
     **_everywhere(friction_opposes_slip),
     **_everywhere(energy_conservation),

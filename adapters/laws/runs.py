@@ -13,6 +13,7 @@ Tolerances. They follow from the rung that is run (the second finest) and from t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
@@ -20,12 +21,12 @@ from typing import Any
 
 import numpy as np
 
-from cases import Case, NotSupported, Trajectory
+from cases import Case, Load, NotSupported, Plate, Trajectory
 from cases.mechanics import gravity
 
 from ..interface import Setting, other_laws
+from .scenes import Draw, draw
 
-G = 9.81
 # Each engine's own tests use the finest rung; the one before costs half, and every tolerance follows it.
 RUNG = -2
 # Polygons of more vertices than this take minutes per run; such rungs are left out.
@@ -42,6 +43,13 @@ class Route:
 
     adapter: Any
     name: str
+
+    # Selects the values that the scenes of the laws draw at random.
+    seed: int = 0
+
+    def draw(self, key: str) -> Draw:
+        """The random values for one law or scene."""
+        return draw(self.seed, key)
 
     def simulate(self, case: Case) -> LawRun:
         """The motion at the second-finest rung; raises NotSupported."""
@@ -84,8 +92,24 @@ class LawRun:
 
     @property
     def acceleration(self) -> float:
-        """The acceleration by gravity and by the track's curvature, m/s²."""
-        return float(np.hypot(*gravity(self.case))) + self.speed**2 * self.bend
+        """The acceleration, m/s²: by gravity, a load, the track's curvature and the distance of the centre of mass."""
+        plate, load = self.case.plate, self._load
+        pushed = (
+            float(np.hypot(load[0], load[1]).max()) / plate.mass
+            + float(np.abs(load[2]).max()) * plate.reach / plate.inertia
+        )
+        swing = float(np.abs(self.motion.omega).max()) ** 2 * (plate.reach - plate.inner)
+        return float(np.hypot(*gravity(self.case))) + pushed + self.speed**2 * self.bend + swing
+
+    @property
+    def _load(self) -> np.ndarray:
+        """The load's components at about a hundred samples, (3, n) in N and N m."""
+        load, motion = self.case.effect(Load), self.motion
+        some = slice(None, None, max(1, len(motion.t) // 100))
+        columns = (motion.t, motion.x, motion.y, motion.theta, motion.vx, motion.vy, motion.omega)
+        if load is None:
+            return np.zeros((3, 1))
+        return np.array([load.at(*map(float, row)) for row in zip(*(c[some] for c in columns), strict=True)]).T
 
     @property
     def kick(self) -> float:
@@ -130,10 +154,16 @@ def _run(adapter, route: str, case: Case) -> LawRun:
     return LawRun(case, setting, adapter.read(model), getattr(adapter, "ROUNDING", float(np.finfo(float).eps)))
 
 
-def hold(law: str, what: str, error, tolerance) -> None:
+def ease(plate: Plate) -> float:
+    """The ratio of the contact point's velocity change to the centre's: 1 + m ρ²/J with the largest lever ρ."""
+    return 1 + plate.mass * plate.reach**2 / plate.inertia
+
+
+def hold(law: str, what: str, error, tolerance, suspect: str | Callable[[], str] = "") -> None:
     """Raise AssertionError, with the law's name, if the error exceeds its tolerance or is not finite.
 
-    Error and tolerance are numbers or arrays.
+    Error and tolerance are numbers or arrays. `suspect`: the parameters or effects that such an error points to, or a
+    function that finds them.
     """
     error, tolerance = np.broadcast_arrays(np.abs(np.asarray(error, dtype=float)), tolerance)
     not_finite = ~np.isfinite(error - tolerance)
@@ -142,6 +172,8 @@ def hold(law: str, what: str, error, tolerance) -> None:
     bad = error > tolerance
     if bad.any():
         at = int(np.argmax(error - tolerance))
+        cause = suspect() if callable(suspect) else suspect
         raise AssertionError(
             f"{law}: {what} is off by {error.flat[at]:.3g}, allowed {tolerance.flat[at]:.3g} ({bad.sum()} samples)"
+            + (f"; suspect {cause}" if cause else "")
         )

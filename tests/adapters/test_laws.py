@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import adapters
 from adapters import Setting
-from adapters.laws import LAWS, SCENES, MissingQuantity, Route, effects, judge, mechanics
+from adapters.laws import LAWS, MissingQuantity, Route, effects, judge, mechanics, scene
 from adapters.laws.law_process import AdapterProcess
 from cases import (
     Case,
     CoulombFriction,
-    Curve,
     Gravity,
     Impact,
     Load,
@@ -23,26 +21,29 @@ from cases import (
     PerfectlyRough,
     Trajectory,
     Unilateral,
-    curves,
 )
 from cases.contact import start_motion
+from cases.mechanics import gravity
 from cases.shapes import as_line
+
+from . import mutant_list
+from .mutants import Hashable, load, osculating
 
 # What a law found wrong, until the adapter is right: (adapter, route, law) -> what was measured. Strict: a mended
 # adapter fails here until its line is taken out.
 KNOWN_FAULTS: dict[tuple[str, str, str], str] = {
-    (
-        "pymunk",
-        "native",
-        "lift_off",
-    ): "cos phi is off by 0.008 where it leaves, 0.001 is allowed: on facets the contact "
-    "is lost for good a few steps early, and no finer setting mends it",
     (
         "box2d",
         "native",
         "sticking_threshold",
     ): "0.1 % above the threshold slip is off by 0.00150 m/s after 1 s at h = 5e-4 s, 0.00141 is allowed: a rolling "
     "disc presses by m r omega domega/dt h / 2 too little, since the contact's spring follows the plate's own point",
+    (
+        "box2d",
+        "native",
+        "equations_of_motion[resisted disc]",
+    ): "vy is off by 0.0221 m/s after 0.68 s at h = 5e-4 s, 0.0188 is allowed: the same force lacks, and two steps "
+    "of gravity at the start",
 }
 
 
@@ -75,12 +76,6 @@ def test_adapter_obeys_law(name, route, law):
 
 
 # --- the tests bite --------------------------------------------------------------------------------------------------
-
-
-class Hashable(SimpleNamespace):
-    """A namespace that a cache can tell by its identity."""
-
-    __hash__ = object.__hash__
 
 
 def closed_form(read, refuses=lambda case, route: None):
@@ -123,12 +118,12 @@ def falling_disc(spoil=lambda motion: motion):
     """The parabola of a plate in flight, spoiled."""
 
     def read(case: Case) -> Trajectory:
-        start = start_motion(case)
+        start, (_, pull) = start_motion(case), gravity(case)
         t = np.linspace(0.0, case.duration, 1001)
         none, zero, one = np.full_like(t, np.nan), np.zeros_like(t), np.ones_like(t)
         return spoil(Trajectory(
-            t=t, x=start.x + start.vx * t, y=start.y + start.vy * t - 0.5 * mechanics.G * t**2,
-            theta=start.theta + start.omega * t, vx=start.vx * one, vy=start.vy - mechanics.G * t,
+            t=t, x=start.x + start.vx * t, y=start.y + start.vy * t + 0.5 * pull * t**2,
+            theta=start.theta + start.omega * t, vx=start.vx * one, vy=start.vy + pull * t,
             omega=start.omega * one, slip=none, normal_force=zero, friction_force=zero, xi1=none, xi2=none,
         ))  # fmt: skip
 
@@ -203,25 +198,6 @@ def other_effects(*others, route: str = "assisted"):
     return of_another(change, route)
 
 
-def osculating():
-    """Every track is replaced by its circle of curvature at the start."""
-
-    def change(case: Case) -> Case:
-        begin = case.start.xi1
-        bend = float(case.track.curvature(begin))
-        centre = case.track.point(begin) + case.track.normal(begin) / bend
-        x, y = (float(c) for c in centre)
-        first = float(case.track.tangent_angle(begin)) - np.pi / 2
-
-        def circle(s):
-            angle = first + (s - begin) * bend
-            return x + curves.cos(angle) / bend, y + curves.sin(angle) / bend
-
-        return replace(case, track=Curve(circle))
-
-    return of_another(change)
-
-
 def never_slowed():
     """A disc that rolls on for ever, whatever couple resists it."""
 
@@ -242,8 +218,8 @@ MUTANTS = [
     ("on_its_track", "on its track: the gap", lambda: spoiled(y=lambda m: m.y + 0.01 * m.t)),
     ("on_its_track", "on its track: the slip", lambda: spoiled(slip=lambda m: m.slip + 0.2)),
     ("load", "load: vx", lambda: other_effects(Load)),
-    ("load", "load: vx", lambda: other_effects(Load(fx="-0.9*vx", moment="0.02*sin(4*t)"))),
-    ("load", "load: omega", lambda: other_effects(Load(fx="-0.8*vx", moment="0.02*sin(4.2*t)"))),
+    ("load", "load: vx", lambda: of_another(load(lambda p, c: p | {"fx": 1.1 * p["fx"]}))),
+    ("load", "load: omega", lambda: of_another(load(lambda p, c: p | {"moment": 1.1 * p["moment"]}))),
     ("bounce", "bounce: the height", lambda: other_effects(Impact(0.46), route="native")),
     ("bounce_with_friction", "bounce with friction: vx", lambda: other_effects(CoulombFriction(0.11), route="native")),
     ("bounce_with_friction", "bounce with friction: vx", lambda: other_effects(Impact(0.4), route="native")),
@@ -321,10 +297,10 @@ def test_a_hole_in_what_is_told_is_no_way_round_a_law():
 
 
 def test_a_solver_that_bends_its_tracks_to_circles_is_caught_where_the_curvature_changes():
-    broken = [v.law for v in judge(osculating(), routes=["assisted"]) if v.outcome == "broken"]
+    broken = [v.law for v in judge(of_another(osculating), routes=["assisted"]) if v.outcome == "broken"]
     assert "on_its_track[disc in a valley]" in broken and "momentum_balance[disc in a valley]" in broken
     # Where tracks are circles there is nothing to find.
-    assert all("valley" in law for law in broken)
+    assert not any("circle" in law or "hill" in law or "[" not in law for law in broken)
 
 
 @pytest.mark.parametrize("name", adapters.engines())
@@ -341,7 +317,8 @@ def test_every_effect_that_an_adapter_claims_has_a_law(name):
 
 
 def test_every_law_has_a_wrong_adapter_that_it_catches():
-    assert {law for law, *_ in MUTANTS} == {name.partition("[")[0] for name in LAWS}
+    caught = {law for law, *_ in MUTANTS} | {mutant.law.partition("[")[0] for mutant in mutant_list.MUTANTS}
+    assert caught == {name.partition("[")[0] for name in LAWS}
 
 
 @pytest.mark.parametrize(("law", "right"), [("friction_torque", sliding_disc), ("free_fall", falling_disc)])
@@ -349,9 +326,22 @@ def test_textbook_formula_passes_its_law(law, right):
     LAWS[law](Route(right(), "closed form"))
 
 
+@pytest.mark.parametrize("seed", [0, pytest.param(range(1, 12), marks=pytest.mark.slow)])
+def test_pymunks_hops_before_it_leaves_a_hill_are_as_long_as_derived(seed):
+    """Its contact acts in single steps, so it leaves up to a term of order √h early (`adapters.laws.mechanics`)."""
+    pymunk = pytest.importorskip("adapters.pymunk")
+    for each in [seed] if isinstance(seed, int) else seed:
+        for fine in (0, 1, 2, 3):
+            finer = Hashable(**{name: getattr(pymunk, name) for name in ("refuses", "build", "run", "read")})
+            finer.ladder = lambda case, route, fine=fine: pymunk.ladder(case, route)[
+                : len(pymunk.ladder(case, route)) - fine
+            ]
+            LAWS["lift_off"](Route(finer, "native", each))
+
+
 def test_refusal_is_no_pass():
     with pytest.raises(NotSupported, match="level lines alone"):
-        mechanics.cone(Route(sliding_disc(), "closed form"), SCENES["disc in a circle"])
+        mechanics.cone(Route(sliding_disc(), "closed form"), scene("disc in a circle"))
 
 
 @pytest.mark.parametrize(
