@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from math import atan2, isfinite, nan
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -20,16 +19,18 @@ import sympy as sp
 
 from . import curve_tables as tables
 from . import expressions, features, formulas, parametrisation, point_fit
-from .compile_cache import cached
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
 from .errors import BadCurve, BadValue, finite
+from .expression_graph import ON_ARRAYS, ON_FLOATS, derivatives, from_sympy, python_function, symbol
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 from .parametrisation import MOST_ROUNDS
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
 T = TypeVar("T")
+
+_S = symbol(PARAMETER.name)
 
 # The range looked at when a curve without a domain has no period, in units in which it changes: a hundred of them
 # either way would already overflow a cosh; ten are what a drawing shows.
@@ -132,11 +133,11 @@ class Curve:
 
     @derived
     def _jet(self) -> Callable:
-        return _compile_jet(self.structure, "math")
+        return _jet_function(self.structure, on_arrays=False)
 
     @derived
     def _jets(self) -> Callable:
-        return _compile_jet(self.structure, "numpy")
+        return _jet_function(self.structure, on_arrays=True)
 
     def jet(self, s: float) -> tuple[float, ...]:
         """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
@@ -410,12 +411,12 @@ def _features(curve: Curve) -> features.Features:
 
 
 @lru_cache(maxsize=512)
-def _compile_jet(structure, library: str):
-    """A function (s, constants) -> eight rows, compiled from the structure for floats (math) or arrays (numpy)."""
-
-    def make():
-        (x, y), symbols = structure
-        rows = [sp.diff(part, PARAMETER, order) for order in range(4) for part in (x, y)]
-        return sp.lambdify([PARAMETER, symbols], rows, modules=library, cse=True)
-
-    return cached("jet", (structure, library), Path(__file__).parent, make)
+@in_one_thread
+def _jet_function(structure, on_arrays: bool):
+    """A function (s, constants) -> eight rows of a structure, for floats or arrays."""
+    functions = ON_ARRAYS if on_arrays else ON_FLOATS
+    (x, y), symbols = structure
+    rows = [from_sympy(x), from_sympy(y)]
+    for _ in range(3):
+        rows += derivatives(rows[-2:], _S)
+    return python_function([_S, [symbol(size.name) for size in symbols]], rows, functions)

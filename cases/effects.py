@@ -16,6 +16,7 @@ import sympy as sp
 from . import expressions, features, formulas
 from .derivation import derived, in_one_thread
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
+from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
 
 # How an impact's restitution and friction go together (`Impact`).
 IMPACT_LAWS = ("poisson", "newton", "moreau")
@@ -75,7 +76,7 @@ class Load:
     @derived
     def at(self) -> Callable[..., list[float]]:
         """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats; NaN where there is no value."""
-        function = sp.lambdify(MOTION, list(self.expression), modules="math", cse=True)
+        function = function_of(MOTION, self.expression, ON_FLOATS)
 
         def values(*motion: float) -> list[float]:
             try:
@@ -96,7 +97,7 @@ class Load:
         parts = features.alone(self.expression, MOTION[0])
         if not parts:
             return None
-        function = sp.lambdify(MOTION[0], list(parts), modules="numpy", cse=True)
+        function = function_of([MOTION[0]], parts, ON_ARRAYS)
 
         def values(t):
             rows = np.array([np.broadcast_to(row, t.shape) for row in function(t)], dtype=float)

@@ -17,6 +17,7 @@ import sympy as sp
 from .curves import Curve
 from .derivation import in_one_thread
 from .errors import BadCurve, BadValue, finite, positive, whole
+from .expression_graph import ON_FLOATS, function_of
 from .expressions import PARAMETER, admissible, cos, cosh, exp, sin
 
 Maker = Callable[..., Curve]
@@ -162,7 +163,11 @@ def from_support(support: Callable[[Any], Any]) -> Curve:
     h = admissible(support(PARAMETER), (PARAMETER,), "the support function", BadCurve)
     h1 = sp.diff(h, PARAMETER)
     outline = Curve(lambda s: (h * cos(s) - h1 * sin(s), h * sin(s) + h1 * cos(s)))
-    radius = sp.lambdify(PARAMETER, h + sp.diff(h1, PARAMETER), "math")
+    radius_of = function_of([PARAMETER], [h + sp.diff(h1, PARAMETER)], ON_FLOATS)
+
+    def radius(s: float) -> float:
+        return radius_of(s)[0]
+
     worst = min((2 * pi * i / 720 for i in range(720)), key=radius)
     if radius(worst) <= 0.0:
         raise BadCurve(f"h + h'' is {radius(worst):.6g} m at s = {worst:.6g}, so the outline has a cusp; add to h")

@@ -75,7 +75,6 @@ def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
     """Same as `simulate`, for valid arguments."""
     _, integrate = INTEGRATORS[method]
     began_setup = time.perf_counter()
-    prepare(case, method, rtol)
     start = start_state(case)
     try:
         regime = first_regime(case, start)

@@ -18,6 +18,7 @@ import sympy as sp
 from cases import Load
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
+from cases.expression_graph import ON_ARRAYS, function_of
 
 # A step changes an argument by at most this part of the function's length: events are detected only at steps' ends.
 QUARTER = 0.25
@@ -47,7 +48,7 @@ class LoadScales:
         numbers = {abs(float(n)) for formula in formulas for n in formula.atoms(sp.Number)}
         negligible = NEGLIGIBLE + sum(abs(log(number)) for number in numbers if number)
         self._lengths = [_length(node, negligible) for node, _ in pairs]
-        self._arguments = sp.lambdify(MOTION, [argument for _, argument in pairs], modules="numpy", cse=True)
+        self._arguments = function_of(MOTION, [argument for _, argument in pairs], ON_ARRAYS)
 
     def allows(self, times: np.ndarray, bodies: np.ndarray) -> bool:
         """Whether a step is short enough, by `times` (n,) and (x, y, θ, vx, vy, ω) along it, shape (6, n)."""

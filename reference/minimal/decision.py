@@ -12,7 +12,7 @@ from math import isfinite
 
 from cases import Case
 
-from . import series, series_code
+from . import series
 from .modes import Phase, Regime, candidates, phase, state_in
 from .series import Series
 
@@ -100,12 +100,7 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
 
 
 def _values(candidate: Phase, t, y, bounds, order: int) -> Sequence[Series | float]:
-    """The conditions' series in numbers, by compiled code if available; raises Undecidable if they are not finite."""
-    series_function = series_code.compile_series(candidate.system, order) if order == QUICK else None
-    if series_function:
-        series_list = series_function(t, y, bounds, candidate.parameters)
-        if all(isfinite(sum(value.c)) for value in series_list):
-            return series_list
+    """The conditions' series in numbers; raises Undecidable if they are not finite."""
     try:
         _, values = candidate.system.expand(t, y, bounds, candidate.parameters, order)
     except (ArithmeticError, ValueError) as problem:

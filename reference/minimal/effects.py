@@ -15,20 +15,22 @@ import sympy as sp
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
+from cases.expression_graph import ONE, ZERO, Node, from_sympy, sqrt, symbol
 from cases.expressions import constants, lift_constants
 
-from .elimination import GYRATION, ONE, ZERO, Elimination
+from .elimination import GYRATION, Elimination
 
-GX, GY = sp.symbols("gx gy", real=True)
-MASS = sp.Symbol("m", positive=True)
+GX, GY, MASS = map(symbol, ("gx", "gy", "m"))
 # Friction force per normal force (the paper's μ of (30) with its sign), sign of the slip, sign of the normal force,
 # and the coefficient that bounds friction without slip.
-RATIO, SIGMA, SIDE, STICK = sp.symbols("k sigma nu mu_stick", real=True)
+RATIO, SIGMA, SIDE, STICK = map(symbol, ("k", "sigma", "nu", "mu_stick"))
 # The same for the resistance to rotation: couple per normal force, sign of the rotation, lever arm.
-RESISTANCE, TURN, ARM = sp.symbols("rho tau arm", real=True)
+RESISTANCE, TURN, ARM = map(symbol, ("rho", "tau", "arm"))
+
+THETA = symbol(MOTION[3].name)
 
 SLIP_SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
-Conditions = dict[str, sp.Expr]
+Conditions = dict[str, Node]
 
 
 # --- forces -----------------------------------------------------------------------------------------------------------
@@ -39,7 +41,7 @@ class Weight:
     """Gravity: a constant force per mass."""
 
     torsor = GX, GY, ZERO
-    checked_quantities: ClassVar[tuple[sp.Expr, ...]] = ()
+    checked_quantities: ClassVar[tuple[Node, ...]] = ()
 
     def values(self, case: Case) -> dict[str, float]:
         gravity = case.effect(Gravity)
@@ -57,16 +59,16 @@ class AppliedLoad:
 
     @property
     def torsor(self):
-        return tuple(e / MASS for e in self._with_names(self.formulas))
+        return tuple(e / MASS for e in self._nodes(self.formulas))
 
     @property
-    def checked_quantities(self) -> tuple[sp.Expr, ...]:
+    def checked_quantities(self) -> tuple[Node, ...]:
         """The arguments of the load's functions, then force and moment (N, N m); empty if steps need no check."""
-        return self._with_names(checked_quantities(self.formulas))
+        return self._nodes(checked_quantities(self.formulas))
 
-    def _with_names(self, expressions: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
-        names = {s: sp.Symbol(f"load_{s.name}", positive=True) for s in self.sizes}
-        return tuple(e.xreplace(names) for e in expressions)
+    def _nodes(self, expressions: tuple[sp.Expr, ...]) -> tuple[Node, ...]:
+        names = {s: symbol(f"load_{s.name}") for s in self.sizes}
+        return tuple(from_sympy(e, names) for e in expressions)
 
     def values(self, case: Case) -> dict[str, float]:
         load = case.effect(Load)
@@ -151,7 +153,7 @@ class LeverArm(NoResistance):
     by_magnitude = True
 
     def conditions(self, holds: bool, motion: Elimination, side) -> Conditions:
-        size = sp.sqrt(GYRATION)
+        size = sqrt(GYRATION)
         if not holds:
             return {"turn": TURN * motion.omega * size}
         bound = side * ARM * motion.normal
@@ -178,18 +180,18 @@ class Laws(NamedTuple):
         return not self.unilateral and (self.friction.by_magnitude or self.resistance.by_magnitude)
 
     @property
-    def side(self) -> sp.Expr:
+    def side(self) -> Node:
         """Sign of the normal force in the equations."""
         return SIDE if self.depends_on_side else ONE
 
     @property
-    def torsor(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    def torsor(self) -> tuple[Node, Node, Node]:
         """The applied force in the fixed frame and its moment, per mass: F of (19)."""
         fx, fy, moment = (sum((load.torsor[i] for load in self.loads), ZERO) for i in range(3))
         return fx, fy, moment
 
     @property
-    def checked_quantities(self) -> tuple[sp.Expr, ...]:
+    def checked_quantities(self) -> tuple[Node, ...]:
         """The quantities of its loads that have to be checked along each step."""
         return _checked_quantities(self)
 
@@ -219,11 +221,11 @@ def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _checked_quantities(law: Laws) -> tuple[sp.Expr, ...]:
+def _checked_quantities(law: Laws) -> tuple[Node, ...]:
     return tuple(e for load in law.loads for e in load.checked_quantities)
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
 def _needs_angle(law: Laws) -> bool:
-    return any(MOTION[3] in e.free_symbols for e in law.torsor)
+    return any(THETA in e.symbols for e in law.torsor)

@@ -11,47 +11,54 @@ or not. Forces are per mass, so that mass drops out where it does not matter.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import sympy as sp
+from cases.expression_graph import ONE, ZERO, Node, replaced, symbol
 
-from .frames import Frame, short
+from .frames import Frame
+from .tangent_algebra import shorter
 
-T, X1, X2, U1, U2 = sp.symbols("t xi1 xi2 u1 u2", real=True)
-GYRATION = sp.Symbol("G", positive=True)  # J/m, the square of the radius of gyration
-NORMAL = sp.Symbol("N", real=True)  # the normal force per mass, while it is being eliminated
-ZERO, ONE = sp.Integer(0), sp.Integer(1)
+T, X1, X2, U1, U2 = map(symbol, ("t", "xi1", "xi2", "u1", "u2"))
+GYRATION = symbol("G")  # J/m, the square of the radius of gyration
+NORMAL = symbol("N")  # the normal force per mass, while it is being eliminated
+
+
+_MOVING = {T, X1, X2, U1, U2}
+
+
+def short(value: Node) -> Node:
+    """The node, multiplied out if that leaves fewer operations for each evaluation."""
+    return shorter(value, _MOVING)
 
 
 class Elimination(NamedTuple):
-    """Symbolic result for one mode: accelerations, contact forces (per mass), spin and slip with their rates."""
+    """Result for one mode, as nodes or their values: accelerations, contact forces (per mass), spin and slip with their
+    rates."""
 
-    u1_dot: sp.Expr
-    u2_dot: sp.Expr
-    normal: sp.Expr
-    friction: sp.Expr
-    omega: sp.Expr
-    omega_dot: sp.Expr
-    slip: sp.Expr
-    slip_dot: sp.Expr
-    couple: sp.Expr  # what resists the rotation, per mass
-    inverse_mass: sp.Expr  # the coefficient of the normal force in its equation, in units of its first term: Painlevé's
-    free_approach: (
-        sp.Expr
-    )  # what the normal force has to balance: how fast the contact would close without any force in it
+    u1_dot: Any
+    u2_dot: Any
+    normal: Any
+    friction: Any
+    omega: Any
+    omega_dot: Any
+    slip: Any
+    slip_dot: Any
+    couple: Any  # what resists the rotation, per mass
+    inverse_mass: Any  # the coefficient of the normal force in its equation, in units of its first term: Painlevé's
+    free_approach: Any  # what the normal force balances: how fast the contact would close without any force in it
 
 
 class Torsor(NamedTuple):
     """The applied force in the frame of the contact and its moment about the centre of mass, per mass."""
 
-    t: sp.Expr
-    n: sp.Expr
-    moment: sp.Expr
+    t: Node
+    n: Node
+    moment: Node
 
 
-def spin(f: Frame, h: Frame, u1, u2) -> sp.Expr:
+def spin(f: Frame, h: Frame, u1, u2) -> Node:
     """ω, (9)."""
-    return u1 * f.b / f.P - u2 * h.b / h.P
+    return u1 * (f.b / f.P) - u2 * (h.b / h.P)
 
 
 def _rates(f: Frame, h: Frame, u1, u2, omega):
@@ -101,24 +108,22 @@ def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, last) -> E
     return Elimination(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, sigma + along, *last)
 
 
-def _free_approach(h: Frame, force: Torsor, C_n) -> sp.Expr:
+def _free_approach(h: Frame, force: Torsor, C_n) -> Node:
     return C_n - h.ht * force.moment / GYRATION - force.n
 
 
-def _with_normal_force(motion: Elimination, normal: sp.Expr) -> Elimination:
-    return Elimination(*(sp.sympify(e).xreplace({NORMAL: normal}) for e in motion))
+def _with_normal_force(motion: Elimination, normal: Node) -> Elimination:
+    return Elimination(*replaced(motion, {NORMAL: normal}))
 
 
 def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Elimination:
     """(27) with the tangential multiplier and the rolling row; ξ̇₂ follows from v = 0."""
-    u2 = U1 * f.P / h.P
+    u2 = U1 * (f.P / h.P)
     omega = spin(f, h, U1, u2)
     along, _, C_n, C_3 = _rates(f, h, U1, u2, omega)
     # Moments about the contact: neither multiplier appears, except in the couple that is proportional to the normal
     # force.
-    moment = short(
-        force.moment + (h.ht + resistance) * (C_n - force.n) - h.hn * (omega**2 * h.ht - force.t)
-    )  # fmt: skip
+    moment = short(force.moment + (h.ht + resistance) * (C_n - force.n) - h.hn * (omega**2 * h.ht - force.t))
     inertia = GYRATION + h.ht**2 + h.hn**2
     omega_dot = moment / short(inertia + resistance * h.ht)
     u1_dot = short((omega_dot + h.curvature * along + C_3 / (f.P * h.P)) / short(f.P * (f.curvature - h.curvature)))

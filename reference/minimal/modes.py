@@ -136,7 +136,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     size, checks = case.plate.gyration, bool(laws(case).checked_quantities)
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
-        parameters = parameter_values(case, {}, equations.parameters)
+        parameters = parameter_values(case, {}, equations)
         features = _features(case.effect(Load))
         return Phase(regime, equations, parameters, size, (size, size, 1.0), tuple(range(6)), case, features, checks)
     equations = contact_system(case, regime.kind)
@@ -145,7 +145,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
-    parameters = parameter_values(case, values, equations.parameters)
+    parameters = parameter_values(case, values, equations)
     features = _features(case.effect(Load), case.track, case.plate.outline)
     return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, checks)
 

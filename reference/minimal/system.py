@@ -5,19 +5,28 @@ All integrators use the same symbolic source: sizes, friction, loads and start a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import isfinite, nan
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import sympy as sp
+import numpy as np
 
 from cases import Case, Curve, Plate
-from cases.compile_cache import cached
-from cases.derivation import derived
+from cases.derivation import derived, in_one_thread
 from cases.effects import MOTION
+from cases.expression_graph import (
+    ON_ARRAYS,
+    ON_FLOATS,
+    ZERO,
+    Node,
+    in_order,
+    python_function,
+    replaced,
+    sqrt,
+    symbol,
+)
 
 from . import series
 from .effects import SIGMA, TURN, Laws, laws
@@ -27,7 +36,6 @@ from .elimination import (
     U2,
     X1,
     X2,
-    ZERO,
     Elimination,
     T,
     Torsor,
@@ -39,7 +47,8 @@ from .elimination import (
 )
 from .frames import Frame, frame
 
-THETA = MOTION[3]
+_MOTION = tuple(symbol(s.name) for s in MOTION)
+THETA = _MOTION[3]
 
 # The normal force grows like a power of 1/p towards Painlevé's p = 0, and p has the rounding of its terms: below this
 # value forces have no digits left; the place changes by less than that.
@@ -56,138 +65,122 @@ class Equations:
     along each step: arguments of a load's functions, then force and moment (N, N m).
     """
 
-    variables: tuple[sp.Symbol, ...]
+    variables: tuple[Node, ...]
     positions: int
-    rates: tuple[sp.Expr, ...]
+    rates: tuple[Node, ...]
     outputs: Elimination
-    conditions: dict[str, sp.Expr] = field(default_factory=dict)
-    condition_rates: dict[str, sp.Expr] = field(default_factory=dict)
-    guards: dict[str, sp.Expr] = field(default_factory=dict)
-    load_quantities: tuple[sp.Expr, ...] = ()
+    conditions: dict[str, Node] = field(default_factory=dict)
+    condition_rates: dict[str, Node] = field(default_factory=dict)
+    guards: dict[str, Node] = field(default_factory=dict)
+    load_quantities: tuple[Node, ...] = ()
 
     @property
-    def parameters(self) -> tuple[sp.Symbol, ...]:
+    def all(self) -> list[Node]:
+        """All expressions."""
+        named = (self.conditions, self.condition_rates, self.guards)
+        return [*self.rates, *self.outputs, *(e for some in named for e in some.values()), *self.load_quantities]
+
+    @property
+    def parameters(self) -> tuple[Node, ...]:
         """The symbols that are neither time nor variables: sizes, friction, loads, signs."""
-        used = [*self.rates, *self.outputs, *self.conditions.values(), *self.condition_rates.values()]
-        symbols = set().union(*(e.free_symbols for e in (*used, *self.guards.values(), *self.load_quantities)))
+        symbols = frozenset[Node]().union(*(e.symbols for e in self.all))
         return tuple(sorted(symbols - {*self.variables, T}, key=lambda symbol: symbol.name))
 
+    @property
+    def constants(self) -> tuple[Node, ...]:
+        """The largest parts that depend on parameters alone."""
+        moving, constants = {*self.variables, T}, dict[Node, None]()
+        for current in in_order(self.all):
+            parts = current.args if current.symbols & moving else ()
+            constants.update((part, None) for part in parts if isinstance(part, Node) and _is_constant(part, moving))
+        constants.update((e, None) for e in self.all if _is_constant(e, moving))
+        return tuple(constants)
 
-class CompiledExpressions(Mapping[str, sp.Expr]):
-    """Expressions by name. The names are stored; the expressions are derived on first use."""
 
-    def __init__(self, names: Sequence[str], derive: Callable[[], Mapping[str, sp.Expr]]):
-        self.names, self._derive = tuple(names), derive
-
-    def __getitem__(self, name: str) -> sp.Expr:
-        return self._derive()[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.names  # Mapping's own would derive
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)
+def _is_constant(value: Node, moving: set[Node]) -> bool:
+    """Whether a node is an operation that only has to be computed once."""
+    return value.op not in ("number", "symbol") and not value.symbols & moving
 
 
 class System:
-    """One mode's `Equations`, derived on first use, and the functions compiled from them.
+    """One mode's equations and the functions written from them, each on first use.
 
-    `decided_by` is everything that determines the equations. Functions that an earlier process compiled are loaded from
-    the cache without derivation.
+    `parameters` are the symbols of `Equations.parameters`, followed by `constants`: the largest parts of the equations
+    that depend on these alone. Functions take the values of all of them, so that constants are computed once.
     """
 
     record = Elimination  # the columns that `outputs_of_arrays` returns
 
-    def __init__(self, decided_by: tuple, derive: Callable[[], Equations]):
-        self._decided_by, self._derive = decided_by, derive
-        names = self.from_cache("outline", (), lambda: _outline(self.equations))
-        self.variables, self.positions, self.parameters, conditions, condition_rates, guards = names
-        self.conditions = CompiledExpressions(conditions, lambda: self.equations.conditions)
-        self.condition_rates = CompiledExpressions(condition_rates, lambda: self.equations.condition_rates)
-        self.guards = CompiledExpressions(guards, lambda: self.equations.guards)
+    def __init__(self, equations: Equations):
+        self.variables, self.positions = equations.variables, equations.positions
+        self.rates, self.outputs = equations.rates, equations.outputs
+        self.conditions, self.condition_rates = equations.conditions, equations.condition_rates
+        self.guards, self.load_quantities = equations.guards, equations.load_quantities
+        self.forces = (self.outputs.normal, self.outputs.friction)
+        self.names = tuple(symbol.name for symbol in equations.parameters)
+        self.constants = equations.constants
+        self.parameters = (*equations.parameters, *self.constants)
 
     @derived
-    def equations(self) -> Equations:
-        return self._derive()
+    def constants_of_arrays(self):
+        """(parameters,) -> list of the values of `constants`, on floats or arrays of shape (n,)."""
+        return python_function([self.parameters[: len(self.names)]], self.constants, ON_ARRAYS)
 
-    @property
-    def rates(self) -> tuple[sp.Expr, ...]:
-        return self.equations.rates
-
-    @property
-    def outputs(self) -> Elimination:
-        return self.equations.outputs
-
-    def from_cache(self, kind: str, further: tuple, make: Callable[[], Any]) -> Any:
-        """The result of `make`, from the cache on disk if it is there; the key is these equations and `further`."""
-        return cached(kind, (self._decided_by, further), Path(__file__).parent, make)
-
-    def _compile(self, what: str, library: str):
-        def make():
-            expressions = getattr(self.equations, what)
-            expressions = list(expressions.values() if isinstance(expressions, Mapping) else expressions)
-            modules = [series.FUNCTIONS] if library == "series" else library
-            return sp.lambdify([T, self.variables, self.parameters], expressions, modules=modules, cse=True)
-
-        function = self.from_cache("function", (what, library), make)
-        return _without_raising(function, self._count(what)) if library == "math" else function
-
-    def _count(self, what: str) -> int:
-        names = {"rates": self.variables, "outputs": Elimination._fields}
-        return len(names[what] if what in names else getattr(self, what))
+    def _compile(self, what: str, functions: Mapping[str, Callable]):
+        expressions = getattr(self, what)
+        outputs = list(expressions.values() if isinstance(expressions, Mapping) else expressions)
+        function = python_function([T, self.variables, self.parameters], outputs, functions)
+        return _without_raising(function, len(outputs)) if functions is ON_FLOATS else function
 
     @derived
     def rates_of_numbers(self):
         """(t, y, parameters) -> list of rates, on floats."""
-        return self._compile("rates", "math")
+        return self._compile("rates", ON_FLOATS)
 
     @derived
     def rates_of_arrays(self):
         """The same on arrays of shape (n,); a constant rate stays a number."""
-        return self._compile("rates", "numpy")
+        return self._compile("rates", ON_ARRAYS)
 
     @derived
     def rates_of_series(self):
         """The same on `series.Series`."""
-        return self._compile("rates", "series")
+        return self._compile("rates", series.FUNCTIONS)
 
     @derived
     def guards_of_numbers(self):
         """(t, y, parameters) -> list of guard values, on floats."""
-        return self._compile("guards", "math")
+        return self._compile("guards", ON_FLOATS)
 
     @derived
     def guards_of_arrays(self):
         """The same on arrays of shape (n,); a constant guard stays a number."""
-        return self._compile("guards", "numpy")
+        return self._compile("guards", ON_ARRAYS)
 
     @derived
     def conditions_of_numbers(self):
         """(t, y, parameters) -> list of the conditions' values, on floats."""
-        return self._compile("conditions", "math")
+        return self._compile("conditions", ON_FLOATS)
 
     @derived
     def conditions_of_arrays(self):
         """The same on arrays of shape (n,); a constant condition stays a number."""
-        return self._compile("conditions", "numpy")
+        return self._compile("conditions", ON_ARRAYS)
 
     @derived
     def condition_rates_of_arrays(self):
         """(t, y, parameters) -> list of the rates in `condition_rates`, on arrays; a constant one stays a number."""
-        return self._compile("condition_rates", "numpy")
+        return self._compile("condition_rates", ON_ARRAYS)
 
     @derived
     def condition_rates_of_numbers(self):
         """(t, y, parameters) -> list of the rates in `condition_rates`, on floats."""
-        return self._compile("condition_rates", "math")
+        return self._compile("condition_rates", ON_FLOATS)
 
     @derived
     def conditions_of_series(self):
         """The same as `conditions_of_numbers` on `series.Series`; a constant condition stays a number."""
-        return self._compile("conditions", "series")
+        return self._compile("conditions", series.FUNCTIONS)
 
     def expand(self, t, y: Sequence, bounds: Sequence, parameters: Sequence, order: int):
         """The motion from (t, y) and its conditions as series in time of that order, a constant condition as a number.
@@ -205,23 +198,22 @@ class System:
     @derived
     def outputs_of_arrays(self):
         """(t, y, parameters) -> list in the order of `Elimination`, on arrays."""
-        return self._compile("outputs", "numpy")
+        return self._compile("outputs", ON_ARRAYS)
 
     @derived
     def outputs_of_numbers(self):
         """The same on floats."""
-        return self._compile("outputs", "math")
+        return self._compile("outputs", ON_FLOATS)
+
+    @derived
+    def forces_of_numbers(self):
+        """(t, y, parameters) -> [normal force, friction force] per mass, on floats."""
+        return self._compile("forces", ON_FLOATS)
 
     @derived
     def load_quantities_of_arrays(self):
         """(t, y, parameters) -> list of the load's quantities, on arrays; a constant one stays a number."""
-        return self._compile("load_quantities", "numpy")
-
-
-def _outline(equations: Equations) -> tuple:
-    """The symbols and names of the equations, without expressions."""
-    names = (tuple(some) for some in (equations.conditions, equations.condition_rates, equations.guards))
-    return equations.variables, equations.positions, equations.parameters, *names
+        return self._compile("load_quantities", ON_ARRAYS)
 
 
 def _without_raising(function: Callable[..., list], count: int) -> Callable[..., list]:
@@ -266,9 +258,9 @@ def flight_system(case: Case) -> System:
 
 
 @lru_cache(maxsize=256)
+@in_one_thread
 def _in_contact(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> System:
-    structure_key = (track, outline, has_ends, law, kind)
-    return System(("contact", *structure_key), lambda: _contact_equations(*structure_key))
+    return System(_contact_equations(track, outline, has_ends, law, kind))
 
 
 def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
@@ -288,29 +280,29 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
         law.unilateral or law.depends_on_side
     ) and "cone_forward" not in conditions:  # inside the cone the force is not negative
         conditions["normal_force"] = law.side * motion.normal
-    velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sp.sqrt(GYRATION)}
+    velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sqrt(GYRATION)}
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
     variables = (*positions, *_STATES[kind])
-    u2 = U2 if kind.slips else U1 * f.P / h.P
+    u2 = U2 if kind.slips else U1 * (f.P / h.P)
     rate_of = {X1: U1, X2: u2, THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
     rests = not _STATES[kind]
     rates = tuple(ZERO if rests else rate_of[v] for v in variables)
     moving = {T} if rests else {*variables, T}
     limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
-    guards = {name: g for name, g in (conditions | limits).items() if g.free_symbols & moving}
+    guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    load_quantities = tuple(e.xreplace(pose) for e in law.checked_quantities)
+    load_quantities = tuple(replaced(law.checked_quantities, pose))
     return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, load_quantities)
 
 
-def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
+def _motion(f: Frame, h: Frame, kind: Kind) -> dict[Node, Node]:
     """Pose and velocities of the plate, the arguments of a load, in terms of the contact's state."""
-    u1, u2 = (U1, U2) if kind.slips else (U1, U1 * f.P / h.P)
+    u1, u2 = (U1, U2) if kind.slips else (U1, U1 * (f.P / h.P))
     rests = not _STATES[kind]
     omega = ZERO if kind.holds else spin(f, h, u1, u2)
     slip = U1 * f.P - U2 * h.P if kind.slips else ZERO
     along, across = (ZERO, ZERO) if rests else (slip + omega * h.hn, -omega * h.ht)
-    _, x, y, _, vx, vy, w = MOTION
+    _, x, y, _, vx, vy, w = _MOTION
     return {
         x: f.x - h.ht * f.tx + h.hn * f.ty,  # the centre is the contact minus the arm (5)
         y: f.y - h.ht * f.ty - h.hn * f.tx,
@@ -320,31 +312,32 @@ def _motion(f: Frame, h: Frame, kind: Kind) -> dict[sp.Symbol, sp.Expr]:
     }
 
 
-def _force(f: Frame, law: Laws, pose: dict[sp.Symbol, sp.Expr]) -> Torsor:
+def _force(f: Frame, law: Laws, pose: dict[Node, Node]) -> Torsor:
     """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
-    fx, fy, moment = (sp.sympify(e).xreplace(pose) for e in law.torsor)
+    fx, fy, moment = replaced(law.torsor, pose)
     return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
 
 
 @lru_cache(maxsize=64)
+@in_one_thread
 def _in_flight(law: Laws) -> System:
-    return System(("flight", law), lambda: _flight_equations(law))
+    return System(_flight_equations(law))
 
 
 def _flight_equations(law: Laws) -> Equations:
-    _, x, y, theta, vx, vy, omega = MOTION
+    _, x, y, theta, vx, vy, omega = _MOTION
     fx, fy, moment = law.torsor
     nothing = Elimination(*(ZERO for _ in Elimination._fields))
     rates = (vx, vy, omega, fx, fy, moment / GYRATION)
     return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 
-def _ends(has_ends: tuple[bool, bool]) -> dict[str, sp.Expr]:
+def _ends(has_ends: tuple[bool, bool]) -> dict[str, Node]:
     """Guards for the ends of the curves."""
     guards = {}
     for name, bound, variable in zip(("track", "outline"), has_ends, (X1, X2), strict=True):
         if bound:
-            low, high = sp.symbols(f"{name}_low {name}_high", real=True)
+            low, high = symbol(f"{name}_low"), symbol(f"{name}_high")
             guards[f"{name}_start"], guards[f"{name}_end"] = variable - low, high - variable
     return guards
 
@@ -353,12 +346,16 @@ def _has_ends(curve: Curve) -> bool:
     return curve.domain is not None and curve.period is None
 
 
-def parameter_values(case: Case, values: dict[str, float], names: tuple[sp.Symbol, ...]) -> tuple[float, ...]:
-    """The runtime parameters in the system's order: the case's own and the mode's `values`, by name."""
+def parameter_values(case: Case, values: dict[str, float], system: System) -> tuple[float, ...]:
+    """The runtime parameters in the system's order: the case's own and the mode's `values`, by name, and the system's
+    constants."""
     numbers = _sizes(case.track, case.plate) | values
     for load in laws(case).loads:
         numbers |= load.values(case)
-    return tuple([numbers[symbol.name] for symbol in names])
+    parameters = [numbers[name] for name in system.names]
+    with np.errstate(all="ignore"):  # a constant without a value is NaN, as it is on arrays
+        constants = system.constants_of_arrays([np.float64(value) for value in parameters]) if system.constants else ()
+    return (*parameters, *map(float, constants))
 
 
 # Cached by arguments that do not include friction: scenes are often made again with another friction.

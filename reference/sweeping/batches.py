@@ -371,6 +371,8 @@ def _columns(scenes: ScenarioGroup, regime, gyration: np.ndarray, lengths: tuple
     values = {**inputs, "G": inputs["inertia"] / inputs["mass"], "m": inputs["mass"], "nu": float(regime.side)}
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)
-    parameters = np.array([np.broadcast_to(values[s.name], n) for s in system.parameters]).reshape(-1, n)
+    given = np.array([np.broadcast_to(values[name], n) for name in system.names]).reshape(-1, n)
+    constants = [np.broadcast_to(row, n) for row in system.constants_of_arrays(given)]
+    parameters = np.array([*given, *constants]).reshape(-1, n)
     places = [_ROWS[v.name] for v in system.variables]
     return Columns(regime, system, parameters, gyration, lengths[: system.positions], places)

@@ -1,39 +1,34 @@
-"""Interface to heyoka: its build, no disk cache of its own, and conversion of SymPy expressions, with special treatment
-of numbers that are no doubles and of integer powers."""
+"""Interface to heyoka: no disk cache of its own, and conversion of expressions, with special treatment of numbers that
+are no doubles and of integer powers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import operator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import lru_cache
-from inspect import getfile
-from itertools import chain, islice
-from pathlib import Path
+from decimal import Decimal, localcontext
+from fractions import Fraction
+from typing import Any
 
 import heyoka as hy
 import sympy as sp
 
-from cases import NotSupported
+from cases.expression_graph import Node, in_order
 
 from ..elimination import T
 from ..system import System
 
-# Optimising a system whose expressions have this many nodes takes 0.3 s. For larger ones (curvatures change) it takes
-# 0.5 to 2.7 s, ten times the rest of their compilation, to save a fifth to a half of runs of a millisecond.
-SMALL = 500
+# Optimising a system of this many operations (a disc on a line, a flight) takes 10 ms more than not optimising it. For
+# larger ones it takes 80 ms (a disc in a circle) to 2 s, to save a tenth to a half of a motion of a millisecond.
+SMALL = 32
 
-
-@lru_cache(maxsize=1)
-def build() -> tuple[int, int]:
-    """The build of heyoka: the same version may come with another LLVM."""
-    stat = Path(getfile(hy.expression)).stat()  # the compiled module, whose name differs between versions
-    return stat.st_size, stat.st_mtime_ns
+_ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
+_HALF = Fraction(1, 2)
 
 
 def small(system: System) -> bool:
     """Whether optimising the system's code is worth its time."""
-    nodes = chain.from_iterable(sp.preorder_traversal(e) for e in (*system.rates, *system.guards.values()))
-    return next(islice(nodes, SMALL, None), None) is None
+    return len(in_order((*system.rates, *system.guards.values()), {*system.constants})) < SMALL
 
 
 @contextmanager
@@ -51,78 +46,53 @@ def nothing_on_disk() -> Iterator[None]:
         state.set_diskcache_enabled(setting)
 
 
-def compile_quickly(outputs: list, inputs: list):
-    """Compile expressions to a function of one array, without optimisation and for one input at a time: a third of the
-    compilation time, for a tenth of a microsecond more per call."""
-    with nothing_on_disk():
-        return hy.cfunc(outputs, inputs, opt_level=0, batch_size=1)
-
-
-def variables(system: System) -> dict:
-    """SymPy symbols of the system as heyoka's variables, parameters and time."""
+def variables(system: System, constants: bool = True) -> dict[Node, Any]:
+    """The system's variables, parameters and time as heyoka's; with `constants` these, too, as parameters."""
     symbols = {v: hy.expression(v.name) for v in system.variables}
-    return symbols | {p: hy.par[i] for i, p in enumerate(system.parameters)} | {T: hy.time}
+    parameters = system.parameters[: None if constants else len(system.names)]
+    return symbols | {p: hy.par[i] for i, p in enumerate(parameters)} | {T: hy.time}
 
 
-@lru_cache(maxsize=64)
-def guards(system: System) -> tuple:
-    """The system's guards as heyoka expressions, for its integrators and for the first step of a phase."""
-    symbols = variables(system)
-    return tuple(convert(guard, symbols) for guard in system.guards.values())
+def convert(outputs: Iterable[Node], known: Mapping[Node, Any]) -> list:
+    """Nodes as heyoka's expressions, with those in `known` as they are there."""
+    outputs = list(outputs)
+    results = dict(known)
+    for current in in_order(outputs, known):
+        if current not in results:
+            results[current] = _number(current.args[0]) if current.op == "number" else _operation(current, results)
+    return [results[output] for output in outputs]
 
 
-def convert(expression: sp.Expr, symbols: dict):
-    """Convert an expression to heyoka's, integer powers as products: heyoka's own power has no Taylor series at zero.
-
-    An absolute value, to which SymPy converts a root of a square, becomes that root again: it is a speed |R_p|, which
-    is never zero.
-    """
-    symbols = symbols | {number: _number(number) for number in _numbers(expression)}
-    products: dict[sp.Expr, sp.Symbol] = {}
-    powers = [p for p in expression.atoms(sp.Pow) if p.exp.is_Integer and p.exp > 2]
-    powers += expression.atoms(sp.Abs)
-    # The powers inside a power come before it. SymPy sorts sums by names: these names do not depend on earlier
-    # compilations, so that a motion is the same to its last bit whatever ran before.
-    for i, power in enumerate(sorted(powers, key=lambda p: (p.count_ops(), sp.default_sort_key(p)))):
-        base = _from_sympy(power.args[0].xreplace(products), symbols)
-        products[power] = sp.Symbol(f"power_{i:04d}")
-        symbols[products[power]] = hy.sqrt(base * base) if isinstance(power, sp.Abs) else _power(base, int(power.exp))
-    return _from_sympy(expression.xreplace(products), symbols)
+def _operation(current: Node, results: Mapping[Node, Any]):
+    x = results[current.args[0]]
+    if current.op == "**":
+        return _power(x, current.args[1], results)
+    if current.op in _ARITHMETIC:
+        return _ARITHMETIC[current.op](x, results[current.args[1]])
+    return getattr(hy, current.op)(x)
 
 
-def _from_sympy(expression: sp.Expr, symbols: dict):
-    """heyoka's own conversion; raises NotSupported for a function without a Taylor series in heyoka."""
-    try:
-        return hy.from_sympy(expression, symbols)
-    except (TypeError, ValueError) as problem:
-        raise NotSupported(f"the Taylor method cannot do this case ({problem}); give method='dop853'") from problem
+def _power(base, power: Node, results: Mapping[Node, Any]):
+    """A power; positive integer powers as products, as heyoka's own power has no Taylor series at zero."""
+    exponent = power.args[0] if power.op == "number" else None
+    if isinstance(exponent, int) and exponent > 1:
+        return _product(base, exponent)
+    return hy.sqrt(base) if exponent == _HALF else base ** results[power]
 
 
-def _numbers(expression: sp.Expr) -> Iterator[sp.Expr]:
-    """Numbers inside the expression that heyoka rejects or rounds to double precision: 1/3, sqrt(2), exp(1)."""
-    nodes = sp.preorder_traversal(expression)
-    for node in nodes:
-        # π is heyoka's own; halves, quarters, … are exact, and as exponents they are square roots.
-        plain = isinstance(node, sp.Integer | sp.Float) or node is sp.pi or (node.is_Rational and _is_binary(node.q))
-        if isinstance(node, sp.Expr) and node.is_number and not plain:
-            yield node
-            nodes.skip()
-
-
-def _is_binary(denominator: int) -> bool:
-    """Whether the denominator is a power of two."""
-    return denominator & (denominator - 1) == 0
-
-
-def _number(number: sp.Expr):
-    """The number in quadruple precision, if heyoka supports it; a compilation in double precision rounds it again."""
-    digits = str(sp.N(number, 40))  # quadruple precision has 34
-    return hy.expression(hy.real128(digits) if hasattr(hy, "real128") else float(digits))
-
-
-def _power(base, exponent: int):
+def _product(base, exponent: int):
     """An integer power by repeated squaring."""
-    half = base if exponent < 4 else _power(base, exponent // 2)
     if exponent in (2, 3):
         return base * base if exponent == 2 else base * (base * base)
+    half = _product(base, exponent // 2)
     return half * half if exponent % 2 == 0 else base * (half * half)
+
+
+def _number(value: int | float | Fraction | sp.Expr):
+    """The number as a double if that is exact, else in quadruple precision if heyoka supports it: a compilation in
+    double precision rounds it again."""
+    if isinstance(value, int | float) or (isinstance(value, Fraction) and Fraction(float(value)) == value):
+        return hy.expression(float(value))
+    with localcontext(prec=40):  # quadruple precision has 34 digits
+        digits = Decimal(value.numerator) / value.denominator if isinstance(value, Fraction) else sp.N(value, 40)
+    return hy.expression(hy.real128(str(digits)) if hasattr(hy, "real128") else float(digits))

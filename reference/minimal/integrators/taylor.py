@@ -22,7 +22,7 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
-    from .conversion import build, convert, guards, nothing_on_disk, small, variables
+    from .conversion import convert, nothing_on_disk, small, variables
     from .first_step import FirstStep, leave
 
     AVAILABLE = True
@@ -54,17 +54,16 @@ CHUNK = 1000
 def integrators_of(system: System, tolerance: float, real: type = float, optimised: bool = False) -> IntegratorPool:
     """The compiled integrators of a system, with one terminal event for each guard; `optimised`: fully optimised,
     however long that takes, for thousands of runs."""
-    key = (tolerance, real.__name__, hy.__version__, build(), *(("optimised",) if optimised else ()))
-    return IntegratorPool(
-        lambda: system.from_cache("integrator", key, lambda: _compile(system, tolerance, real, optimised))
-    )
+    return IntegratorPool(lambda: _compile(system, tolerance, real, optimised))
 
 
 def _compile(system: System, tolerance: float, real: type, optimised: bool):
-    symbols = variables(system)
-    equations = [(symbols[v], convert(rate, symbols)) for v, rate in zip(system.variables, system.rates, strict=True)]
+    # Constants are doubles: quadruple precision computes them as part of the equations.
+    known = variables(system, constants=real is float)
+    rates, guards = (convert(some, known) for some in (system.rates, system.guards.values()))
+    equations = [(known[v], rate) for v, rate in zip(system.variables, rates, strict=True)]
     falling = hy.event_direction.negative
-    events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards(system)]
+    events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards]
     # A product in quadruple precision is a library call: unrolled steps take thirty times as long to compile, and run
     # no faster, to the same last bit.
     written_out = real is float
@@ -148,7 +147,7 @@ def _at_once(integrator, phase: Phase, t: float, y, end: float, tolerance: float
 
 def _guard(outcome: int, phase: Phase) -> str | None:
     """The guard of the event that ended a step: heyoka numbers terminal events down from -1, other outcomes lower."""
-    guards = phase.system.guards.names
+    guards = tuple(phase.system.guards)
     return guards[-outcome - 1] if -len(guards) <= outcome < 0 else None
 
 
