@@ -33,6 +33,17 @@ ON_ARRAYS = {name: getattr(np, name) for name in _NAMES} | {
 }
 
 
+def _operator(op: str, swap: bool = False) -> Callable[[Node, Node | float | Fraction], Node]:
+    """A node's method for an operation with a node or a number; `swap`: with the other one first."""
+
+    def apply(self: Node, other: Node | float | Fraction) -> Node:
+        if not isinstance(other, Node | int | float | Fraction):
+            return NotImplemented
+        return _make(op, node(other), self) if swap else _make(op, self, node(other))
+
+    return apply
+
+
 class Node:
     """A number, a symbol, or an operation on other nodes; `symbols` are those in it."""
 
@@ -41,35 +52,17 @@ class Node:
     args: tuple
     symbols: frozenset[Node]
 
-    def __add__(self, other) -> Node:
-        return _make("+", self, node(other))
-
-    def __radd__(self, other) -> Node:
-        return _make("+", node(other), self)
-
-    def __sub__(self, other) -> Node:
-        return _make("-", self, node(other))
-
-    def __rsub__(self, other) -> Node:
-        return _make("-", node(other), self)
-
-    def __mul__(self, other) -> Node:
-        return _make("*", self, node(other))
-
-    def __rmul__(self, other) -> Node:
-        return _make("*", node(other), self)
-
-    def __truediv__(self, other) -> Node:
-        return _make("/", self, node(other))
-
-    def __rtruediv__(self, other) -> Node:
-        return _make("/", node(other), self)
-
-    def __pow__(self, other) -> Node:
-        return _make("**", self, node(other))
+    __add__, __radd__ = _operator("+"), _operator("+", swap=True)
+    __sub__, __rsub__ = _operator("-"), _operator("-", swap=True)
+    __mul__, __rmul__ = _operator("*"), _operator("*", swap=True)
+    __truediv__, __rtruediv__ = _operator("/"), _operator("/", swap=True)
+    __pow__ = _operator("**")
 
     def __neg__(self) -> Node:
         return _make("*", _MINUS, self)
+
+    def __abs__(self) -> Node:
+        return call("abs", self)
 
     @property
     def name(self) -> str:

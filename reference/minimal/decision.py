@@ -15,10 +15,11 @@ from cases import Case
 from . import series
 from .modes import Phase, Regime, candidates, phase, state_in
 from .series import Series
+from .system import QUICK
 
 # Derivatives evaluated before a condition counts as identically zero. The start of `disc_in_circle` needs the second of
-# the normal force; a start at rest on a symmetric place needs the fourth. Two decide most cases, so two are compiled.
-QUICK, ORDER = 2, 8
+# the normal force; a start at rest on a symmetric place needs the fourth. QUICK of them decide most cases.
+ORDER = 8
 
 
 class Undecidable(ArithmeticError):
@@ -102,7 +103,7 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
 def _values(candidate: Phase, t, y, bounds, order: int) -> Sequence[Series | float]:
     """The conditions' series in numbers; raises Undecidable if they are not finite."""
     try:
-        _, values = candidate.system.expand(t, y, bounds, candidate.parameters, order)
+        values = candidate.system.condition_series(t, y, bounds, candidate.parameters, order)
     except (ArithmeticError, ValueError) as problem:
         raise Undecidable from problem
     if not all(isfinite(c) for value in values if isinstance(value, Series) for c in value.c):

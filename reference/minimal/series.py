@@ -12,6 +12,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
+from cases.expression_graph import Node, call
+from cases.expression_graph import sqrt as sqrt_of_node
+
 EPS = 2.0**-52
 # Rounding of a product and of the sum that it is added to.
 ROUNDING = 2 * EPS
@@ -135,9 +138,10 @@ def sign(value: Series | float) -> int:
 
 
 def _of_number(name: str, x):
-    """An elementary function of a number: Python's own, or a symbol's method."""
-    own = getattr(x, name, None)
-    return own() if own else getattr(math, name)(x)
+    """An elementary function of a number: its value, or its node."""
+    if isinstance(x, Node):
+        return sqrt_of_node(x) if name == "sqrt" else call(name, x)
+    return getattr(math, name)(x)
 
 
 def _solve(x: Series, value: float, slope: Callable[[Series], Series]) -> Series:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import islice
 from math import isfinite, nan
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ from cases.expression_graph import (
     ZERO,
     Node,
     in_order,
+    node,
     python_function,
     replaced,
     sqrt,
@@ -53,6 +55,10 @@ THETA = _MOTION[3]
 # The normal force grows like a power of 1/p towards Painlevé's p = 0, and p has the rounding of its terms: below this
 # value forces have no digits left; the place changes by less than that.
 PARADOX = 1e-9
+
+# The order of the series that decide first, and the number of operations up to which they are written as one function:
+# that takes 6 ms for a disc in a circle, 26 ms for a disc in a cosine valley, and saves nine tenths of each call.
+QUICK, SHORT = 2, 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +200,34 @@ class System:
         state = series.along(rates, y, bounds, order)
         time = series.Series([t, 1.0, *([0.0] * order)][: order + 1], [0.0] * (order + 1))
         return state, self.conditions_of_series(time, state, parameters)
+
+    @derived
+    def _quick_series(self):
+        """The layout of the conditions' series of order QUICK, and the function that computes all their numbers by the
+        operations of `expand`; None for long equations."""
+        if len(in_order((*self.rates, *self.conditions.values()), {*self.constants})) > SHORT:
+            return None
+        bounds = [symbol(f"error of {variable.name}") for variable in self.variables]
+        values = self.expand(T, self.variables, bounds, self.parameters, QUICK)[1]
+        are_series = [isinstance(value, series.Series) for value in values]
+        numbers = [
+            number
+            for value in values
+            for number in ((*value.c, *value.e) if isinstance(value, series.Series) else (value,))
+        ]
+        return are_series, python_function([T, self.variables, bounds, self.parameters], map(node, numbers), ON_FLOATS)
+
+    def condition_series(self, t, y, bounds, parameters, order: int) -> list[series.Series | float]:
+        """The conditions of `expand`, by a function written for this order if there is one."""
+        quick = self._quick_series if order == QUICK else None
+        if quick is None:
+            return self.expand(t, y, bounds, parameters, order)[1]
+        are_series, function = quick
+        numbers, terms = iter(function(t, y, bounds, parameters)), order + 1
+        return [
+            series.Series(list(islice(numbers, terms)), list(islice(numbers, terms))) if is_series else next(numbers)
+            for is_series in are_series
+        ]
 
     @derived
     def outputs_of_arrays(self):

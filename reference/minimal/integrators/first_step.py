@@ -7,7 +7,7 @@ that root again, and a cool-down after it would hide the next. So a first step l
 from __future__ import annotations
 
 from functools import lru_cache
-from math import exp, inf
+from math import exp, inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -41,20 +41,20 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
-    if not np.isfinite(coefficients).all():
+    if not isfinite(coefficients.sum()) and not np.isfinite(coefficients).all():
         return FirstStep(t, y, 0, inf, BREAKDOWN)
     longest, often = _scales(phase, coefficients, t)
     names = tuple(phase.system.guards)
     if not names or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
-    rows = coefficients[:, NEAR::-1].tolist()
+    polynomials = coefficients[:, NEAR::-1].tolist()
     guards, parameters = phase.system.guards_of_numbers, phase.parameters
     part, span, values = PART, end - t, [0.0]
     for _ in range(SHORTER):
         h = min(part / often, span)
         if phase.checks_steps:
             h = min(h, clear_part(phase, Expansion(t, h, coefficients), tolerance) * h)
-        half, state = ([_polynomial(row, when) for row in rows] for when in (0.5 * h, h))
+        half, state = ([_polynomial(row, when) for row in polynomials] for when in (0.5 * h, h))
         values = [*guards(t + 0.5 * h, half, parameters), *guards(t + h, state, parameters)]
         # A guard that is positive at the end and half-way has left zero and not come back; else the step is shortened
         # until the event lies behind it.
@@ -71,20 +71,23 @@ def _scales(phase: Phase, coefficients: np.ndarray, t: float) -> tuple[float, fl
     sizes, inverse = np.abs(coefficients), _inverse(coefficients.shape[1])
     # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms, relative to
     # the state or to 1. A motion from rest at a symmetric place has only every fourth power, and both terms may vanish.
-    first = coefficients.shape[1] // 2
-    last = sizes[:, first:].max(axis=0) / max(1.0, float(sizes[:, 0].max()))
-    longest = exp(-2.0) / fastest if (fastest := float((last ** inverse[first:]).max())) else inf
+    first = len(inverse) // 2
+    last = _largest(sizes[:, first:], axis=0) / max(1.0, *sizes[:, 0].tolist())
+    fastest = float(_largest(last ** inverse[first:]))
     # All terms of positions are used: those of even or of odd order vanish in a motion from rest. If all vanish, the
     # forces balance, and a load may change them: they enter by the time in which they would move the plate by its size.
     forces = phase.system.forces_of_numbers(t, coefficients[:, 0].tolist(), phase.parameters)
     units = np.array(phase.lengths)[:, None]
-    growth = (sizes[: len(units), 1:] / units).max(axis=0) ** inverse[1:]
-    return longest, max((max(map(abs, forces)) / phase.size) ** 0.5, float(growth.max()))
+    growth = float(_largest(_largest(sizes[: len(units), 1:] / units, axis=0) ** inverse[1:]))
+    return exp(-2.0) / fastest if fastest else inf, max((max(map(abs, forces)) / phase.size) ** 0.5, growth)
+
+
+_largest = np.maximum.reduce
 
 
 @lru_cache(maxsize=16)
 def _inverse(terms: int) -> np.ndarray:
-    """1/k for each power k of a polynomial."""
+    """1/k for each power k of a polynomial, and 1 for the first."""
     return 1.0 / np.maximum(np.arange(terms), 1)
 
 
