@@ -184,7 +184,7 @@ def _quotient(x: Node, y: Node) -> Node | None:
         return a ** (p - q)
     if x.op == "*" and y in x.args:
         return x.args[1 if x.args[0] is y else 0]
-    return None
+    return x * b**-q if q < 0 else None
 
 
 def _base_and_power(value: Node) -> tuple[Node, Any]:

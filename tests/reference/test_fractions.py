@@ -6,9 +6,9 @@ import sympy as sp
 
 from cases import Case, CoulombFriction, Curve, DoesNotFit, Gravity, Load, Plate, Start, Unilateral, disc
 from cases import curves as c
+from cases.expression_graph import from_sympy, symbol
 from cases.library import line, superellipse
 from reference import simulate, solve
-from reference.minimal.elimination import X1
 from reference.minimal.integrators import taylor
 
 GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
@@ -77,9 +77,9 @@ def test_fractions_keep_all_digits_of_quadruple_precision(text, exact):
 
     from reference.minimal.integrators import conversion
 
-    formula = sp.sympify(text, locals={"x": X1})
     variable = hy.expression("x")
-    function = hy.cfunc([conversion.convert(formula, {X1: variable})], [variable], fp_type=hy.real128)
+    formula = conversion.convert([from_sympy(sp.sympify(text))], {symbol("x"): variable})
+    function = hy.cfunc(formula, [variable], fp_type=hy.real128)
     (value,) = function(np.array([hy.real128(8)]))
     # Quadruple precision has a rounding of 2e-34; a constant held in double precision would be off by 1e-17.
     assert abs(sp.Float(str(value), 40) / sp.N(sp.sympify(exact), 40) - 1) < 1e-32

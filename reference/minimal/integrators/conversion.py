@@ -13,6 +13,7 @@ from typing import Any
 import heyoka as hy
 import sympy as sp
 
+from cases import NotSupported
 from cases.expression_graph import Node, in_order
 
 from ..elimination import T
@@ -69,7 +70,10 @@ def _operation(current: Node, results: Mapping[Node, Any]):
         return _power(x, current.args[1], results)
     if current.op in _ARITHMETIC:
         return _ARITHMETIC[current.op](x, results[current.args[1]])
-    return getattr(hy, current.op)(x)
+    try:
+        return getattr(hy, current.op)(x)
+    except AttributeError as problem:  # in an older version
+        raise NotSupported(f"the Taylor method cannot do this case ({problem}); give method='dop853'") from problem
 
 
 def _power(base, power: Node, results: Mapping[Node, Any]):
