@@ -16,6 +16,10 @@ from .tangent_algebra import TooLong, from_node, operations
 _S, _HALF = symbol(PARAMETER.name), Fraction(1, 2)
 
 
+# A simplified quantity has at most this part of the operations of the plain one.
+SHORTER = 0.8
+
+
 class Frame(NamedTuple):
     """A curve at one parameter: position in its own axes, and in the frame of its tangent the speed P, the second and
     third derivatives (a, b), c, the position (ht, hn); its unit tangent (tx, ty)."""
@@ -52,14 +56,19 @@ def _frame(x, y) -> Frame:
     try:
         P_squared, *short = _products(from_node(x), from_node(y), lambda row: row.derivative(_S))
         root = P_squared**_HALF
-        if operations([root.node()], {_S}) < operations([P], {_S}):
+        if _pays_off(root.node(), P):
             P, short = root.node(), [(quantity * root**-1).node() for quantity in short]
         else:
             short = [quantity.node() / P for quantity in short]
     except TooLong:
         return Frame(x, y, P, *(quantity / P for quantity in plain))
     pairs = ((quantity / P, other) for quantity, other in zip(plain, short, strict=True))
-    return Frame(x, y, P, *(min(pair, key=lambda value: operations([value], {_S})) for pair in pairs))
+    return Frame(x, y, P, *(other if _pays_off(other, quantity) else quantity for quantity, other in pairs))
+
+
+def _pays_off(short: Node, plain: Node) -> bool:
+    """Whether a simplified quantity replaces the plain one, which shares its parts with the other quantities."""
+    return operations([short], {_S}) <= SHORTER * operations([plain], {_S})
 
 
 def _products(x, y, derive: Callable) -> tuple:

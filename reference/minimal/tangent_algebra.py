@@ -15,8 +15,9 @@ from cases.expression_graph import ONE, ZERO, Node, call, derivatives, in_order,
 
 # A sum of more products is not multiplied out: those of lines, circles and ellipses have up to six.
 MOST_PRODUCTS = 16
-# A longer expression is not multiplied out, as it would take milliseconds and gain nothing.
-MOST_NODES = 80
+# Longer formulas are not multiplied out, and expressions of several curves only if they are shorter still: it would take
+# milliseconds and gain nothing.
+MOST_NODES, FEW_NODES = 80, 40
 
 Number = int | Fraction
 Powers = tuple[tuple["Factor", Number], ...]  # factors with their powers, sorted by their text
@@ -142,6 +143,8 @@ class Sum:
 
 def shorter(value: Node, moving: Container[Node]) -> Node:
     """The node, multiplied out if it then has fewer operations that depend on symbols in `moving`."""
+    if len(in_order([value])) > FEW_NODES:
+        return value
     before = operations([value], moving)
     try:
         result = from_node(value).node()
