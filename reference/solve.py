@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Cost, Flight, Mode, State, Trajectory
+from cases import BadValue, Case, Cost, Mode, State, Trajectory
 from cases.contact import pose
 from cases.errors import between, unknown_name
 
@@ -21,7 +21,7 @@ from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, simulate_phases, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
-from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, kinds, phase, senses, start_state, state_in
+from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
 from .minimal.second_contacts import until_second_contact
 
 
@@ -144,11 +144,11 @@ def _method_name(method: str | None) -> str:
     return method
 
 
-def prepare(case: Case, method: str | None = None, rtol: float = 1e-10) -> None:
-    """Derive and compile the equations that a run of the case may need, so that runs do not spend time on it."""
-    prepare_phase, _ = INTEGRATORS[_method_name(method)]
-    for regime in (*kinds(case), *((FLIGHT,) if case.effect(Flight) is not None else ())):
-        prepare_phase(phase(case, regime), rtol)
+def prepare(case: Case, regime: Regime, method: str, rtol: float) -> None:
+    """Compile the equations of the regime in which a motion starts. Those of other regimes are compiled when a motion
+    of this process first enters them."""
+    prepare_phase, _ = INTEGRATORS[method]
+    prepare_phase(phase(case, regime), rtol)
 
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:

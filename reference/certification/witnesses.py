@@ -138,7 +138,6 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     roundings, the motion to compare it with."""
     rtol = FINEST[method]
     _, integrate = solve.INTEGRATORS[method]
-    solve.prepare(case, method, rtol)
 
     def integrate_perturbation(now: Phase, t: float, y, end: float, tolerance: float):
         return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)

@@ -89,16 +89,6 @@ def _regimes(law: Laws) -> tuple[Regime, ...]:
     )
 
 
-def kinds(case: Case) -> tuple[Regime, ...]:
-    """One candidate of each kind: slip forward and backward have the same equations."""
-    return _kinds(laws(case))
-
-
-@lru_cache(maxsize=256)
-def _kinds(law: Laws) -> tuple[Regime, ...]:
-    return tuple({regime.kind: regime for regime in reversed(_regimes(law))}.values())
-
-
 def able(case: Case, slip: float, turn: float) -> tuple[Regime, ...]:
     """The regimes that allow a slip and a rotation of those signs; with 0 it may begin in either direction."""
     return _able(laws(case), slip, turn)

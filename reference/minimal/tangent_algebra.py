@@ -15,8 +15,8 @@ from cases.expression_graph import ONE, ZERO, Node, call, derivatives, in_order,
 
 # A sum of more products is not multiplied out: those of lines, circles and ellipses have up to six.
 MOST_PRODUCTS = 16
-# Longer formulas are not multiplied out, and expressions of several curves only if they are shorter still: it would take
-# milliseconds and gain nothing.
+# Longer formulas, and expressions of several curves that are longer than FEW_NODES, are not multiplied out: it takes
+# milliseconds and gains nothing.
 MOST_NODES, FEW_NODES = 80, 40
 
 Number = int | Fraction

@@ -14,7 +14,7 @@ from cases.mechanics import energy
 from ..minimal.decision import Undecidable
 from ..minimal.hybrid import CAUSES, slip_and_spin, undecidable
 from ..minimal.modes import FLIGHT, Phase, full_state, start_state
-from ..solve import INTEGRATORS, METHODS, at_once, first_regime, prepare, solve_motion
+from ..solve import INTEGRATORS, METHODS, at_once, first_regime, solve_motion
 from .scenario_values import ScenarioGroup
 
 MODES = tuple(Mode)
@@ -92,7 +92,6 @@ def simulate_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motio
 
 def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transition]:
     """Simulate one case without samples and write the result into row i; returns the transitions."""
-    prepare(case, None, rtol)
     start = start_state(case)
     try:
         segments, transitions, ending = solve_motion(

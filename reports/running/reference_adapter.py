@@ -45,10 +45,12 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 
 def build(case: Case, route: str, setting: Setting) -> _Model:
-    """Derive and compile the equations; raises NotSupported for an unsupported case."""
-    solve.prepare(case, route, setting["rtol"])
+    """Derive and compile the equations of the first mode, later ones when a run enters them; raises NotSupported for an
+    unsupported case."""
     start = start_state(case)
     regime = solve.first_regime(case, start)
+    if regime is not None:
+        solve.prepare(case, regime, route, setting["rtol"])
     _, integrator = solve.INTEGRATORS[route]
     return _Model(case, lambda: solve.solve_motion(case, regime, start, setting["rtol"], integrator))
 

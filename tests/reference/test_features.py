@@ -293,7 +293,6 @@ def by_hand(case: Case, rtol: float, longest: float):
             patch.setattr(dop853, "DOP853", partial(DOP853, max_step=longest))
             return dop853.integrate(now._replace(features=()), t, y, end, rtol)
 
-    solve.prepare(case, "dop853")
     start = start_state(case)
     return solve.as_trajectory(case, *solve.solve_motion(case, solve.first_regime(case, start), start, rtol, integrate))
 

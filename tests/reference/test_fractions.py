@@ -8,7 +8,7 @@ from cases import Case, CoulombFriction, Curve, DoesNotFit, Gravity, Load, Plate
 from cases import curves as c
 from cases.expression_graph import from_sympy, symbol
 from cases.library import line, superellipse
-from reference import simulate, solve
+from reference import simulate
 from reference.minimal.integrators import taylor
 
 GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
@@ -54,7 +54,6 @@ def test_fractions_in_curves_and_loads_move_alike_by_both_integrators(case):
 @pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
 def test_fractions_move_in_quadruple_precision():
     case = SCENES["a third of a square"]
-    solve.prepare(case, "taylor_quadruple")
     fine, usual = simulate(case, method="taylor_quadruple"), simulate(case, rtol=1e-14, method="taylor")
     assert fine.x[-1] == pytest.approx(usual.x[-1], abs=1e-14)
 
