@@ -389,9 +389,20 @@ class _PiecewiseOutput:
             piece = pieces[min(max(bisect_right(self.starts, float(times[0])) - 1, 0), len(pieces) - 1)]
             if not isinstance(piece, DenseOutput):
                 return piece(times)
-            return (piece.y_old + np.array(_weights((float(times[0]) - piece.t_old) / piece.h)) @ piece.F)[:, None]
+            return _at_instant(piece, float(times[0]))
         parts = [(block, pieces[i](times[block])) for i, block in blocks(np.array(self.starts), times)]
         result = np.empty((len(parts[0][1]), len(times)))
         for block, values in parts:
             result[:, block] = values
         return result
+
+
+def _at_instant(piece: DenseOutput, time: float) -> np.ndarray:
+    """The state (variables, 1) of a step at one time, by the operations of SciPy's dense output, so that it is the same
+    to its last bit alone and among others."""
+    x = (time - float(piece.t_old)) / float(piece.h)
+    y = [0.0] * len(piece.y_old)
+    for i, row in enumerate(reversed(piece.F.tolist())):
+        factor = 1.0 - x if i % 2 else x
+        y = [(value + own) * factor for value, own in zip(y, row, strict=True)]
+    return np.array([[value + own] for value, own in zip(y, piece.y_old.tolist(), strict=True)])
