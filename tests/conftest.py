@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import gc
 import os
+import tempfile
 from collections.abc import Callable
 from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 import cases
-from cases import CaseError, compile_cache, lookup
+from cases import Case, CaseError, compile_cache, lookup
 
 _PROPERTY = "accuracy"
 _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
@@ -50,10 +53,16 @@ def pytest_generate_tests(metafunc):
     if "any_case" not in metafunc.fixturenames:
         return
     try:
-        chosen = [case for name in metafunc.config.own_cases or cases.names(hard=False) for case in cases.select(name)]
+        chosen = chosen_cases(tuple(metafunc.config.own_cases or cases.names(hard=False)))
     except CaseError as problem:
         raise pytest.UsageError(str(problem)) from None
     metafunc.parametrize("any_case", chosen, ids=[case.label for case in chosen])
+
+
+@cache
+def chosen_cases(names: tuple[str, ...]) -> list[Case]:
+    """All variants of these cases; once for all tests of each."""
+    return [case for name in names for case in cases.select(name)]
 
 
 def pytest_collection_modifyitems(config, items):
@@ -92,6 +101,27 @@ def without_figures() -> Callable:
             yield
 
     return undrawn
+
+
+@pytest.fixture(scope="session")
+def in_process() -> Callable:
+    """In `with in_process():` workers' calls are made in this process: starting workers is most of the cost of a small
+    report. For tests of a command's files and words; that calls are separated is tested elsewhere."""
+    from reports.running.processes import worker_process, workers
+
+    def run(self, function, arguments, limit=60.0, skip=lambda index: None, groups=(), brief=False):
+        for i, args in enumerate(arguments):
+            given = skip(i)
+            yield i, given or worker_process._call(function, args, Path(tempfile.mkdtemp()))
+
+    @contextmanager
+    def patched():
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(workers.WorkerPool, "run", run)
+            patch.setattr(workers.WorkerPool, "begin", lambda self, groups: None)
+            yield
+
+    return patched
 
 
 @pytest.fixture

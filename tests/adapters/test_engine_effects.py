@@ -124,7 +124,9 @@ LOADED = {
 }
 
 
-@pytest.mark.parametrize("scene", LOADED)
+@pytest.mark.parametrize("scene", [
+    pytest.param("disc on a line", marks=pytest.mark.slow), "disc in a circle", "ellipse in a circle",
+])  # fmt: skip
 @pytest.mark.parametrize(("name", "route", "tolerance"), [
     ("exudyn", "native", 2e-4), ("exudyn", "integrator", 2e-4),
     ("pymunk", "assisted", 2e-4), ("pymunk", "native", 5e-3),

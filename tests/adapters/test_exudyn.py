@@ -61,7 +61,9 @@ def elliptic_plate(a=0.2, b=0.1) -> Plate:
 # --- against exact values -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mu", FIRST_TRANSITION)
+@pytest.mark.parametrize(
+    "mu", [0.1, *(pytest.param(mu, marks=pytest.mark.slow) for mu in FIRST_TRANSITION if mu != 0.1)]
+)
 @pytest.mark.parametrize(("route", "tolerance"), [("native", 1e-7), ("integrator", 1e-6)])
 def test_first_transition_in_a_circle_is_exact_on_the_finest_rung(mu, route, tolerance, accuracy):
     case = cases.load("disc_in_circle", mu=mu)

@@ -20,11 +20,12 @@ _FLAGS = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-backgrou
 
 
 @pytest.fixture(scope="session")
-def page_file(tmp_path_factory):
+def page_file(tmp_path_factory, in_process):
     """The page of a quick report."""
     place = tmp_path_factory.mktemp("page")
     argv = ["--quick", "--case", *CASES, "--solver", "reference", "pymunk", "exudyn", "--out", str(place / "report")]
-    assert build.main([*argv, "--store", str(place / "store")]) == 0
+    with in_process():
+        assert build.main([*argv, "--store", str(place / "store")]) == 0
     return place / "report" / "index.html"
 
 

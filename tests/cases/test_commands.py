@@ -47,11 +47,12 @@ def test_without_words_every_case_is_listed_in_one_line(capsys):
     assert [line.split()[0] for line in out.splitlines()] == cases.names()
 
 
-def test_new_then_check_then_show_works_without_an_edit(desk, capsys):
+def test_new_then_check_then_show_works_without_an_edit(desk, capsys, in_process):
     assert run(capsys, "new", "my_valley")[0] == 0
     status, out, _ = run(capsys, "check", "my_valley.py")
     assert status == 0 and "my_valley: fits" in out
-    status, out, _ = run(capsys, "show", "my_valley", "mu=0.2")  # it is found where one works
+    with in_process():
+        status, out, _ = run(capsys, "show", "my_valley", "mu=0.2")  # it is found where one works
     assert status == 0 and "mu = 0.2" in out and "reference: runs it" in out
     assert (desk / "my_valley.png").stat().st_size > 10_000
 
@@ -338,7 +339,7 @@ def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
         (["export", "disc_on_line"], "disc_on_line/outline.csv"),
     ],
 )
-def test_a_file_that_is_there_is_overwritten_only_by_force(desk, capsys, words, file):
+def test_a_file_that_is_there_is_overwritten_only_by_force(desk, capsys, words, file, in_process):
     """Whoever wrote it, whatever it says, and whatever stands beside it."""
     (desk / file).parent.mkdir(exist_ok=True)
     (desk / file).write_text("my notes on slip-to-roll")
@@ -346,7 +347,8 @@ def test_a_file_that_is_there_is_overwritten_only_by_force(desk, capsys, words, 
         (desk / "disc_on_line" / "scene.json").write_text('{"made_by": "slip-to-roll export"}')
     assert "exists already; give another name, or --force to overwrite it" in refused(capsys, *words)
     assert (desk / file).read_text() == "my notes on slip-to-roll"
-    assert run(capsys, *words, "--force")[0] == 0
+    with in_process():
+        assert run(capsys, *words, "--force")[0] == 0
     assert (desk / file).stat().st_size > 100
     assert "exists already" in refused(capsys, *words)
 

@@ -30,6 +30,11 @@ impacts = dict(
 )  # fmt: skip
 
 
+def drawn(whole: int) -> settings:
+    """So many examples; a quarter of them in the quick tests."""
+    return settings(deadline=None, max_examples=whole // 4 if settings().derandomize else whole)
+
+
 def matrix(law: Law) -> tuple[float, float, float]:
     """(a, b, c): slip grows by a T + b P, the normal velocity by b T + c P."""
     return (
@@ -46,7 +51,7 @@ def impulse(law: Law, before: ContactVelocity, after: ContactVelocity) -> tuple[
     return (c * slip - b * lift) / (a * c - b * b), (a * lift - b * slip) / (a * c - b * b)
 
 
-@settings(deadline=None, max_examples=300)
+@drawn(300)
 @given(**impacts)
 def test_the_velocities_after_an_impact_obey_restitution_cone_and_dissipation(law, before):
     after = collide(law, before)
@@ -63,7 +68,7 @@ def test_the_velocities_after_an_impact_obey_restitution_cone_and_dissipation(la
     )
 
 
-@settings(deadline=None, max_examples=300)
+@drawn(300)
 @given(**impacts)
 def test_the_slip_after_an_impact_is_that_of_a_bisection_over_the_ratio_of_friction(law, before):
     # The slip falls as T/P = −τ goes from −μ to μ wherever P is positive, so that one crossing tells it.
@@ -88,14 +93,14 @@ def test_the_slip_after_an_impact_is_that_of_a_bisection_over_the_ratio_of_frict
     assert collide(law, before).slip == pytest.approx(slip(tau), abs=1e-12 * scale)
 
 
-@settings(deadline=None, max_examples=200)
+@drawn(200)
 @given(**impacts)
 def test_without_restitution_no_energy_is_created(law, before):
     law = law._replace(restitution=0.0)
     assert energy(law, collide(law, before)) <= energy(law, before) * (1 + 1e-12)
 
 
-@settings(deadline=None, max_examples=200)
+@drawn(200)
 @given(**impacts)
 def test_where_it_slips_one_way_to_the_end_it_is_newtons_law(law, before):
     newton = collide(law._replace(name="newton"), before)
@@ -103,7 +108,7 @@ def test_where_it_slips_one_way_to_the_end_it_is_newtons_law(law, before):
         assert collide(law, before) == pytest.approx(newton, rel=1e-9, abs=1e-9)
 
 
-@settings(deadline=None, max_examples=200)
+@drawn(200)
 @given(slip=arms, lift=st.floats(-3.0, -1e-3), omega=arms, mu=st.floats(0.0, 3.0), e=st.floats(0.0, 1.0))
 def test_a_discs_impact_is_the_same_by_every_law(slip, lift, omega, mu, e):
     # Friction does not change a disc's normal velocity, so that the course of the impulse does not matter.
@@ -142,7 +147,7 @@ def struck(slip: float, lift: float, spin: float, xi2: float, *effects) -> Case:
     return Case(line(), PLATE, (*FLYING, *effects), start, 1e-3)
 
 
-@settings(deadline=None, max_examples=300)
+@drawn(300)
 @given(
     slip=numbers(-3, 3), lift=numbers(-3, -0.01), spin=numbers(-10, 10), xi2=numbers(-3.1, 3.1), mu=numbers(0.01, 1.5),
     more=st.sampled_from([1.0, 1.5]), e=numbers(0.0, 1.0), arm=st.none() | numbers(1e-3, 0.1), rough=st.booleans(),

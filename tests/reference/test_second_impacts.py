@@ -297,7 +297,7 @@ def rest_of(answer) -> float:
     return next(t.time for t in answer.transitions if t.after is not Mode.FLIGHT)
 
 
-@pytest.mark.parametrize("duration", [10.0, 300.0, 3600.0])
+@pytest.mark.parametrize("duration", [10.0, pytest.param(300.0, marks=pytest.mark.slow), 3600.0])
 def test_bouncing_comes_to_rest_at_the_same_instant_whatever_the_duration(duration):
     # √(2h/g) (1 + e)/(1 − e) for e = 0.9 from half a metre.
     answer = solve(falling(0.9, height=0.5, duration=duration))

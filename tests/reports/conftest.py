@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable
-from contextlib import contextmanager
-from pathlib import Path
-
 import pytest
 
-from reports.running.processes import worker_process, workers
 from reports.running.timing import clock
 
 from .loopback import Processes
@@ -22,26 +16,6 @@ def loopback(tmp_path):
     found = Processes(tmp_path)
     yield found
     found.close()
-
-
-@pytest.fixture(scope="session")
-def in_process() -> Callable:
-    """In `with in_process():` workers' calls are made in this process: starting workers is most of the cost of a small
-    report. For tests of a command's files and words; that calls are separated is tested elsewhere."""
-
-    def run(self, function, arguments, limit=60.0, skip=lambda index: None, groups=(), brief=False):
-        for i, args in enumerate(arguments):
-            given = skip(i)
-            yield i, given or worker_process._call(function, args, Path(tempfile.mkdtemp()))
-
-    @contextmanager
-    def patched():
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(workers.WorkerPool, "run", run)
-            patch.setattr(workers.WorkerPool, "begin", lambda self, groups: None)
-            yield
-
-    return patched
 
 
 @pytest.fixture

@@ -16,7 +16,15 @@ PAPER = cases.load("disc_in_circle", mu=0.2)
 @pytest.mark.parametrize(
     "name",
     # A circle, a load that depends on time, a spring, no disc, a guide without lift-off, rolling resistance.
-    ["disc_in_circle", "driven_disc", "disc_on_spring", "ellipse_on_line", "guided_loop", "disc_rolling_to_rest"],
+    [
+        "disc_in_circle",
+        "driven_disc",
+        "ellipse_on_line",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("disc_on_spring", "guided_loop", "disc_rolling_to_rest")
+        ),
+    ],  # fmt: skip
 )
 def test_motions_by_the_law_have_friction_1(name):
     truth = planted.judged(cases.select(name)[0])

@@ -234,7 +234,9 @@ def table(file: Path) -> pd.DataFrame:
     return pd.read_csv(file, dtype=str).drop(columns=MEASURED, errors="ignore")
 
 
-def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path, monkeypatch, capsys, without_figures):
+def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(
+    tmp_path, monkeypatch, capsys, without_figures, in_process
+):
     builds = Builds(tmp_path)
     status, _ = builds.stopped(signal.SIGKILL, kept=1)
     assert status == -signal.SIGKILL
@@ -255,7 +257,7 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path, monk
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(options, "STORE", ".slip-to-roll")
-    with without_figures():
+    with without_figures(), in_process():
         assert build.main(ARGV) == 0
     out = capsys.readouterr().out
     assert "store: 1 run and 1 truth taken from the store" in out
@@ -267,7 +269,7 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(tmp_path, monk
     manifest = json.loads((tmp_path / "report" / "manifest.json").read_text())
     assert manifest["store"]["taken"] == {"run": 1, "truth": 1}
 
-    with Calls(1) as calls:
+    with in_process(), Calls(1) as calls:
         whole = experiment.run((cases.load(fake_adapter.CASE),), ("fake",), calls, only(builds.kept()))
     for name in ("trajectories", "transitions", "truth", "headline", "convergence"):
         tables.frames(whole)[name].to_csv(tmp_path / f"{name}.csv", index=False)

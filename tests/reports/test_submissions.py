@@ -147,10 +147,10 @@ def test_a_link_is_not_followed_to_what_is_not_the_strangers(hand_in, poses, tmp
         submissions.read(folder)
 
 
-def test_a_report_has_it_as_a_solver_of_its_own(hand_in, poses, tmp_path, without_figures):
+def test_a_report_has_it_as_a_solver_of_its_own(hand_in, poses, tmp_path, without_figures, in_process):
     root = hand_in(poses).parent.parent
     words = ["--quick", "--case", CASE.label, "--solver", "reference", "--submissions", str(root)]
-    with without_figures():
+    with without_figures(), in_process():
         assert build.main([*words, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]) == 0
     rows = pd.read_csv(tmp_path / "report" / "tables" / "trajectories.csv")
     (row,) = rows[rows.solver == "mine 1.0"].itertuples()

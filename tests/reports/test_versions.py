@@ -108,14 +108,14 @@ def test_another_failure_of_pip_is_a_sentence(said, hint):
     assert hint in told and "\n" not in told
 
 
-def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch):
+def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch, in_process):
     tries = []
     monkeypatch.setattr(versions, "_make", lambda package, folder: tries.append(package) or "the index is on holiday")
     (cache / "versions").mkdir()
     case = cases.load("disc_on_line", mu=0.1)
     for _ in range(2):
         versions.make(["reference", "pymunk@6.99"], lambda text: None)
-    with Calls() as calls:
+    with in_process(), Calls() as calls:
         (run,) = experiment.run([case], ["pymunk@6.99"], calls).runs
     assert len(tries) == 2
     assert (run.solver, run.outcome) == ("pymunk@6.99", "not_installed") and "the index is on holiday" in run.reason

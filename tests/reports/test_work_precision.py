@@ -375,11 +375,11 @@ def test_set_up_and_compilation_are_told_beside_the_times():
     assert cost_conclusions.set_up([]) == ""
 
 
-def test_figures_that_fail_are_told_in_their_place(tmp_path):
+def test_figures_that_fail_are_told_in_their_place(tmp_path, in_process):
     from reports.drawing import case_figures
 
     experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
-    with Calls(1) as calls:
+    with in_process(), Calls(1) as calls:
         (told,) = case_figures.draw(experiment, tmp_path, calls)
     assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
 
