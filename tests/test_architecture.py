@@ -116,6 +116,7 @@ PARTS = {
     "narration": {"solve"},
     "errata": {"paper", "solve"},
     "proofs": set(),
+    "proof_checker": set(),
     "certification": {"solve", "minimal", "contact_frame"},
     "sweeping": {"certification", "solve", "minimal"},
 }

@@ -97,7 +97,16 @@ class Proof:
 
     def as_json(self) -> str:
         """The record as JSON text."""
-        return json.dumps({"format": FORMAT, **asdict(self)}, indent=1, ensure_ascii=False, default=str) + "\n"
+        return json.dumps({"format": FORMAT, **_plain(asdict(self))}, indent=1, ensure_ascii=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    """Dicts, lists, numbers and texts only; an interval is a dict with its ends."""
+    if isinstance(value, Interval):
+        return value._asdict()
+    if isinstance(value, Mapping):
+        return {key: _plain(part) for key, part in value.items()}
+    return [_plain(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def outward(ball: arb, digits: int) -> Interval:
